@@ -160,8 +160,8 @@ def normal_force(touch: Touch) -> float:
     return float(np.dot(touch.force, touch.outward))
 
 
-def drag_figures(touches: Sequence[Touch], material: Material) -> tuple[Floats, Floats, float]:
-    """Return the force over the law at its depth, sideways over friction times that, and the largest jump in a tick.
+def drag_figures(touches: Sequence[Touch], material: Material) -> tuple[Floats, Floats, Floats]:
+    """Return the force over the law at its depth, sideways over friction times that, and the jump in each tick.
 
     Both ratios (t,) where the fingertip is a tenth of DEEP inside. A jump is over the larger force of its two ticks, or
     over that of a rest at DEEP where both are smaller.
@@ -174,7 +174,7 @@ def drag_figures(touches: Sequence[Touch], material: Material) -> tuple[Floats, 
     jumps = np.linalg.norm(np.diff(force, axis=0), axis=1) / np.maximum(size[1:], size[:-1])
     total = np.array([np.linalg.norm(touch.force) for touch in inside])
     sideways = np.sqrt(np.maximum(total**2 - normal**2, 0.0))
-    return normal / law, sideways / (material.friction * law), float(jumps.max(initial=0.0))
+    return normal / law, sideways / (material.friction * law), jumps
 
 
 def expected(material: Material, tip: float, depth: float, touch: Touch) -> float:
@@ -228,7 +228,7 @@ def drag_rows(session: Session, name: str, count: int, seed: int) -> Iterator[Ro
             "material": name, "manner": manner, "speed_mm_s": 1e3 * speed,
             "force_over_law": spread_of(np.concatenate([*over, []])),
             "sideways_over_limit": spread_of(np.concatenate([*sideways, []])),
-            "jump": spread_of(np.array(jumps)),
+            "jump": spread_of([float(each.max(initial=0.0)) for each in jumps]),
         }  # fmt: skip
 
 

@@ -273,16 +273,19 @@ static double dm_find_gap(const dm_state *b, dm_tip *f, const double *x, dm_roun
     return gap;
 }
 
-/* Find where a fingertip is, at x in the space of the shape at rest, and the way from its foot to its anchor. */
-static void dm_place_tip(dm_state *b, int finger, const double *pose, const double *x, double *aside) {
+/* Find where a fingertip is, at x in the space of the shape at rest, and the way from its foot to its anchor.
+ * before: where it was. It gets no deeper than it goes: in a crease another foot may be farther, which would give energy. */
+static void dm_place_tip(dm_state *b, int finger, const double *pose, const double *before, const double *x,
+                         double *aside) {
     dm_tip *f = b->fingers + finger;
     dm_round round;
     double along[3], place[3], deep = f->met ? dm_find_foot(b, f, x, &round) : 0;
-    f->met = deep > 0;
+    double most = f->deep + dm_gone(before, x);
+    f->met = deep > 0, deep = deep < most ? deep : most;
     if (!f->met) deep = dm_find_gap(b, f, x, &round), f->met = deep > 0;
     if (round.facet) dm_take_place(b, f, &round);
     if (!f->felt) f->zero = -f->height, f->stick = 0, f->beside = b->comes_back > 0 || dm_is_beside_others(b, finger);
-    f->depth = deep - f->zero;
+    f->deep = deep, f->depth = deep - f->zero;
     int felt = f->depth > 0;
     if (!f->felt) memcpy(f->anchor, f->foot, sizeof f->anchor);
     f->felt = felt;
@@ -307,7 +310,7 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
     for (int c = 0; c < 3; c++) x[c] = pose[c] * from[0] + pose[3 + c] * from[1] + pose[6 + c] * from[2];
     int was = f->felt;
     memcpy(before, f->local, sizeof before), memcpy(f->local, x, sizeof x);
-    dm_place_tip(b, finger, pose, x, aside);
+    dm_place_tip(b, finger, pose, before, x, aside);
     memset(f->force, 0, sizeof f->force);
     f->law = f->slope = f->slides = 0;
     if (!f->felt) return;
@@ -388,7 +391,7 @@ static void dm_put_down(dm_state *b, dm_tip *f) {
     }
     memcpy(f->local, x, sizeof x);
     f->facet = round.facet - b->facets;
-    f->depth = dm_find_gap(b, f, x, &round), f->met = f->depth > 0;
+    f->deep = f->depth = dm_find_gap(b, f, x, &round), f->met = f->depth > 0;
     memcpy(f->anchor, f->foot, sizeof f->anchor);
     dm_take_place(b, f, &round);
     for (int c = 0; c < 3; c++) place[c] = f->foot[c] - f->radius * f->outward[c];
@@ -403,6 +406,7 @@ static void dm_take_fingertip(dm_state *b, dm_tip *f, const dm_fingertip *to) {
         double more = (to->radius - f->radius) * f->outward[c] * (f->met || f->felt);
         f->anchor[c] += more, f->foot[c] += more;
     }
+    f->deep += to->radius - f->radius;
     f->radius = to->radius, f->factors = to->factors, f->factors_end = to->factors_end;
     memcpy(f->centre, to->from, sizeof f->centre);
     if (to->fresh) dm_put_down(b, f);
