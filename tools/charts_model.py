@@ -119,9 +119,8 @@ def draw_space(out: Path, quick: bool) -> None:
         counts = sorted({f.vertices for f in some})
         for n, shade in zip(counts, np.linspace(0.75, 0, len(counts)), strict=True):
             mine = [f for f in some if f.vertices == n]
-            axes.plot(
-                [1e3 * f.beside for f in mine], [-1e3 * f.depth for f in mine], color=str(shade), label=f"{n:,} vertices"
-            )
+            beside, height = [1e3 * f.beside for f in mine], [-1e3 * f.depth for f in mine]
+            axes.plot(beside, height, color=str(shade), label=f"{n:,} vertices")
         axes.set(xlabel="beside the middle [mm]", ylabel="height over rest [mm]", title=f"dent, {shown[scene]}")
         axes.legend(frameon=False, fontsize=8)
         far = [100 * space.difference(some, n, counts[-1]) for n in counts[:-1]]
