@@ -27,6 +27,9 @@ from .ticks import SKIN_TRAVEL, each_tick, meet, moved_back, slow_down
 LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
 FASTEST = 1e6  # sizes a tick: and so has one as fast
 
+LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
+FASTEST = 1e6  # sizes in a tick: so has one as fast
+
 
 @dataclass(slots=True, kw_only=True)
 class Call:
