@@ -92,12 +92,6 @@ class Model:
         pinned = self.mesh.rest_positions[self.pinned & ~self.mesh.loose]
         return not self.rigged and not spans_a_plane(pinned, self.mesh.size)
 
-    @cached_property
-    def face_mass(self) -> float:
-        """Return the mass [kg] with which the heaviest face that can move resists a push at its middle."""
-        give = self.inverse_mass[self.mesh.triangles].sum(axis=1)
-        return float(9 / give[give > 0].min(initial=np.inf))
-
     def substeps(self, tick: float) -> int:
         """Return how many steps of an explicit method a tick [s] needs.
 

@@ -477,6 +477,14 @@ static void dm_show_fingertips(dm_state *b, const dm_motion *m, dm_frame *frame)
     }
 }
 
+/* Evaluate the law where a fingertip is down, at depths. */
+static void dm_state_get_law(const dm_state *b, int64_t finger, const double *factors, double end, int64_t count,
+                             const double *depths, double *forces) {
+    dm_tip f = b->fingers[finger];
+    f.factors = factors, f.factors_end = end;
+    for (int64_t k = 0; k < count; k++) forces[k] = f.stiffer > 0 ? dm_force_at(b, &f, depths[k]) : 0;
+}
+
 /* Let the vertices of a free body take, as one, what is missing to the reaction on the fingertips: the skin's contact gave
  * them other impulses. */
 static void dm_react(dm_state *b) {

@@ -224,6 +224,13 @@ def test_steps_beyond_all_measure_are_refused(body: native.Body) -> None:
         assert code_of(lambda: body.step(Motion(count, substeps, 1e-3))) == SIZE  # noqa: B023
 
 
+def test_the_law_is_asked_for_at_depths_and_fingertips_that_are(body: native.Body) -> None:
+    depths = np.array([0.0, 0.001])
+    assert (body.law(0, depths) == 0).all(), "none is down"
+    assert code_of(lambda: body.law(3, depths)) == INDEX
+    assert code_of(lambda: body.law(0, np.array([np.nan]))) == NUMBER
+
+
 def test_an_unknown_precision_or_fill_is_refused() -> None:
     assert created(lambda definition: None, bits=16) == OPTION
     assert created(lambda definition: None, instruction_set=9) == OPTION
@@ -235,6 +242,7 @@ def test_a_null_body_is_refused_by_every_call() -> None:
     assert library.dm_step(None, ctypes.byref(CMotion()), ctypes.byref(CFrame())) == SIZE
     assert library.dm_set_state(None, x.ctypes.data, None) == SIZE
     assert library.dm_get_state(None, x.ctypes.data, None) == SIZE
+    assert library.dm_get_law(None, 0, None, 0.0, 1, x.ctypes.data, x.ctypes.data) == SIZE
     assert library.dm_set_constants(None, ctypes.byref(Constants())) == SIZE
     library.dm_destroy(None)
 
