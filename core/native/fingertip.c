@@ -1,4 +1,5 @@
-/* The contact of a fingertip: the measured law at its depth, Eq. (1), and Coulomb friction.
+/* The contact of a fingertip: the measured law at its depth, Eq. (1), and Coulomb friction. In numpy:
+ * studies/reference/fingertip.py.
  *
  * On the surface at rest, as the body carries it, lies a sphere of the fingertip's radius which the surface keeps out
  * (the virtual proxy of Ruspini 1997). Where it would lie straight above the fingertip is its foot: the way from the
