@@ -11,6 +11,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 from ..operators.names import MAPS, PLACES
 from .contact import ContactSettings
 from .device import DevicePlace
+from .material_choice import MaterialChoice
 from .material_settings import DIMPLE_PG_material
 from .reduction_settings import FIXED, KEYED, ReductionSettings, exact, kept_text
 
@@ -59,7 +60,7 @@ def _map(which: int) -> StringProperty:
     return StringProperty(name=label, description=f"Vertex group or float attribute that paints {meaning}", **FIXED)
 
 
-class DIMPLE_PG_object(ContactSettings, ReductionSettings, bpy.types.PropertyGroup):
+class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.types.PropertyGroup):
     """The settings that make an object a soft body."""
 
     enabled: BoolProperty(name="Dimple", description="Make this mesh a soft body that can be pressed", **FIXED)

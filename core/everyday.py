@@ -49,8 +49,8 @@ def _rubber(name: str, label: str, brand: str, psi: float, density: float) -> Pr
         indenter=Indenter(shape="punch", radius=_PUNCH),
     )  # fmt: skip
     source = (
-        f"Data sheet of Smooth-On, {brand}: stress at 100 % strain {psi:g} psi; K = 8 a E / 3 for a flat punch of 5 mm, "
-        f"{0.8 * stiffness / 1e3:.2g} to {1.2 * stiffness / 1e3:.2g} N/mm if E may be 20 % off (our guess)"
+        f"Data sheet of Smooth-On, {brand}: stress at 100 % strain {psi:g} psi; K = 8 a E / 3 for a flat punch of 5 "
+        f"mm, {0.8 * stiffness / 1e3:.2g} to {1.2 * stiffness / 1e3:.2g} N/mm if E may be 20 % off (our guess)"
     )
     return Preset(name=name, label=label, material=material, size=0.05, provenance=source)
 
