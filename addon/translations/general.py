@@ -9,7 +9,6 @@ BUTTONS = {
     "Record": "記録",
     "Stop Recording": "記録を停止",
     "Bake": "ベイク",
-    "Bake to Mesh Cache": "メッシュキャッシュにベイク",
     "Bake to Shape Keys": "シェイプキーにベイク",
     "Remove Bake": "ベイクを外す",
     "Dimple Animation...": "Dimple アニメーション...",
