@@ -10,12 +10,13 @@ from bpy.props import EnumProperty
 from bpy.utils import previews
 
 from ..operators.apply_preset import give
+from .readout import iface_
 from .reduction_settings import FIXED
 
 PICTURES = Path(__file__).parent / "pictures"
 Item = tuple[str, str, str, int | str, int]
 
-_items: list[Item] = []  # Blender does not keep the strings of a list that a function returns
+_items: dict[str, list[Item]] = {}  # in each language: Blender does not keep the strings that a function returns
 _pictures: list[previews.ImagePreviewCollection] = []
 
 
@@ -23,13 +24,19 @@ def choices(_settings: bpy.types.PropertyGroup | None, _context: bpy.types.Conte
     """Return the known materials: identifier, name, source, picture and number; 0 is what is none of them."""
     from ..core.everyday import OBJECTS  # not at import: it needs numpy, and enabling must be quick
 
-    if not _items:
+    if not _pictures:
         _pictures.append(previews.new())
-        for number, preset in enumerate(OBJECTS, start=1):
-            picture = _pictures[0].load(preset.name, str(PICTURES / f"{preset.name}.webp"), "IMAGE")
-            _items.append((preset.name, preset.label, preset.provenance, picture.icon_id, number))
-        _items.append(("OWN", "Your Own", "Constants that are typed in or measured", "MATERIAL", 0))
-    return _items
+        for preset in OBJECTS:
+            _pictures[0].load(preset.name, str(PICTURES / f"{preset.name}.webp"), "IMAGE")
+    language = bpy.app.translations.locale
+    if language not in _items:  # the grid of pictures does not look up its words
+        _items[language] = [
+            (each.name, iface_(each.label), iface_(each.provenance), _pictures[0][each.name].icon_id, number)
+            for number, each in enumerate(OBJECTS, start=1)
+        ]
+        own = iface_("Custom"), iface_("Constants that are typed in or measured")
+        _items[language].append(("OWN", *own, "MATERIAL", 0))
+    return _items[language]
 
 
 def _in_use(settings: bpy.types.PropertyGroup) -> int:
@@ -66,7 +73,7 @@ def draw_choice(layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
     column = layout.column(align=True)
     material = body.active_material
     column.enabled = material is None or material.library is None
-    column.template_icon_view(body.dimple, "material", show_labels=True, scale=5.0, scale_popup=5.0)
+    column.template_icon_view(body.dimple, "material", show_labels=True, scale=5.0, scale_popup=4.5)
     column.prop(body.dimple, "material", text="")
 
 

@@ -111,7 +111,7 @@ class DIMPLE_PT_object_constants(SidebarPanel, bpy.types.Panel):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need a material."""
-        return context.object.active_material is not None
+        return DIMPLE_PT_object_material.poll(context) and context.object.active_material is not None
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw them."""

@@ -11,8 +11,8 @@ import numpy as np
 from mathutils import Vector
 
 PICTURES = Path(__file__).parents[1] / "addon" / "pictures"
-SIDE = 192  # [px] of a picture
-SAMPLES = 40
+SIDE = 256  # [px] of a picture, as Blender shows previews
+SAMPLES = 32
 SUBDIVISIONS = 6  # of the icosphere: edges of 0.7 mm
 BALL, FINGERTIP, FORCE = 0.04, 0.010, 5.0  # [m] radii, [N]
 SETTLED_S = 1.5

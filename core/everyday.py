@@ -142,10 +142,10 @@ EVERYDAY = (
     _rubber("dragon_skin_10", "Silicone 10 A", "Dragon Skin 10", 22, 1070),
     _foam("sofa_foam", "Sofa foam", (25, 30), "sofa seats"),
     _foam(
-        "chair_foam", "Office chair foam", (35, 45), "medium firm to very firm foam, as we take chairs to have"
+        "chair_foam", "Chair foam", (35, 45), "medium firm to very firm foam, as we take chairs to have"
     ),
     _flesh("skin", "Skin and fat", (26.1, 19.0), "subcutaneous tissue of the seat under 1 N", 1000),
-    _flesh("flesh", "Flesh, relaxed muscle", (62.2, 10.3), "muscle of the seat under 5 N", 1060),
+    _flesh("flesh", "Flesh", (62.2, 10.3), "relaxed muscle of the seat under 5 N", 1060),
     _jelly("jelly", "Jelly", (175, 225)),
     _made_up(
         "dough", "Bread dough",

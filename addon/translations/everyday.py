@@ -32,7 +32,7 @@ _FLESH_JA = (
 )
 
 WORDS = {
-    "Your Own": "独自の定数",
+    "Custom": "カスタム",
     "Constants that are typed in or measured": "入力または測定した定数",
     "Tennis ball": "テニスボール",
     "ITF Rules of Tennis, Appendix I, type 2: 5.6 to 7.4 mm under 80.07 N between plates, so 10.8 to 14.3 N/mm; 56.0 "
@@ -68,7 +68,7 @@ WORDS = {
     _FOAM.format(kind="sofa seats", pounds="25 to 30", range="4.45 to 5.34"): (
         _FOAM_JA.format(kind="ソファー座面", pounds="25〜30", range="4.45〜5.34")
     ),
-    "Office chair foam": "事務椅子のフォーム",
+    "Chair foam": "椅子のフォーム",
     _FOAM.format(
         kind="medium firm to very firm foam, as we take chairs to have", pounds="35 to 45", range="6.23 to 8.01"
     ): _FOAM_JA.format(kind="やや硬め〜非常に硬いフォーム（椅子用とみなす）", pounds="35〜45", range="6.23〜8.01"),
@@ -76,9 +76,9 @@ WORDS = {
     _FLESH.format("subcutaneous tissue of the seat under 1 N", "26.1 ± 19", "0.13 to 0.85"): _FLESH_JA.format(
         "臀部の皮下組織、1 N", "26.1 ± 19", "0.13〜0.85"
     ),
-    "Flesh, relaxed muscle": "肉（力を抜いた筋肉）",
-    _FLESH.format("muscle of the seat under 5 N", "62.2 ± 10.3", "0.97 to 1.4"): _FLESH_JA.format(
-        "臀部の筋肉、5 N", "62.2 ± 10.3", "0.97〜1.4"
+    "Flesh": "肉",
+    _FLESH.format("relaxed muscle of the seat under 5 N", "62.2 ± 10.3", "0.97 to 1.4"): _FLESH_JA.format(
+        "臀部の力を抜いた筋肉、5 N", "62.2 ± 10.3", "0.97〜1.4"
     ),
     "Jelly": "ゼリー",
     "Bloom test of gelatin (6.67 % in water, 10 °C, a flat plunger of 12.7 mm, 4 mm deep): 175 to 225 g, so 0.429 to "

@@ -233,6 +233,6 @@ def test_every_material_has_a_picture_of_its_own(empty_file: ModuleType) -> None
     items = material_choice.choices(None, None)
     assert [name for name, *_ in items[:-1]] == [preset.name for preset in core("everyday").OBJECTS]
     pictures = [material_choice._pictures[0][name] for name, *_ in items[:-1]]
-    assert all(tuple(picture.image_size) == (192, 192) for picture in pictures)
+    assert all(tuple(picture.image_size) == (256, 256) for picture in pictures)
     assert len({tuple(picture.image_pixels) for picture in pictures}) == len(pictures)
     assert sum(path.stat().st_size for path in material_choice.PICTURES.iterdir()) < 150_000

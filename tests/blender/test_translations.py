@@ -121,11 +121,11 @@ def drawn_texts() -> Iterator[str]:
 
 def measured(bpy: ModuleType) -> Iterator[str]:
     """Yield what the presets are called and where they come from, what an experiment says."""
-    from bl_ext.user_default.dimple.addon.material_choice import choices
+    from bl_ext.user_default.dimple.core.everyday import OBJECTS
     from bl_ext.user_default.dimple.core.experiment.plan import CONSENT, STEPS
 
     yield from (CONSENT, *STEPS)
-    yield from (text for _, label, source, *_ in choices(None, None) for text in (label, source))
+    yield from (text for preset in OBJECTS for text in (preset.label, preset.provenance))
 
 
 def spoken() -> Iterator[tuple[str, str]]:
