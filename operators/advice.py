@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
@@ -21,7 +22,7 @@ _MOVING = {"ARMATURE", "LATTICE", "CURVE", "MESH_DEFORM", "SURFACE_DEFORM", "HOO
 def on_body(
     body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, refined: Refinement | None
 ) -> tuple[str, ...]:
-    """Return sentences of advice on a body: modifiers, its size, and the edges of its mesh."""
+    """Return sentences of advice on a body: modifiers, what of the scene does not act, its size, its edges."""
     notes, size = [], mesh.size
     after = body.modifiers[stack.place_in_stack(body) :]
     moving = [modifier.name for modifier in after if modifier.type in _MOVING and modifier.show_viewport]
@@ -29,6 +30,15 @@ def on_body(
         notes.append(f'The modifier "{moving[0]}" moves the surface after the press: aim at the mesh before it.')
     if stack.is_carried(body):
         notes.append(Note("A rig holds it: its shape at rest goes where that goes."))
+    if any(each.field and each.field.type != "NONE" for each in scene.objects):
+        notes.append(Note("Wind and other force fields of the scene do not act on it."))
+    for bake in filter(stack.is_cache, body.modifiers):
+        if not Path(bpy.path.abspath(bake.filepath, library=body.library)).exists():
+            notes.append(f'The file that "{bake.name}" plays is gone: bake again.')
+    for number in (1, 2, 3):
+        tip = getattr(scene.dimple, f"finger_{number}")
+        if tip and (tip.hide_viewport or tip.name not in bpy.context.view_layer.objects):
+            notes.append(f'The fingertip "{tip.name}" is disabled in the viewport, so it does not move.')
     radius, edge = scene.dimple.finger_radius_mm / 1e3, float(np.median(mesh.rest_lengths))
     if refined:
         notes.append(Note(
@@ -44,7 +54,7 @@ def on_body(
     elif edge > 2 * radius:
         notes.append(
             f"The edges of the mesh are {1e3 * edge:.3g} mm long, the fingertip {2e3 * radius:.3g} mm wide: "
-            "subdivide the mesh or use a larger fingertip, for a visible dent and a reliable force."
+            "subdivide the mesh or use a larger fingertip, for a visible dent."
         )
     return tuple(notes)
 

@@ -9,6 +9,7 @@ import contextlib
 import os
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -53,6 +54,7 @@ class Baked:
     session: what moves it.
     settings: what it has of the panels, which may be keyframed.
     matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
+    local: (N, 3) its coordinates in the last frame, and what they were made of: of what sleeps the very same.
     path: where the PC2 file goes.
     part: where it is until it is whole.
     cache: the PC2 file under way, None for shape keys.
@@ -69,6 +71,7 @@ class Baked:
     part: Path
     cache: PointCache | None
     table: recorder.ForceTable
+    local: tuple[Singles, tuple[object, ...]] | None = None
     shapes: list[tuple[int, Singles]] = field(default_factory=list)
 
 
@@ -190,7 +193,7 @@ def _opening(
         files.enter_context(rest_shape.unbaked(obj))
         files.enter_context(offset.attached(obj))
     proxy, reason = yield from planning.planning_for(context.scene, obj, model)
-    session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
+    session = yield 0.9, partial(Session, model, tick=timeline.tick_s(context.scene), proxy=proxy)
     messages += [reason] if reason else []
     messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
@@ -250,7 +253,10 @@ def _object(body: Baked) -> bpy.types.Object:
 
 def _write(plan: BakePlan, bodies: Sequence[Baked], frame: int) -> None:
     for body in bodies:
-        local = bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
+        now = body.matrix, body.rest, body.session.positions()
+        if body.local is None or any(a is not b for a, b in zip(now, body.local[1], strict=True)):
+            body.local = bridge.to_local(body.link, *now), now
+        local = body.local[0]
         if body.cache:
             body.cache.append(local)
         elif (frame - plan.first) % plan.step == 0 or frame == plan.last:

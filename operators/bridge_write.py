@@ -18,7 +18,11 @@ from .stack import is_cache, shaping
 
 def borrow(body: bpy.types.Object) -> None:
     """Make an object ready to show a session: its bakes are switched off."""
-    offset.attach(body)
+    try:
+        offset.attach(body)
+    except BaseException:
+        offset.detach(body)
+        raise
     shown = [modifier for modifier in body.modifiers if is_cache(modifier) and modifier.show_viewport]
     for modifier in shown:
         modifier.show_viewport = False

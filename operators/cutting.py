@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     import bmesh
     import numpy as np
 
-# edges [fingertip radii]: up to the first a dent is the fingertip's own; up to the second a press by force is as deep
-# on a vertex as beside it, within 5 %, so it is cut that fine where so many vertices do
-SHOWN, PRESSED, LIVE = 1.1, 0.55, 8_000
+# edges [fingertip radii]: up to the first a dent shows, up to the second it is round; so it is cut where so many
+# vertices, which run live, do
+SHOWN, ROUND, LIVE = 1.1, 0.55, 8_000
 MOST_VERTICES = 40_000  # of a mesh that is subdivided
 ROUNDS, EVEN = 7, 1.001  # of cutting edges; by less than that all are as long
 ALIKE = 1.5  # times as long as the shortest: an edge that is cut in as many parts, or faces between two get slivers
@@ -46,7 +46,7 @@ def is_simulated_finer(scene: bpy.types.Scene, obj: bpy.types.Object) -> bool:
     """Tell whether a mesh is simulated finer than it is, where that is left to Dimple; a bake does not show it."""
     import numpy as np
 
-    from ..core.mesh.refine import is_coarse as presses_wrong
+    from ..core.mesh.refine import is_coarse as hides_dents
 
     mesh = obj.data
     mesh.calc_loop_triangles()
@@ -54,7 +54,7 @@ def is_simulated_finer(scene: bpy.types.Scene, obj: bpy.types.Object) -> bool:
     mesh.vertices.foreach_get("co", points)
     mesh.loop_triangles.foreach_get("vertices", corners)
     real = np.array(scales_of(scene, obj)) * points.reshape(-1, 3)
-    return presses_wrong(real, corners.reshape(-1, 3), scene.dimple.finger_radius_mm / 1e3)
+    return hides_dents(real, corners.reshape(-1, 3), scene.dimple.finger_radius_mm / 1e3)
 
 
 def edge_lengths(mesh: bpy.types.Mesh, scales: "np.ndarray") -> "np.ndarray":
@@ -80,7 +80,7 @@ def refine(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
         before = [vertex.co.copy() for vertex in made.verts]
         made.transform(real)
         area = sum(face.calc_area() for face in made.faces)
-        longest = max(PRESSED * radius, min(SHOWN * radius, (area / LIVE) ** 0.5), (area / MOST_VERTICES) ** 0.5)
+        longest = max(ROUND * radius, min(SHOWN * radius, (area / LIVE) ** 0.5), (area / MOST_VERTICES) ** 0.5)
         for _ in range(ROUNDS):
             long = [edge for edge in made.edges if edge.calc_length() > EVEN * longest]
             shortest = min((edge.calc_length() for edge in long), default=0.0)

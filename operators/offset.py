@@ -15,6 +15,7 @@ from contextlib import contextmanager
 import bpy
 import numpy as np
 
+from ..core.base import DimpleError
 from .names import PRESS, REST
 from .object_link import Singles
 from .stack import place_in_stack
@@ -47,19 +48,29 @@ def detach(body: bpy.types.Object) -> None:
 
 
 def sweep_data() -> None:
-    """Remove what no modifier uses any more; an undo may leave it."""
+    """Remove what no modifier uses any more; an undo may leave it, and a copy of a body brings it into a scene."""
     for group in [each for each in bpy.data.node_groups if each.name.startswith(PRESS) and not each.users]:
         bpy.data.node_groups.remove(group)
-    for carrier in [each for each in bpy.data.objects if each.name.startswith(PRESS) and not each.users]:
-        bpy.data.objects.remove(carrier)
+    used = {_carrier_of(each) for each in bpy.data.node_groups}
+    for carrier in [each for each in bpy.data.objects if each.name.startswith(PRESS) and not each.library]:
+        for collection in carrier.users_collection:
+            collection.objects.unlink(carrier)
+        if carrier not in used:
+            bpy.data.objects.remove(carrier)
     for mesh in [each for each in bpy.data.meshes if each.name.startswith(PRESS) and not each.users]:
         bpy.data.meshes.remove(mesh)
 
 
 def show(body: bpy.types.Object, offsets: Singles) -> None:
-    """Show offsets (N, 3) from the shape at rest, in the object's own space."""
-    group = attach(body).node_group
-    mesh = group.nodes["Object Info"].inputs["Object"].default_value.data
+    """Show offsets (N, 3) from the shape at rest, in the object's own space.
+
+    Raises:
+        DimpleError: what carries them was deleted.
+    """
+    carrier = _carrier_of(attach(body).node_group)
+    if carrier is None:
+        raise DimpleError(f'What shows the press of "{body.name}" was deleted, so its session has ended.')
+    mesh = carrier.data
     mesh.attributes["position"].data.foreach_set("vector", np.ascontiguousarray(offsets, np.float32).ravel())
     mesh.update_tag()
 
@@ -75,12 +86,18 @@ def read_rest(body: bpy.types.Object, graph: bpy.types.Depsgraph) -> Singles | N
     return coordinates.reshape(-1, 3)[:count]
 
 
+def _carrier_of(group: bpy.types.NodeTree) -> bpy.types.Object | None:
+    """Return the object whose vertices are the offsets of a press."""
+    info = group.nodes.get("Object Info")
+    return info.inputs["Object"].default_value if info and info.bl_idname == "GeometryNodeObjectInfo" else None
+
+
 @contextmanager
 def attached(body: bpy.types.Object) -> Iterator[None]:
     """Let an object have the modifier for a while, if it has it not already."""
     had = modifier_of(body) is not None
-    attach(body)
     try:
+        attach(body)
         yield
     finally:
         if not had:

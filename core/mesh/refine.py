@@ -1,11 +1,10 @@
 """Cut triangles whose edges are too long for a fingertip, in the shape they have.
 
 Long edges are halved, round by round, and between triangles that lie nearly in one plane edges are flipped to
-Delaunay's, so that fans and slivers become even: blunt triangles scatter the force from place to place. The sides of a
-narrow strip come first, for what lies across it is short then, and a vertex in its middle too many. Last come the edges
-of vertices that are farther from all others than most are, such as the pole of a UV sphere: a fingertip right on one
-would meet it alone, and press too softly. The vertices there were come first, bit for bit, so what is known of them is
-known of the refined surface: a new vertex has the mean of the two ends of its edge.
+Delaunay's, so that fans and slivers become even: across blunt triangles a dent has corners. The sides of a narrow strip
+come first, for what lies across it is short then, and a vertex in its middle too many. The vertices there were come
+first, bit for bit, so what is known of them is known of the refined surface: a new vertex has the mean of the two ends
+of its edge.
 """
 
 from __future__ import annotations
@@ -16,17 +15,14 @@ import numpy as np
 
 from ..base import Bools, Floats, Ints, sums_at
 
-COARSE = 1.1  # fingertip radii: longer edges press wrong (a torus by a half, a cube sideways by a quarter), and
-COARSE_SHARE = 0.05  # of the surface between such edges is enough for that
-FINE = 0.83  # fingertip radii: the longest edge that is left; uneven balls then answer within 3 % of the law anywhere
+COARSE = 1.1  # fingertip radii: between longer edges there is no room for the dent of one, and
+COARSE_SHARE = 0.05  # of the surface between such edges is enough for that to be met
+FINE = 0.83  # fingertip radii: the longest edge that is left, so that a dent of one has a vertex on each side
 MOST = 8000  # vertices: more do not run live beside Blender's own work
 LONGER = 1.1  # times as long may edges be where that leaves too many vertices
 EVEN = 0.45  # of the square of the longest edge: area of a vertex where all edges are about as long
 NARROW = 0.6  # of the longest edge: how wide a strip is at most that gets no vertex in its middle
 STEP = 0.7  # of the longest edge: what is halved in one round
-# of the longest edge, and times the mean one: where all edges of a vertex are longer it answers too little, and less
-LONELY, UNLIKE = 0.75, 1.25  # than other places (0.72 of the law at half a fingertip radius)
-APART = 0.45  # of the longest edge: new vertices round such a one
 ROUNDS, FLIPS = 40, 24
 FLAT = 0.01  # below 1: cosine between the normals of triangles nearly in one plane, within 8 degrees
 
@@ -60,7 +56,7 @@ class Refinement:
 
 
 def is_coarse(positions: Floats, triangles: Ints, radius: float) -> bool:
-    """Tell whether a fingertip of a radius [m] presses wrong on a surface (N, 3) [m], for its edges are too long."""
+    """Tell whether the edges of a surface (N, 3) [m] are too long for the dent of a fingertip of a radius [m]."""
     areas, longest = _sizes(positions, triangles)
     return float(areas[longest > COARSE * radius].sum()) > COARSE_SHARE * float(areas.sum())
 
@@ -98,8 +94,6 @@ def _refined(positions: Floats, triangles: Ints, kinds: Ints, longest: float, mo
         cut = cut if cut.max() > longest else lengths
         long = cut > max(longest, STEP * float(cut.max()))  # the longest first: then flips have room
         if not long.any():
-            long = _round_lonely(now, triangles, edges, lengths, of_triangle, longest)
-        if not long.any():
             break
         if len(now) + int(long.sum()) > most:
             return None
@@ -109,20 +103,6 @@ def _refined(positions: Floats, triangles: Ints, kinds: Ints, longest: float, mo
         triangles, parent = _cut(now, triangles, middle[of_triangle])
         origin = origin[parent]
     return Refinement(before=len(positions), rounds=tuple(found), triangles=triangles, origin=origin)
-
-
-def _round_lonely(
-    positions: Floats, triangles: Ints, edges: Ints, lengths: Floats, of_triangle: Ints, longest: float
-) -> Bools:
-    """Return which edges (m,) to halve so that no vertex is farther from all others than most of the surface is."""
-    mean = np.average(lengths[of_triangle].mean(axis=1), weights=_sizes(positions, triangles)[0])
-    shortest = np.full(len(positions), np.inf)
-    np.minimum.at(shortest, edges, lengths[:, None])
-    lonely = shortest > max(LONELY * longest, UNLIKE * float(mean))
-    middles, chosen = positions[edges].mean(axis=1), np.zeros(len(edges), bool)
-    for edge in np.flatnonzero(lonely[edges].any(axis=1)):
-        chosen[edge] = (np.linalg.norm(middles[chosen] - middles[edge], axis=1) > APART * longest).all()
-    return chosen
 
 
 def _across_strip(positions: Floats, triangles: Ints, of_triangle: Ints, lengths: Floats, longest: float) -> Bools:

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from core.base import Floats, Ints
-from core.mesh.refine import COARSE, FINE, LONELY, MOST, UNLIKE, Refinement, is_coarse, refine
+from core.mesh.refine import COARSE, FINE, MOST, Refinement, is_coarse, refine
 from core.mesh.surface import Mesh, mesh_from_triangles
-from studies.primitives import sized, uv_sphere
 
 RADIUS = 0.010
 CORNERS = 0.0825 * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
@@ -75,16 +74,6 @@ def test_strips_that_narrow_to_a_point_get_no_more_vertices_than_they_need() -> 
     every = np.ones(len(mesh.triangles), bool)
     assert len(mesh.rest_positions) < 1.5 * mesh.triangle_areas.sum() / (np.sqrt(3) / 2 * (0.7 * FINE * RADIUS) ** 2)
     assert np.average(evenness(mesh, every) > 0.5, weights=mesh.triangle_areas) > 0.9
-
-
-def test_no_vertex_is_left_that_is_far_from_all_others() -> None:
-    """The pole of a UV sphere had all its 32 neighbours at 0.8 of the radius, and edges of 0.55 round them."""
-    before = sized(*uv_sphere(SIDES, SIDES // 2))
-    found, mesh = refined(before.rest_positions, before.triangles)
-    nearest = np.full(len(mesh.rest_positions), np.inf)
-    np.minimum.at(nearest, mesh.springs, mesh.rest_lengths[:, None])
-    assert nearest.max() < max(LONELY * FINE * RADIUS, UNLIKE * float(np.median(mesh.rest_lengths)))
-    assert len(found.rounds[-1]) < SIDES, "a few round each of the two poles, not one on each of its edges"
 
 
 def test_what_moves_the_vertices_carries_the_refined_surface_along_and_pins_do_not_spread() -> None:
