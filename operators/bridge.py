@@ -17,6 +17,7 @@ from . import bridge_model, final_mesh, stack
 from .object_link import Floats as Floats
 from .object_link import ObjectLink as ObjectLink
 from .object_link import Singles as Singles
+from .object_link import find as find
 from .object_link import get_points as get_points
 from .object_link import offsets_of as offsets_of
 from .object_link import scale_of_body
@@ -56,9 +57,7 @@ def reading_body(
     check(body)
     context.view_layer.update()
     matrix = np.array(body.matrix_world)
-    with final_mesh.attached(context, body, cuts):
-        rest, triangles, slots = final_mesh.read(context, body, baked=baked)
-        cuts = final_mesh.cuts_now(body)
+    rest, triangles, slots, cuts = final_mesh.read(context, body, baked=baked, cuts=cuts)
     scale = scale_of_body(context.scene, body, rest, matrix)
     if np.linalg.det(matrix[:3, :3]) < 0:  # mirrored: what looked outward looks inward
         triangles = triangles[:, ::-1]
@@ -116,14 +115,6 @@ def check_writable(body: bpy.types.Object) -> None:
     """Raise a DimpleError when an object may not be given a modifier."""
     if body.library:
         raise DimpleError(f'"{body.name}" is linked from another file. Make it local first: Object > Relations.')
-
-
-def find(uid: int, name: str = "") -> bpy.types.Object | None:
-    """Return the object with a session_uid, looked for first under the name it had."""
-    named = bpy.data.objects.get(name)
-    if named and named.session_uid == uid:
-        return named
-    return next((candidate for candidate in bpy.data.objects if candidate.session_uid == uid), None)
 
 
 def scale_and_top(context: bpy.types.Context, body: bpy.types.Object) -> tuple[float, Floats]:

@@ -140,16 +140,22 @@ def attach_cache(
     """
     detach_cache(obj)
     add_curves(obj, Path(path))
-    _, samples = open_point_cache(Path(path))
+    return play(context, obj, Path(path), start_frame, cuts)
+
+
+def play(
+    context: bpy.types.Context, obj: bpy.types.Object, path: Path, start_frame: float, cuts: int
+) -> bpy.types.Modifier:
+    """Let an object play a PC2 file of offsets; see `attach_cache`."""
+    _, samples = open_point_cache(path)
     shown = final_mesh.shown(context, obj, samples.shape[1], cuts)
     for each, carried in shown:
-        file = Path(path)
+        file = path
         if carried:
-            file = file.with_name(f"{file.stem}_render.pc2")
+            file = path.with_name(f"{path.stem}_render.pc2")
             with PointCache(file, len(carried.corners), start_frame) as cache:
                 for sample in samples:
                     cache.append(carried.carry(sample))
-            offset.set_offsets(each.carrier, carried.carry(samples[0]))
         plays = each.carrier.modifiers.new(CACHE, "MESH_CACHE")
         plays.cache_format, plays.filepath, plays.frame_start = "PC2", _stored(os.fspath(file)), start_frame
     return offset.add(obj, CACHE, BAKED_PRESS, [each for each, _ in shown])

@@ -16,7 +16,7 @@ import numpy as np
 from ..core.base import DimpleError
 from . import offset
 from .names import BAKED_KEY, CACHES_OFF, PRESS, REST
-from .object_link import check_matrix, get_points, scale_of_body, to_physical
+from .object_link import check_matrix, find, get_points, scale_of_body, to_physical
 from .stack import is_cache
 
 if TYPE_CHECKING:
@@ -34,11 +34,13 @@ class Final(NamedTuple):
     points: (N, 3) its coordinates.
     triangles: (t, 3).
     slots: (t,) the material slot of each.
+    cuts: how often it is subdivided.
     """
 
     points: Singles
     triangles: np.ndarray
     slots: np.ndarray
+    cuts: int
 
 
 @contextmanager
@@ -46,15 +48,17 @@ def unbaked(body: bpy.types.Object) -> Iterator[None]:
     """Mute the shape keys of an earlier bake for a while."""
     keys = body.data.shape_keys.key_blocks if body.data.shape_keys else ()
     names = [key.name for key in keys if key.name.startswith(BAKED_KEY) and not key.mute]
-    for name in names:
-        keys[name].mute = True
+    for key in names:
+        keys[key].mute = True
+    uid, name = body.session_uid, body.name
     try:
         yield
     finally:
-        keys = body.data.shape_keys.key_blocks if names and body.data.shape_keys else {}
-        for name in names:
-            if name in keys:
-                keys[name].mute = False
+        there = find(uid, name) if names else None
+        keys = there.data.shape_keys.key_blocks if there and there.data.shape_keys else {}
+        for key in names:
+            if key in keys:
+                keys[key].mute = False
 
 
 @contextmanager
@@ -70,15 +74,16 @@ def attached(context: bpy.types.Context, body: bpy.types.Object, cuts: int | Non
         body.hide_viewport = False
     if hidden_here:
         body.hide_set(False)
+    uid, name = body.session_uid, body.name
     try:
         attach(context, body, cuts)
         yield
     finally:
-        detach(body)
-        if hidden:
-            body.hide_viewport = True
-        if hidden_here:
-            body.hide_set(True)
+        if there := find(uid, name):  # it may have been deleted, or replaced by an undo
+            detach(there)
+            there.hide_viewport = hidden
+            if hidden_here:
+                there.hide_set(True)
 
 
 def attach(context: bpy.types.Context, body: bpy.types.Object, cuts: int | None = None) -> None:
@@ -109,7 +114,7 @@ def detach(body: bpy.types.Object) -> None:
 
 
 def read(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = True, cuts: int | None = None) -> Final:
-    """Return the final mesh of an object at rest now, and how often it is subdivided; change nothing.
+    """Return the final mesh of an object at rest now; change nothing.
 
     Args:
         baked: take the shape keys of an earlier bake as part of it.
@@ -128,7 +133,7 @@ def read(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = Tr
         rest = read_rest(body, context.evaluated_depsgraph_get())
         if rest is None or not len(mesh.polygons):
             raise DimpleError(f'"{body.name}" shows no faces, so there is no surface to press. Add faces first.')
-        return Final(rest, *_triangles(mesh))
+        return Final(rest, *_triangles(mesh), _cuts_now(body))
 
 
 def shown(
@@ -192,7 +197,7 @@ def _final(context: bpy.types.Context, body: bpy.types.Object, given: int, cuts:
     offset.add(body, "Dimple Press", PRESS, [offset.Shown(given, cuts, offset.new_carrier())])
     try:
         mesh = _evaluated(context, body)
-        return Final(_points(mesh), *_triangles(mesh))
+        return Final(_points(mesh), *_triangles(mesh), cuts)
     finally:
         offset.remove(body, PRESS)
 
@@ -216,7 +221,7 @@ def _as_rendered(body: bpy.types.Object) -> Iterator[None]:
                 each.levels = level
 
 
-def cuts_now(body: bpy.types.Object) -> int:
+def _cuts_now(body: bpy.types.Object) -> int:
     """Return how often the modifier that shows a press subdivides."""
     modifier = offset.modifier_of(body)
     nodes = modifier.node_group.nodes if modifier else ()

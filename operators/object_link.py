@@ -8,15 +8,13 @@ never references into Blender's data, which an undo replaces.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import bpy
 import numpy as np
 import numpy.typing as npt
 
 from ..core.base import FARTHEST, DimpleError
-
-if TYPE_CHECKING:
-    import bpy
 
 PART = 16384  # vertices
 Floats = npt.NDArray[np.float64]
@@ -52,6 +50,14 @@ class ObjectLink:
     cuts: int = 0
     shaped: bool = False
     rigged: bool = False
+
+
+def find(uid: int, name: str = "") -> bpy.types.Object | None:
+    """Return the object with a session_uid, looked for first under the name it had."""
+    named = bpy.data.objects.get(name)
+    if named and named.session_uid == uid:
+        return named
+    return next((candidate for candidate in bpy.data.objects if candidate.session_uid == uid), None)
 
 
 def get_points(points: Any, count: int, name: str) -> Singles:
