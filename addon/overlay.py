@@ -26,7 +26,7 @@ _handlers: list[tuple[object, str]] = []
 def draw_bodies() -> None:
     """Draw fingertips and force arrows in the scene (POST_VIEW)."""
     context = bpy.context
-    for body, entry in shown_bodies(context):
+    for _, entry in shown_bodies(context):
         draw_fingers(entry, canvas.screen_of(context))
 
 

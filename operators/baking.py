@@ -175,8 +175,8 @@ def _check_keys(obj: bpy.types.Object) -> None:
         raise DimpleError(f'"{obj.name}" shows one shape key only. Switch Solo Active Shape Key off first.')
     if others := [each.name for each in obj.modifiers if each.show_viewport and not stack.is_cache(each)]:
         raise DimpleError(
-            f'"{obj.name}" shows what its modifier "{others[0]}" makes of its mesh, and shape keys move the mesh before '
-            "that. Bake to a Mesh Cache, or export."
+            f'"{obj.name}" shows what its modifier "{others[0]}" makes of its mesh, and shape keys move the mesh '
+            "before that. Bake to a Mesh Cache, or export."
         )
 
 

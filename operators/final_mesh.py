@@ -132,7 +132,7 @@ def read(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = Tr
         mesh = _evaluated(context, body)
         rest = read_rest(body, context.evaluated_depsgraph_get())
         if rest is None or not len(mesh.polygons):
-            raise DimpleError(f'"{body.name}" shows no faces, so there is no surface to press. Add faces first.')
+            raise DimpleError(f'"{body.name}" has no faces, so there is no surface to press. Add faces first.')
         return Final(rest, *_triangles(mesh), _cuts_now(body))
 
 
@@ -229,8 +229,8 @@ def _cuts_now(body: bpy.types.Object) -> int:
 
 
 def weights(context: bpy.types.Context, body: bpy.types.Object, group: str, cuts: int) -> Floats | None:
-    """Return the weight (N,) of each vertex of the final mesh in a vertex group, 0 outside it, or the float attribute of
-    that name; None where there is neither.
+    """Return the weight (N,) of each vertex of the final mesh in a vertex group, 0 outside it, or the float attribute
+    of that name; None where there is neither.
     """
     found = body.vertex_groups.get(group)
     with attached(context, body, cuts):

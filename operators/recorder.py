@@ -65,7 +65,9 @@ class Recorder:
         offsets: (N, 3) from the shape at rest that show now.
     """
 
-    def __init__(self, path: Path, start_frame: int, fps: float, time: float, offsets: Singles, session: Session) -> None:
+    def __init__(
+        self, path: Path, start_frame: int, fps: float, time: float, offsets: Singles, session: Session
+    ) -> None:
         self._path, self._start_frame, self._fps = path, start_frame, fps
         self._began = self._time = time
         self._offsets = offsets

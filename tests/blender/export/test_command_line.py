@@ -66,7 +66,7 @@ def test_a_part_of_the_frames_is_the_part_of_the_whole(command: Any, blend: Path
     ("words", "sentence"),
     [
         (["--object", "Cube"], 'The scene has no object "Cube". Its Dimple bodies: Ball.'),
-        (["--object", "Table"], '"Table" shows no faces'),
+        (["--object", "Table"], '"Table" has no faces'),
         (["--frames", "9-3"], "must not come before the first"),
         (["--frames", "3-9", "--begin", "5"], "begins at frame 5, after the first"),
     ],

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.point_cache import cache_of
 from tests.blender.operators.test_bake import table
+from tests.point_cache import cache_of
 from tools.environment import ROOT
 
 Add = Callable[..., Any]

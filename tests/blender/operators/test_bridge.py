@@ -25,7 +25,7 @@ def test_a_body_without_a_material_has_the_constants_of_one_that_nobody_has_touc
 
 
 def test_weights_are_those_of_the_group_and_0_outside_it(bpy: ModuleType, ball: Add) -> None:
-    from bl_ext.user_default.dimple.operators import bridge_model
+    from bl_ext.user_default.dimple.operators import final_mesh
 
     obj, wanted = ball(), np.zeros(42)
     groups = [obj.vertex_groups.new(name=name) for name in ("Other", "Soft", "Empty")]
@@ -33,11 +33,11 @@ def test_weights_are_those_of_the_group_and_0_outside_it(bpy: ModuleType, ball: 
     for i in range(0, 42, 3):
         wanted[i] = i / 64
         groups[1].add([i], i / 64, "ADD")
-    assert (bridge_model._weights(obj, "Soft", "softness") == wanted).all()
-    assert not bridge_model._weights(obj, "Empty", "softness").any()
+    assert (final_mesh.weights(bpy.context, obj, "Soft", 0) == wanted).all()
+    assert not final_mesh.weights(bpy.context, obj, "Empty", 0).any()
     bare = ball("Bare")
     bare.vertex_groups.new(name="Soft")
-    assert not bridge_model._weights(bare, "Soft", "softness").any()
+    assert not final_mesh.weights(bpy.context, bare, "Soft", 0).any()
 
 
 def two_fills(bpy: ModuleType, obj: Any, share: int) -> Any:

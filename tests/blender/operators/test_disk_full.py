@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.point_cache import cache_of
 from tests.blender.operators.test_bake import cached
 from tests.blender.operators.test_sessions import is_clean
+from tests.point_cache import cache_of
 
 Add = Callable[..., Any]
 Bits = Callable[[Any], bytes]

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.point_cache import cache_of
 from tests.blender.operators.test_bake import cached
+from tests.point_cache import cache_of
 
 Add = Callable[..., Any]
 Shown = Callable[[Any], np.ndarray]
