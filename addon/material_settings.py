@@ -45,10 +45,13 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         name="Knee x0 (mm)", description="Depth at which the slope changes from K1 to K2",
         default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **KEYED,
     )  # fmt: skip
-    k: _stiffness("Surface k (N/mm)", 9.2, "Stiffness of the surface against stretching")
+    k: _stiffness(
+        "Surface k (N/mm)", 9.2, "Stiffness of the surface against stretching: the stiffer, the farther a dent reaches"
+    )
     spread_mm: FloatProperty(
-        name="Spread (mm)", description="How far a dent reaches beyond the fingertip",
-        default=20.0, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,
+        name="Spread (mm)",
+        description="How far a dent reaches beyond the fingertip; 0: as far as the surface k carries it",
+        default=0.0, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,
     )  # fmt: skip
     mass_from: EnumProperty(
         name="Mass From", description="How the mass of the body is given", items=_MASS_FROM, **FIXED
@@ -103,7 +106,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
             "K2": exact(self.K2, 1),
             "k": exact(self.k, 1),
             "x0": exact(self.x0, -1),  # [m]
-            "spread": exact(self.spread_mm, -1),
+            "spread": exact(self.spread_mm, -1) or None,
             "indenter": Indenter(shape=self.tip.lower(), radius=exact(self.tip_radius_mm, -1)),
             **mass,
             "damping_ratio": exact(self.damping_ratio),

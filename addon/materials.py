@@ -30,8 +30,10 @@ def draw_others(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -
     """Draw the other constants."""
     layout.use_property_split = True
     column = layout.column(align=True)
-    column.prop(settings, "k")
-    column.prop(settings, "spread_mm")
+    row = column.row(align=True)
+    row.active = not settings.spread_mm  # a spread that is typed takes its place
+    row.prop(settings, "k")
+    column.prop(settings, "spread_mm", text="Spread (mm)" if settings.spread_mm else "Spread from k (mm)")
     column = layout.column(align=True)
     column.prop(settings, "mass_from")
     column.prop(settings, "density" if settings.mass_from == "DENSITY" else "mass_kg")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .base import Floats, sums_at
+from .body.estimate import spread_on
 from .body.forces import forces
 from .body.model import Model, State
 from .body.shape_matching import Pose, fit_pose, pose_of
@@ -24,7 +25,7 @@ def field(session: Session, name: str) -> Floats:
     Args:
         name: "pressure", that a contact presses with, counted over the area at rest; "depth", below the surface at
             rest; "stretch" of the edges round a vertex; and with what is painted "slope" K1, "knee" x0, "spread", and
-            "thickness", by which k and the mass are multiplied.
+            "thickness", by which the mass is multiplied.
     """
     if name == "pressure":
         return pressure(session) / 1e3
@@ -35,8 +36,11 @@ def field(session: Session, name: str) -> Floats:
     model, maps = session.model, session.model.maps
     if name == "thickness":
         return 100 * (maps.thicker if maps else np.ones(len(model.mesh.rest_positions)))
-    unit, constant = {"slope": (1e-3, "K1"), "knee": (1e3, "x0"), "spread": (1e3, "spread")}[name]
-    mean = unit * _mean_of_materials(model.mesh, np.array([getattr(each, constant) for each in model.materials]))
+    shown = [
+        {"slope": 1e-3 * each.K1, "knee": 1e3 * each.x0, "spread": 1e3 * spread_on(each, model.mesh.size)}[name]
+        for each in model.materials
+    ]
+    mean = _mean_of_materials(model.mesh, np.array(shown))
     if maps is None:
         return mean
     return mean * {"slope": maps.stiffer, "knee": maps.deeper, "spread": maps.wider}[name]
@@ -99,7 +103,7 @@ def profile(session: Session, finger: int) -> tuple[Floats, Floats]:
     along /= np.linalg.norm(along)
     arms = rest - touch.centre
     beside, distance = arms @ np.cross(inward, along), arms @ along
-    width = REACH * (tip.radius + max(material.spread for material in session.model.materials))
+    width = REACH * (tip.radius + max(spread_on(material, mesh.size) for material in session.model.materials))
     normals = vertex_normals(mesh.triangles, rest)
     near = (normals @ inward < 0) & (np.abs(distance) < 1.5 * width)
     i, j = mesh.springs[near[mesh.springs].all(axis=1)].T

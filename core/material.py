@@ -44,7 +44,8 @@ class Material:
         K2: slope beyond the knee [N/m].
         x0: depth of the knee [m].
         k: surface spring constant [N/m], Eq. (4).
-        spread: how far a dent reaches beyond the fingertip [m]; 0: not at all, like a bed of springs.
+        spread: how far a dent reaches beyond the fingertip [m]; 0: not at all, like a bed of springs; None: as far as
+            springs of constant k carry it.
         indenter: the tip that measured K1, K2 and x0.
         mass: of a body that is all of this material [kg]; or
         density: [kg/m3], times the volume of the body; a sheet, which encloses none, is taken to be as thick as a
@@ -62,7 +63,7 @@ class Material:
     K2: float
     x0: float
     k: float
-    spread: float = 0.02
+    spread: float | None = None
     indenter: Indenter = POINT
     mass: float | None = None
     density: float | None = None
@@ -74,7 +75,7 @@ class Material:
     def __post_init__(self) -> None:
         for name, unit in (("K1", "N/mm"), ("K2", "N/mm"), ("x0", "mm"), ("k", "N/mm")):
             _require(getattr(self, name) > 0, f"{name} must be greater than 0 {unit}", getattr(self, name), unit)
-        _require(self.spread >= 0, "The spread must not be negative", self.spread, "mm")
+        _require((self.spread or 0.0) >= 0, "The spread must not be negative", self.spread or 0.0, "mm")
         given = "both" if self.mass else "neither"
         _require((self.mass is None) != (self.density is None), "Give either a mass or a density", given)
         if self.mass is not None:

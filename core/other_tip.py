@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .base import Floats
-from .body.estimate import bed_area, reach
+from .body.estimate import bed_area, reach, spread_on
 from .material import Indenter, Material
 
 COUNT = 33  # depths at which factors are known, as in dimple.h
@@ -47,7 +47,8 @@ def _factors(material: Material, ball: Indenter, size: float, end: float) -> Flo
 def area(material: Material, tip: Indenter, size: float, depths: Floats) -> Floats:
     """Return what a tip presses on at depths (d,) [m]: on a bed [m2], on an elastic solid [m]."""
     if material.fill != "solid":
-        return np.array([bed_area(tip, size, material.spread, depth)[0] for depth in depths.tolist()])
+        spread = spread_on(material, size)
+        return np.array([bed_area(tip, size, spread, depth)[0] for depth in depths.tolist()])
     if tip.shape == "sphere":
         return 4 / 3 * np.sqrt(tip.radius * depths)
     return np.full(len(depths), 2 * reach(tip, size))

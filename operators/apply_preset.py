@@ -54,7 +54,7 @@ def apply(settings: bpy.types.PropertyGroup, preset: "Preset") -> None:
     """Give a material's settings the constants of a preset."""
     constants = preset.material
     settings.K1, settings.K2, settings.k = constants.K1 / 1e3, constants.K2 / 1e3, constants.k / 1e3
-    settings.x0, settings.spread_mm = constants.x0 * 1e3, constants.spread * 1e3
+    settings.x0, settings.spread_mm = constants.x0 * 1e3, (constants.spread or 0.0) * 1e3
     if constants.mass is not None:
         settings.mass_from, settings.mass_kg = "MASS", constants.mass
     else:

@@ -1,7 +1,7 @@
 """A solid by finite elements, measured through one tip: how the dents of that tip and another compare.
 
-A ball and a block have the two slopes K1 and K2 that are fitted to the force of one tip on the solid, with the spread
-that materials have by default and with 25 mm. Their fill is "liquid" or "solid": both keep their volume, but the skin
+A ball and a block have the two slopes K1 and K2 that are fitted to the force of one tip on the solid, with a spread
+of 20 and of 25 mm. Their fill is "liquid" or "solid": both keep their volume, but the skin
 of a solid gives way under a fingertip.
 """
 
@@ -27,7 +27,7 @@ from .solid_mesh import BALL_RADIUS, BLOCK_EDGE
 
 BODIES, LAWS, FILLS = ("ball", "block"), ("linear", "neo-hookean"), ("liquid", "solid")
 TIPS = (10, 20)  # [mm] radii
-SPREADS = (DEFAULT_MATERIAL.spread, 0.025)  # [m]
+SPREADS = (0.020, 0.025)  # [m]
 DEPTHS, DENTED = (0.001, 0.002, 0.005, 0.010, 0.015, 0.020), (0.005, 0.010, 0.020)  # [m]
 STEP = 0.00025  # [m] between the depths of the solid's curve
 WITHIN, RINGS = 0.050, 25  # [m] along the skin: how far dents are compared, ring by ring

@@ -9,7 +9,7 @@ import numpy as np
 from core.base import DimpleError, Floats, Ints
 from core.mesh.surface import Mesh, mesh_from_triangles
 
-SUFFIXES = (".obj", ".stl", ".ply")
+SUFFIXES = (".obj", ".stl", ".ply", ".off", ".glb")
 
 
 def cube(cells: int, edge: float) -> Mesh:
@@ -41,6 +41,16 @@ def load_mesh(path: str | Path, size: float) -> Mesh:
     Raises:
         DimpleError: it cannot be read or pressed.
     """
+    points, faces = load_triangles(path)
+    return mesh_from_triangles(points * (size / mesh_from_triangles(points, faces).size), faces)
+
+
+def load_triangles(path: str | Path) -> tuple[Floats, Ints]:
+    """Read the vertices and triangles of a mesh as they are in a file.
+
+    Raises:
+        DimpleError: it cannot be read, or has no faces.
+    """
     import trimesh
 
     if Path(path).suffix.lower() not in SUFFIXES:
@@ -53,5 +63,4 @@ def load_mesh(path: str | Path, size: float) -> Mesh:
         raise DimpleError(f"{path} is damaged, or no mesh: {error}.") from None
     if not isinstance(loaded, trimesh.Trimesh) or not len(loaded.faces):
         raise DimpleError(f"{path} has no faces, so there is nothing to press.")
-    rough = mesh_from_triangles(loaded.vertices, loaded.faces)
-    return mesh_from_triangles(loaded.vertices * (size / rough.size), loaded.faces)
+    return np.asarray(loaded.vertices, np.float64), np.asarray(loaded.faces, np.int64)

@@ -31,7 +31,9 @@ MATERIAL = {
     "Knee x0 (mm)": "折れ点 x0 (mm)",
     "Depth at which the slope changes from K1 to K2": "傾きが K1 から K2 に変わる深さ",
     "Surface k (N/mm)": "表面の k (N/mm)",
-    "Stiffness of the surface against stretching": "表面の伸びに対する硬さ",
+    "Stiffness of the surface against stretching: the stiffer, the farther a dent reaches": (
+        "表面の伸びに対する硬さ。硬いほど、くぼみは遠くまで広がります"
+    ),
     "Mass From": "質量の与え方",
     "How the mass of the body is given": "物体の質量をどのように与えるか",
     "Density": "密度",

@@ -13,7 +13,10 @@ WORDS = {
         "ときの値です"
     ),
     "Spread (mm)": "広がり (mm)",
-    "How far a dent reaches beyond the fingertip": "くぼみが指先の外へどこまで広がるか",
+    "Spread from k (mm)": "k による広がり (mm)",
+    "How far a dent reaches beyond the fingertip; 0: as far as the surface k carries it": (
+        "くぼみが指先の外へどこまで広がるか。0 なら表面の k が運ぶところまで"
+    ),
     "Press By": "押し方",
     "Whether a press, Ctrl + wheel and pen pressure set a depth or a force": (
         "押すとき、Ctrl とホイール、ペンの筆圧が深さと力のどちらを決めるか"
@@ -122,10 +125,8 @@ WORDS = {
     "it": "柔らかい部分の深さを塗る頂点グループまたは浮動小数点属性。0.5 は x0、1 はその 2 倍、0.25 は半分です",
     "Vertex group or float attribute that paints how far a dent reaches: 0.5 is the spread, 1 twice and 0.25 half of "
     "it": "くぼみの広がりを塗る頂点グループまたは浮動小数点属性。0.5 は元の広がり、1 はその 2 倍、0.25 は半分です",
-    "Vertex group or float attribute that paints how thick the surface is: 0.5 is k and the mass, 1 twice and 0.25 "
-    "half of them": (
-        "面の厚さを塗る頂点グループまたは浮動小数点属性。0.5 は k と質量のまま、1 は 2 倍、0.25 は半分です"
-    ),
+    "Vertex group or float attribute that paints how thick the surface is: 0.5 is the mass, 1 twice and 0.25 half of "
+    "it": "面の厚さを塗る頂点グループまたは浮動小数点属性。0.5 は元の質量、1 はその 2 倍、0.25 は半分です",
     "Put a twin with a copy of the material beside the object; one press presses both, so that two can be compared": (
         "マテリアルを複製した双子を隣に置きます。一度の押しで両方を押すので、二つを比べられます"
     ),

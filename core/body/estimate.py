@@ -19,11 +19,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..base import Floats
 from ..material import HERTZ, Indenter, Material
 
 POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point
-MEMBRANE_SHARE = 0.05  # of the force at the knee: what the surface's own springs may answer
-LEAST_TENSION = 0.5  # of it, k may be: stiffer springs would buckle where they are compressed, and keep the dent
+SETTLED = 8  # times the spread is found from the last one: then it is right within a thousandth
+SPRINGS = 1 / 4  # of the tension: a face under a dragged tip keeps 0.34 of its area (0.07 without); more cost steps
 BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
 SOLID_SKIN = 80.0  # times as stiff as its bed the skin of a solid is
 
@@ -33,13 +34,13 @@ class ModelConstants(NamedTuple):
 
     kappa1, kappa2: stiffness of shape matching per area, up to the knee and beyond it [N/m3].
     d0: displacement at the knee [m].
-    membrane_scale: factor on the surface spring constant k.
+    tension: between the displacements of neighbours [N/m].
     """
 
     kappa1: float
     kappa2: float
     d0: float
-    membrane_scale: float
+    tension: float
 
 
 def reach(indenter: Indenter, size: float) -> float:
@@ -81,12 +82,42 @@ def solid_area(indenter: Indenter, size: float, spread: float, depth: float, ski
 
 
 def falloff(radius: float, spread: float) -> float:
-    """Return s = lambda K1(a / lambda) / K0(a / lambda) [m], from the integrals of exp(-z cosh t) and its moment."""
-    z = radius / max(spread, 1e-3 * radius)
-    t = np.linspace(0, math.acosh(1 + 40 / z), 400)  # beyond it nothing is left; the trapezoids are exact to 1e-9
+    """Return s = lambda K1(a / lambda) / K0(a / lambda) [m]."""
+    z = math.log(radius / max(spread, 1e-3 * radius))
+    return spread * math.exp(float(np.interp(z, *_falloffs())))
+
+
+@functools.cache
+def _falloffs() -> tuple[Floats, Floats]:
+    """Return log z, and log K1(z) / K0(z) from the integrals of exp(-z cosh t) and its moment; right to 1e-5."""
+    z = np.geomspace(1e-7, 1e3, 1000)
+    most = np.arccosh(1 + 40 / z)  # beyond it nothing is left; the trapezoids are exact to 1e-9
+    t = np.linspace(0, 1, 400)[:, None] * most
     weight = np.exp(-z * (np.cosh(t) - 1))
     weight[0] /= 2
-    return spread * float(weight @ np.cosh(t)) / float(weight.sum())
+    return np.log(z), np.log((weight * np.cosh(t)).sum(axis=0) / weight.sum(axis=0))
+
+
+@functools.lru_cache(maxsize=64)
+def spread_on(material: Material, size: float) -> float:
+    """Return how far a dent reaches beyond the fingertip [m]: as typed, or as far as springs of constant k carry it.
+
+    A net of springs is a sheet of stiffness Y = 2 k / 3^(1/2). Over a dent of depth x0 and width lambda it is longer by
+    (x0 / lambda)^2 / 2, and pulls with T = Y' (x0 / lambda)^2 / 2. A stiff one pulls the skin along, from all over the
+    body, against the bed that holds it in its place: 1 / Y' = 1 / Y + 1 / (kappa size^2). With T = kappa lambda^2 that
+    is lambda^4 = x0^2 / 2 / (kappa / Y + 1 / size^2), where kappa depends on lambda a little.
+    tests/physics/test_spread.py says how wide the springs themselves make a dent.
+
+    Args:
+        size: longest side of the body [m].
+    """
+    if material.spread is not None:
+        return material.spread
+    sheet, spread = 2 * material.k / math.sqrt(3), math.sqrt(material.x0 * size)
+    for _ in range(SETTLED):
+        gives = _bed(material, size, spread)[0] / sheet + size**-2
+        spread = math.sqrt(material.x0 / math.sqrt(2 * gives))
+    return spread
 
 
 def estimate(material: Material, size: float) -> ModelConstants:
@@ -94,29 +125,28 @@ def estimate(material: Material, size: float) -> ModelConstants:
 
     kappa1 is that with which the measuring tip answers the law at the knee. Beyond it only what lies under the tip and
     a rim of width sqrt(T / kappa2) is displaced far enough to be stiffer: (K2 - K1) = kappa pi a^2 + BEYOND 2 pi a
-    sqrt(kappa T), kappa = kappa2 - kappa1. Springs stretched over a dent of width lambda answer about pi/2 k x^3 /
-    lambda^2; k is scaled down where that would be more than their share, or where they could buckle.
+    sqrt(kappa T), kappa = kappa2 - kappa1.
 
     Args:
         size: longest side of the body [m].
     """
-    spread, knee = material.spread, material.x0
-    area, radius = bed_area(material.indenter, size, spread, knee)
-    if material.fill == "solid":
-        area = solid_area(material.indenter, size, spread, knee, _solid_skin(material))
-    kappa1 = material.law(knee) / knee / area
+    spread = spread_on(material, size)
+    kappa1, radius = _bed(material, size, spread)
     tension = kappa1 * spread**2
     # a quadratic in the root of kappa
     bed, rim = math.pi * radius**2, BEYOND * math.pi * radius * math.sqrt(tension)
     more = max(material.K2 - material.K1, 0.0)
     root = (math.sqrt(rim**2 + bed * more) - rim) / bed
-    width = max(spread, radius)
-    skin = math.pi / 2 * material.k * knee**3 / width**2
-    scale = min(MEMBRANE_SHARE * material.K1 * knee / skin, LEAST_TENSION * (tension + kappa1 * radius**2) / material.k)
-    return ModelConstants(
-        kappa1=kappa1, kappa2=max(kappa1 + root**2, kappa1 * min(material.K2 / material.K1, 1.0)), d0=knee,
-        membrane_scale=min(scale, 1.0),
-    )  # fmt: skip
+    kappa2 = max(kappa1 + root**2, kappa1 * min(material.K2 / material.K1, 1.0))
+    return ModelConstants(kappa1=kappa1, kappa2=kappa2, d0=material.x0, tension=tension)
+
+
+def _bed(material: Material, size: float, spread: float) -> tuple[float, float]:
+    """Return the stiffness of the bed up to the knee [N/m3] and the radius of contact there [m]."""
+    area, radius = bed_area(material.indenter, size, spread, material.x0)
+    if material.fill == "solid":
+        area = solid_area(material.indenter, size, spread, material.x0, _solid_skin(material))
+    return material.law(material.x0) / material.x0 / area, radius
 
 
 def skin_compliance(material: Material, constants: ModelConstants) -> float:

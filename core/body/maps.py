@@ -14,10 +14,10 @@ LEAST = 0.05  # of the constant: a place that is painted 0 is not without it, fo
 class Maps(NamedTuple):
     """What the constants are multiplied by at each vertex (n,).
 
-    stiffer: K1, K2, k and the tension.
+    stiffer: K1, K2 and the tension.
     deeper: x0.
     wider: the spread.
-    thicker: k and the mass.
+    thicker: the mass.
     """
 
     stiffer: Floats

@@ -9,7 +9,7 @@ import numpy as np
 from ..base import MASS_FLOOR, Floats, mean_of_pairs, sums_at
 from ..material import Material
 from ..mesh.surface import Mesh
-from .estimate import estimate, skin_compliance
+from .estimate import SPRINGS, estimate, skin_compliance
 from .maps import Maps
 from .springs import membrane_stiffness
 
@@ -23,16 +23,17 @@ def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[
     which = mesh.triangle_material
     # one line a material
     table = np.array([_row(m, mesh.size) for m in materials]).T
-    kappa1, kappa2, d0, tension, k_scaled, damping, friction, _, yields = table
+    kappa1, kappa2, d0, tension, damping, friction, _, yields = table
     k1, k2 = (maps.stiffer * _vertex_sum(mesh, c[which] * mesh.triangle_areas / 3) for c in (kappa1, kappa2))
     at_vertices = _vertex_means(mesh, friction[which], damping[which], d0[which], yields[which])
-    stiffer, wider, thicker = (mean_of_pairs(f, mesh.springs) for f in (maps.stiffer, maps.wider, maps.thicker))
+    stiffer, wider = (mean_of_pairs(f, mesh.springs) for f in (maps.stiffer, maps.wider))
+    tension = _spring_mean(mesh, tension[which]) * stiffer * wider**2
     return {
         "friction": at_vertices[0], "damping": at_vertices[1],
         "compliance": at_vertices[3] / np.maximum(maps.stiffer * mesh.vertex_areas, 1e-30),
-        "stiffness": membrane_stiffness(mesh, _spring_mean(mesh, k_scaled[which])) * stiffer * thicker,
+        "stiffness": membrane_stiffness(mesh, SPRINGS * tension),
         "k1": k1, "k2": k2, "d0": at_vertices[2] * maps.deeper,
-        "tension": mesh.cotangents * _spring_mean(mesh, tension[which]) * stiffer * wider**2,
+        "tension": mesh.cotangents * tension,
     }  # fmt: skip
 
 
@@ -50,10 +51,7 @@ def mass_on(mesh: Mesh, materials: Sequence[Material]) -> Floats:
 def _row(material: Material, size: float) -> tuple[float, ...]:
     constants = estimate(material, size)
     return (
-        constants.kappa1, constants.kappa2, constants.d0, constants.kappa1 * material.spread**2,
-        constants.membrane_scale * material.k,
-        material.damping_ratio, material.friction, material.k,
-        skin_compliance(material, constants),
+        *constants, material.damping_ratio, material.friction, material.k, skin_compliance(material, constants),
     )  # fmt: skip
 
 

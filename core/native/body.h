@@ -118,7 +118,7 @@ typedef struct { /* a fingertip; vectors but centre and force are in the space o
     const double *factors;           /* of the force of another tip, null where it is the measuring one, */
     double factors_end;              /* at depths up to this [m] */
     int met, felt, slides, beside;   /* it lies on the surface at rest; touches the skin; slides over it; others did when */
-    double depth, zero, height;      /* it began. Its x [m], counted from so far below that surface; where the skin is */
+    double deep, depth, zero, height; /* it began. How far it is from its foot; its x [m], from `zero` on; where the skin is */
     double foot[3], anchor[3];       /* spheres on that surface: above it; where friction holds it */
     double outward[3], local[3];     /* unit; its centre when it was evaluated last */
     int64_t facet, material;         /* of the place below its foot, with */

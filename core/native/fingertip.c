@@ -213,10 +213,13 @@ static double dm_gone(const double *from, const double *to) {
 }
 
 /* Lead a foot on until it lies straight above x, no farther from the anchor than the most. Tell whether it does. */
-static int dm_straighten(const dm_state *b, dm_tip *f, const double *x, double most, dm_round *round) {
-    double way[3], along[3], aside[3];
+static int dm_straighten(const dm_state *b, dm_tip *f, const double *x, const double *touched, double most,
+                         dm_round *round) {
+    double way[3], along[3], aside[3], at[3];
     if (memcmp(f->foot, f->anchor, sizeof f->foot)) dm_look_round(b, f->facet, f->foot, f->radius, round);
-    for (int step = 0; step <= DM_FOOT_STEPS && dm_gone(f->anchor, f->foot) <= most; step++) {
+    for (int step = 0; step <= DM_FOOT_STEPS; step++) {
+        for (int c = 0; c < 3; c++) at[c] = f->foot[c] - round->offset[c];
+        if (dm_gone(touched, at) > most) return 0;
         for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
         dm_along_normals(round, way, along, aside);
         double far = sqrt(dm_inner3(aside, aside));
@@ -236,11 +239,12 @@ static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_rou
     dm_look_round(b, f->facet, f->anchor, f->radius, round);
     for (int c = 0; c < 3; c++) way[c] = f->anchor[c] - x[c];
     dm_along_normals(round, way, along, aside);
-    double most = 2 * sqrt(dm_inner3(aside, aside)) + DM_STRAIGHT * f->radius;
-    if (!dm_straighten(b, f, x, most, round)) {
+    double most = 2 * sqrt(dm_inner3(aside, aside)) + DM_STRAIGHT * f->radius, touched[3];
+    for (int c = 0; c < 3; c++) touched[c] = f->anchor[c] - round->offset[c];
+    if (!dm_straighten(b, f, x, touched, most, round)) {
         memcpy(f->foot, f->anchor, sizeof f->foot);
         dm_look_round(b, f->facet, f->anchor, f->radius, round);
-        if (!dm_straighten(b, f, x, most, round)) {
+        if (!dm_straighten(b, f, x, touched, most, round)) {
             memcpy(f->foot, f->anchor, sizeof f->foot);
             for (int c = 0; c < 3; c++) way[c] = -aside[c];
             dm_march(b, f, f->foot, way, round);
@@ -249,6 +253,7 @@ static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_rou
     for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
     if (!(dm_along_normals(round, way, along, aside) > 0)) return 0;
     double deep = sqrt(dm_inner3(way, way));
+    if (!(deep > 1e-9 * f->radius)) return 0; /* it has no direction */
     for (int c = 0; c < 3; c++) f->outward[c] = way[c] / deep;
     return deep;
 }
@@ -265,16 +270,19 @@ static double dm_find_gap(const dm_state *b, dm_tip *f, const double *x, dm_roun
     return gap;
 }
 
-/* Find where a fingertip is, at x in the space of the shape at rest, and the way from its foot to its anchor. */
-static void dm_place_tip(dm_state *b, int finger, const double *pose, const double *x, double *aside) {
+/* Find where a fingertip is, at x in the space of the shape at rest, and the way from its foot to its anchor.
+ * before: where it was. It gets no deeper than it goes: in a crease another foot may be farther, which would give energy. */
+static void dm_place_tip(dm_state *b, int finger, const double *pose, const double *before, const double *x,
+                         double *aside) {
     dm_tip *f = b->fingers + finger;
     dm_round round;
     double along[3], place[3], deep = f->met ? dm_find_foot(b, f, x, &round) : 0;
-    f->met = deep > 0;
+    double most = f->deep + dm_gone(before, x);
+    f->met = deep > 0, deep = deep < most ? deep : most;
     if (!f->met) deep = dm_find_gap(b, f, x, &round), f->met = deep > 0;
     if (round.facet) dm_take_place(b, f, &round);
     if (!f->felt) f->zero = -f->height, f->beside = dm_is_beside_others(b, finger), f->stick = 0;
-    f->depth = deep - f->zero;
+    f->deep = deep, f->depth = deep - f->zero;
     int felt = f->depth > 0;
     if (!f->felt) memcpy(f->anchor, f->foot, sizeof f->anchor);
     f->felt = felt;
@@ -299,7 +307,7 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
     for (int c = 0; c < 3; c++) x[c] = pose[c] * from[0] + pose[3 + c] * from[1] + pose[6 + c] * from[2];
     int was = f->felt;
     memcpy(before, f->local, sizeof before), memcpy(f->local, x, sizeof x);
-    dm_place_tip(b, finger, pose, x, aside);
+    dm_place_tip(b, finger, pose, before, x, aside);
     memset(f->force, 0, sizeof f->force);
     f->law = f->slope = f->slides = 0;
     if (!f->felt) return;
@@ -380,7 +388,7 @@ static void dm_put_down(dm_state *b, dm_tip *f) {
     }
     memcpy(f->local, x, sizeof x);
     f->facet = round.facet - b->facets;
-    f->depth = dm_find_gap(b, f, x, &round);
+    f->deep = f->depth = dm_find_gap(b, f, x, &round);
     dm_take_place(b, f, &round);
     for (int c = 0; c < 3; c++) place[c] = f->foot[c] - f->radius * f->outward[c];
     f->height = dm_skin_height(b, f, pose, place);
@@ -394,6 +402,7 @@ static void dm_take_fingertip(dm_state *b, dm_tip *f, const dm_fingertip *to) {
         double more = (to->radius - f->radius) * f->outward[c] * (f->met || f->felt);
         f->anchor[c] += more, f->foot[c] += more;
     }
+    f->deep += to->radius - f->radius;
     f->radius = to->radius, f->factors = to->factors, f->factors_end = to->factors_end;
     memcpy(f->centre, to->from, sizeof f->centre);
     if (to->fresh) dm_put_down(b, f);
@@ -460,9 +469,10 @@ static void dm_react(dm_state *b) {
     }
     for (int c = 0; c < 6; c++) push[c] -= b->skin_push[c];
     dm_rigid more = dm_rigid_part(b, &b->moments, push, push + 3);
+    dm_lanes dt = dm_splat((dm_real)b->dt);
     dm_vec3 linear = dm_splat3(more.linear), angular = dm_splat3(more.angular);
     for (int64_t g = 0; g < b->groups; g++) {
-        dm_vec3 x = b->state[g].x, v = b->state[g].v, spin = dm_cross(angular, x);
+        dm_vec3 x = b->state[g].x, v = b->state[g].v, spin = dm_cross(angular, (dm_vec3){x.x - dt * v.x, x.y - dt * v.y, x.z - dt * v.z});
         dm_mask moves = (dm_mask)(b->matter[g].inverse_mass > dm_splat(0));
         v.x += dm_blend(moves, linear.x + spin.x, dm_splat(0)), v.y += dm_blend(moves, linear.y + spin.y, dm_splat(0));
         v.z += dm_blend(moves, linear.z + spin.z, dm_splat(0));

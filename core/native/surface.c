@@ -43,7 +43,10 @@ static void dm_reshape_facets(dm_state *b, const double *x, int64_t n) {
             double place = 0;
             for (int p = 0; p < 3; p++) place += f->weight[p] * at->corner[p][c];
             if (k < DM_MAX_FINGERTIPS) places[k][c] = place;
-            else f->anchor[c] += place - places[k - DM_MAX_FINGERTIPS][c];
+            else {
+                double way = place - places[k - DM_MAX_FINGERTIPS][c];
+                f->anchor[c] += way, f->foot[c] += way, f->local[c] += way;
+            }
         }
         if (k == DM_MAX_FINGERTIPS - 1) dm_shape_facets(b, x, n);
         if (k >= DM_MAX_FINGERTIPS) f->thickness = 0;

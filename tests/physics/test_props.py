@@ -164,7 +164,7 @@ def test_a_ball_that_lands_beside_the_middle_of_a_ball_rolls_off_it() -> None:
     from studies.scenes import ball
 
     mesh = ball(2, 0.08)
-    session = Session(build_model(mesh, [PRESETS[1].material], pinned=base_vertices(mesh)))
+    session = Session(build_model(mesh, [replace(PRESETS[1].material, spread=0.02)], pinned=base_vertices(mesh)))
     small = trimesh.creation.icosphere(2, 0.02)
     world = falling(session, np.array(small.vertices) + [0.05, 0, 0.095], np.array(small.faces), 0.1)
     world.step(0.5)

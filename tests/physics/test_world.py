@@ -20,7 +20,7 @@ from studies.reference.proximity import find_pairs, join_surfaces
 from studies.scenes import cube
 from tests.bodies import ball, sheet
 
-SOFT = Material(K1=600, K2=4000, x0=0.02, k=400, mass=0.15, friction=0.4)
+SOFT = Material(K1=600, K2=4000, x0=0.02, k=400, spread=0.02, mass=0.15, friction=0.4)
 RADIUS = 0.04
 
 

@@ -51,7 +51,7 @@ def test_a_changed_constant_acts_at_once_and_nothing_jumps(material: Material) -
     session.change(on_its_base(mesh, material))
     np.testing.assert_array_equal(session.positions(), before)
     session.step(0.001)
-    assert np.abs(session.positions() - before).max() < 0.01 * 0.01, "of the depth, a tick later"
+    assert np.abs(session.positions() - before).max() < 0.015 * 0.01, "of the depth, a tick later"
     session.step(1.0)
     wanted = pressed(on_its_base(mesh, material))
     wanted.step(1.0)
@@ -67,7 +67,7 @@ def test_a_changed_map_acts_at_once_and_nothing_jumps(name: str) -> None:
     before, first = session.positions(), force(session)
     session.change(painted)
     session.step(0.001)
-    assert np.abs(session.positions() - before).max() < 0.01 * 0.01, "of the depth, a tick later"
+    assert np.abs(session.positions() - before).max() < 0.015 * 0.01, "of the depth, a tick later"
     session.step(1.0)
     wanted = pressed(painted)
     wanted.step(1.0)
