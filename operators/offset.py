@@ -121,7 +121,7 @@ def _group(kind: str, shown: Sequence[Shown]) -> bpy.types.NodeTree:
         is_it.data_type, is_it.operation, choose.input_type = "INT", "EQUAL", "GEOMETRY"
         whole, other = (socket for socket in is_it.inputs if socket.type == "INT")
         other.default_value = each.given
-        link(size.outputs["Point Count"], whole)
+        link(size.outputs[0], whole)
         link(is_it.outputs[0], choose.inputs["Switch"])
         link(result, choose.inputs["False"])
         finer = _finer(group, given.outputs[0], each.cuts) if each.cuts else given.outputs[0]

@@ -7,8 +7,8 @@ WORDS = {
     "Simulate": "計算するもの",
     "What is simulated: the full mesh or a proxy": "計算するもの。元のメッシュ、または代理メッシュ",
     "Automatic": "自動",
-    "The full mesh, cut finer where it is coarse, or the finest proxy that runs live": (
-        "実時間で動くなら元のメッシュ、動かないなら実時間で動く最も細かい代理メッシュ。粗すぎるメッシュは細かく分割します"
+    "The full mesh, subdivided where it is coarse, or the finest proxy that runs live": (
+        "実時間で動くなら元のメッシュ、動かないなら実時間で動く最も細かい代理メッシュ。粗すぎるメッシュは細分化します"
     ),
     "Full Mesh": "元のメッシュ",
     "Every vertex of the mesh is simulated and no more, however slow or coarse that is": (
