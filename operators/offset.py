@@ -1,9 +1,9 @@
 """The modifier that shows a press, a kept one or a bake, without changing a mesh: the last of the stack.
 
 It is given the final mesh, subdivides it where it is too coarse for the fingertip, and adds an offset to each vertex.
-The offsets are the vertices of a mesh of their own, the carrier, so the artist's mesh, its shape keys, and whatever else
-uses them know nothing of a press. Viewport and render may have meshes of different counts: each has its carrier, and a
-mesh of any other count stays as it is.
+The offsets are the vertices of a mesh of their own, the carrier, so the artist's mesh, its shape keys, and whatever
+else uses them know nothing of a press. Viewport and render may have meshes of different counts: each has its carrier,
+and a mesh of any other count stays as it is.
 
 Part of the bridge: with `bridge`, `bridge_write` and `final_mesh` the only toucher of mesh arrays.
 """

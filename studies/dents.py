@@ -43,7 +43,7 @@ TRAVEL = 0.1  # [m/s] of the fingertip
 SETTLING, LISTENING = 0.06, 0.01  # [s] at each depth; then the mean of the reaction is taken
 FINE = 5  # subdivisions of the ball whose profile is compared
 FRICTIONS = (0.5, 1.0, 2.0)  # of the skin under deep dents
-PARTS = ("roughness", "friction", "profile", "other-tip", "forces", "turning", "steps")
+PARTS = ("roughness", "friction", "profile", "other-tip", "forces", "turning")
 TURNS = 6  # ways a triangulation is turned under the tip
 KEPT = Path(__file__).parents[1] / "tests" / "studies" / "solid"  # dents by finite elements
 
@@ -287,7 +287,7 @@ def add_dents(command: argparse.ArgumentParser) -> None:
 
 def run_dents(options: argparse.Namespace) -> int:
     """Measure, print and write each part as CSV, with its pictures beside it."""
-    from . import other_tip, time_steps
+    from . import other_tip
 
     names, sizes = options.materials, [size for size in BALLS if size <= options.most]
     try:
@@ -308,8 +308,6 @@ def run_dents(options: argparse.Namespace) -> int:
             write(list(convergence_rows(names, most=options.most)), options.out / "forces.csv")
         if "turning" in options.parts:
             write(list(turning_rows(names, most=min(options.most, 10242))), options.out / "turning.csv")
-        if "steps" in options.parts:
-            write(list(time_steps.rows()), options.out / "steps.csv")
     except OSError as error:
         raise DimpleError(f"{options.out} cannot be written: {error.strerror}.") from None
     return 0

@@ -48,8 +48,8 @@ MESSAGES = {
     ),
     '"{}" shows what its modifier "{}" makes of its mesh, and shape keys move the mesh before that. Bake to a Mesh '
     "Cache, or export.": (
-        '"{}" にはモディファイアー "{}" の結果が見えていて、シェイプキーはその前のメッシュを動かします。メッシュキャッシュ'
-        "にベイクするか、書き出してください。"
+        '"{}" にはモディファイアー "{}" の結果が見えていて、シェイプキーはその前のメッシュを動かします。'
+        "メッシュキャッシュにベイクするか、書き出してください。"
     ),
     '"{}" is too coarse for shape keys. Subdivide it, bake to a Mesh Cache, or export.': (
         '"{}" はシェイプキーには粗すぎます。細分化するか、メッシュキャッシュにベイクするか、書き出してください。'
@@ -239,8 +239,8 @@ MESSAGES = {
     ),
     '"{}": its modifiers give {} vertices now, and gave {}. What is pressed must keep its vertices: apply the modifier '
     "that changes them, or switch it off.": (
-        '"{}": モディファイアーの出力がいま {} 頂点で、始めは {} 頂点でした。押すものの頂点は変わってはいけません。頂点を変'
-        "えるモディファイアーを適用するか、オフにしてください。"
+        '"{}": モディファイアーの出力がいま {} 頂点で、始めは {} 頂点でした。押すものの頂点は変わってはいけません。'
+        "頂点を変えるモディファイアーを適用するか、オフにしてください。"
     ),
     '"{}" is gone, so its session has ended.': '"{}" がなくなったため、終了しました。',
     '"{}" was edited while it was pressed, so its session has ended. The edit is kept.': (
