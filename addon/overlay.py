@@ -102,7 +102,7 @@ def shown_bodies(context: bpy.types.Context) -> list[tuple[bpy.types.Object, Any
     """Return the sessions to draw in this viewport, each with its object."""
     if not sessions or not context.scene.dimple.show_overlay or not canvas.overlays_shown(context):
         return []
-    here = {body.session_uid: body for body in context.scene.objects}
+    here = {body.session_uid: body for body in context.scene.objects if body.visible_get()}
     return [(here[uid], entry) for uid, entry in sessions.items() if uid in here]
 
 

@@ -223,6 +223,13 @@ class Session:
         """Return where the fingertips are to be at the end of the next step."""
         return tuple([tip.target if tip else None for tip in self._tips])
 
+    def law(self, index: int, depths: Sequence[float]) -> list[float]:
+        """Return the forces [N] of the law on a fingertip that is down, if it were at depths [m] where it is."""
+        tip = self._tips[index]
+        assert tip
+        table = factors(self.model.materials, tip.target.radius, self.model.mesh.size)
+        return self.body.law(index, np.asarray(depths), table).tolist()
+
     def positions(self) -> Singles:
         """Return where the input vertices (N, 3) [m] are now, to be read."""
         return self._skin.positions(self.body, self.placed)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from . import stack
+from . import offset, stack
 from .messages import Note
 
 if TYPE_CHECKING:
@@ -17,10 +17,19 @@ if TYPE_CHECKING:
 
 
 def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: ObjectLink) -> tuple[str, ...]:
-    """Return sentences of advice on a body: its rig, its size, and how fine it is."""
+    """Return sentences of advice on a body: its rig, what of the scene does not act, its size, and how fine it is."""
     notes, size = [], mesh.size
     if stack.is_carried(body):
         notes.append(Note("A rig holds it: its shape at rest goes where that goes."))
+    if any(each.field and each.field.type != "NONE" for each in scene.objects):
+        notes.append(Note("Wind and other force fields of the scene do not act on it."))
+    for bake in filter(stack.is_cache, body.modifiers):
+        if not all(path.exists() for path, _ in offset.files(bake)):
+            notes.append(f'The file that "{bake.name}" plays is gone: bake again.')
+    for number in (1, 2, 3):
+        tip = getattr(scene.dimple, f"finger_{number}")
+        if tip and (tip.hide_viewport or tip.name not in bpy.context.view_layer.objects):
+            notes.append(f'The fingertip "{tip.name}" is disabled in the viewport, so it does not move.')
     radius, edge = scene.dimple.finger_radius_mm / 1e3, float(np.median(mesh.rest_lengths))
     if link.cuts:
         notes.append(Note(f"The mesh is coarse for the fingertip: it is pressed with {len(link.rest):,} vertices."))

@@ -9,6 +9,7 @@ import contextlib
 import os
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -52,6 +53,7 @@ class Baked:
     session: what moves it.
     settings: what it has of the panels, which may be keyframed.
     matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
+    offsets: (N, 3) from its shape at rest in the last frame, and what they were made of: of what sleeps the very same.
     path: where the PC2 file goes.
     part: where it is until it is whole.
     cache: the PC2 file under way, None for shape keys.
@@ -68,6 +70,7 @@ class Baked:
     part: Path
     cache: PointCache | None
     table: recorder.ForceTable
+    offsets: tuple[Singles, tuple[object, ...]] | None = None
     shapes: list[tuple[int, Singles]] = field(default_factory=list)
 
 
@@ -190,7 +193,7 @@ def _opening(
     if plan.target == "SHAPE_KEYS" and link.cuts:
         raise DimpleError(f'"{obj.name}" is too coarse for shape keys. Subdivide it, bake to a Mesh Cache, or export.')
     proxy, reason = yield from planning.planning_for(context.scene, obj, model)
-    session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
+    session = yield 0.9, partial(Session, model, tick=timeline.tick_s(context.scene), proxy=proxy)
     messages += [reason] if reason else []
     messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
@@ -250,7 +253,10 @@ def _object(body: Baked) -> bpy.types.Object:
 
 def _write(plan: BakePlan, bodies: Sequence[Baked], frame: int) -> None:
     for body in bodies:
-        offsets = bridge.offsets_of(body.link, body.matrix, body.rest, body.session.positions())
+        now = body.matrix, body.rest, body.session.positions()
+        if body.offsets is None or any(a is not b for a, b in zip(now, body.offsets[1], strict=True)):
+            body.offsets = bridge.offsets_of(body.link, *now), now
+        offsets = body.offsets[0]
         if body.cache:
             body.cache.append(offsets)
         elif (frame - plan.first) % plan.step == 0 or frame == plan.last:

@@ -44,7 +44,7 @@ def bake_path(context: bpy.types.Context, obj: bpy.types.Object, folder: Path | 
         return folder / f"{file_name(obj.name)}.pc2"
     if bpy.data.filepath:
         return Path(f"{_stem(context, obj, 'bake')}.pc2")
-    playing = {path for modifier in obj.modifiers if is_cache(modifier) for path, _ in files_of(modifier)}
+    playing = {path for modifier in obj.modifiers if is_cache(modifier) for path, _ in offset.files(modifier)}
     return next(path for path in _numbered(context, obj, "bake") if path in playing or not _exists(path))
 
 
@@ -159,12 +159,6 @@ def play(
         plays = each.carrier.modifiers.new(CACHE, "MESH_CACHE")
         plays.cache_format, plays.filepath, plays.frame_start = "PC2", _stored(os.fspath(file)), start_frame
     return offset.add(obj, CACHE, BAKED_PRESS, [each for each, _ in shown])
-
-
-def files_of(modifier: bpy.types.Modifier) -> list[tuple[Path, float]]:
-    """Return the PC2 files that a modifier of ours plays, the viewport's first, each with its first frame."""
-    plays = [each.modifiers[0] for each in offset.carriers(modifier) if each.modifiers]
-    return [(Path(bpy.path.abspath(each.filepath)), each.frame_start) for each in plays]
 
 
 def add_curves(obj: bpy.types.Object, cache: Path) -> None:

@@ -13,7 +13,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.recording import open_point_cache
-from . import bridge, cache_files, exporters, stack
+from . import bridge, cache_files, exporters, offset, stack
 from .formats import FORMATS, Size
 from .messages import megabytes
 
@@ -86,7 +86,7 @@ def played(obj: bpy.types.Object) -> Source | None:
     for modifier in obj.modifiers:
         if not (stack.is_cache(modifier) and modifier.show_viewport):
             continue
-        for path, _ in cache_files.files_of(modifier)[:1]:
+        for path, _ in offset.files(modifier)[:1]:
             try:
                 _, points = open_point_cache(path)
             except OSError as error:

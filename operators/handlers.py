@@ -3,6 +3,8 @@ press.
 """
 
 
+from itertools import chain
+
 import bpy
 
 from . import modal_runs, sessions, showing
@@ -11,7 +13,7 @@ from .names import OURS
 
 def _rescue() -> None:
     """Put objects right that were caught pressed; look first, so that nothing heavy is loaded for nothing."""
-    if any(group.name.startswith(OURS) for group in bpy.data.node_groups):
+    if any(each.name.startswith(OURS) for each in chain(bpy.data.node_groups, bpy.data.objects, bpy.data.meshes)):
         from . import bridge_write
 
         bridge_write.rescue(sessions.sessions)
@@ -31,7 +33,7 @@ def _on_load_post(*_: object) -> None:
 def _on_save_pre(*_: object) -> None:
     if sessions.sessions:
         showing.rest_all()
-    _rescue()  # a paste or a copy of a scene may have left what Dimple brings
+    _rescue()
 
 
 @bpy.app.handlers.persistent

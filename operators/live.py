@@ -23,7 +23,7 @@ from . import (
     tuning,
     twins,
 )
-from .messages import Note
+from .messages import Note, gathered
 from .modal_runs import ModalRun
 from .sessions import LiveBody
 
@@ -66,20 +66,25 @@ def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], li
 
 
 def starting_all(context: bpy.types.Context) -> Parts:
-    """Start a session on every candidate, in parts; see `start_all`."""
-    bodies, messages, wrong = [], [], []
-    for obj in twins.joined(candidates(context), context.scene):
-        try:
-            body, notes = yield from sessions.starting(obj, context)
-        except DimpleError as error:
-            wrong.append(str(error))
-        else:
-            bodies.append(body)
-            messages += notes
-    if not bodies:
-        raise DimpleError(" ".join(wrong))
-    if crossing := _meet(context):
-        raise DimpleError(crossing[0])
+    """Start a session on every candidate, in parts; see `start_all`. Closed, nothing was started."""
+    bodies, messages, wrong, before = [], [], [], set(sessions.sessions)
+    try:
+        for obj in twins.joined(candidates(context), context.scene):
+            try:
+                body, notes = yield from sessions.starting(obj, context)
+            except DimpleError as error:
+                wrong.append(str(error))
+            else:
+                bodies.append(body)
+                messages += notes
+        if not bodies:
+            raise DimpleError(" ".join(gathered(wrong)))
+        if crossing := _meet(context):
+            raise DimpleError(crossing[0])
+    except BaseException:
+        for uid in set(sessions.sessions) - before:
+            sessions.stop(uid)
+        raise
     return bodies, messages, wrong
 
 
@@ -205,9 +210,6 @@ def finish(body: LiveBody) -> list[str]:
     frame = body.frame
     messages: list[str] = []
     body.fingers = merged(body.session.placed, ())
-    if frame.depths.any():
-        deepest = int(frame.depths.argmax())
-        body.trail.append((float(frame.depths[deepest]), float(frame.pushes[deepest])))
     showing.show(_object(body), body)
     if body.recorder:
         try:

@@ -6,7 +6,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from . import polls, sessions
 from .mesh_faults import Faults, faults, repair
-from .messages import report, say
+from .messages import gathered, report, say
 from .names import POKE_TOOL, Op
 from .sizing import settle_size
 from .start import LARGE
@@ -36,8 +36,9 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     preset: EnumProperty(
-        name="Material", description="Object whose constants are given to a mesh without a material",
-        items=presets, default=1,
+        name="Material",
+        description="Object whose constants the material gets; unchosen, only a mesh without one gets it",
+        items=presets, default=1, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
     )  # fmt: skip
     repair: BoolProperty(
         name="Repair", description="Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself"
@@ -78,7 +79,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         from ..core.base import DimpleError
         from . import live
 
-        done, wrong, noted = [], [], []
+        done, soft, wrong, noted = [], [], [], []
         try:
             bodies = [obj for obj in live.candidates(context) if obj.type in PRESSABLE]
         except DimpleError as error:
@@ -92,17 +93,20 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
                     done.append(sentence)
                 if self.repair and not is_shared(obj) and any(repaired := repair(obj)):
                     done.append(f'"{obj.name}" was repaired. {words(repaired)}')
-                sentence, notes = make_soft(context, obj, self.preset)
-                done.append(sentence)
+                chosen = self.properties.is_property_set("preset")
+                sentence, notes = make_soft(context, obj, self.preset, chosen=chosen)
+                soft.append(sentence)
                 noted += notes
             except DimpleError as error:
                 wrong.append(str(error))
-        if not done:
-            say(self, {"ERROR"}, " ".join(wrong))
+        if not (done or soft):
+            say(self, {"ERROR"}, *gathered(wrong))
             return {"CANCELLED"}
         report(self, [*wrong, *noted])
         choose_tool(context)
-        say(self, {"INFO"}, " ".join(done))
+        if len(soft) > 1:
+            soft = [f"{len(soft)} meshes are soft. Press them with the left mouse button."]
+        say(self, {"INFO"}, *done, *soft)
         return {"FINISHED"}
 
 
@@ -118,10 +122,15 @@ def is_shared(obj: bpy.types.Object) -> bool:
     return bool(obj.data.shape_keys) or obj.data.users > 1
 
 
-def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str) -> tuple[str, list[str]]:
+def make_soft(
+    context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool
+) -> tuple[str, list[str]]:
     """Make a mesh a soft body; return a sentence on what it is now, and notes on what was found.
 
     A large one is prepared when it is pressed first, with its progress shown.
+
+    Args:
+        chosen: it gets the preset whether it has a material or not.
 
     Raises:
         DimpleError: it cannot be pressed; only its material and settings may have been set.
@@ -133,7 +142,9 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str) ->
     bridge.check_writable(obj)
     if sessions.get(obj):
         raise DimpleError(f'"{obj.name}" is being pressed already.')
-    if obj.active_material is None:
+    if chosen and obj.active_material and obj.active_material.library:
+        raise DimpleError(f'The material of "{obj.name}" is linked from another file. Make it local first.')
+    if chosen or obj.active_material is None:
         with context.temp_override(object=obj, active_object=obj):
             bpy.ops.dimple.apply_preset(preset=preset)
     settle_size(context.scene, obj)

@@ -11,6 +11,7 @@ Part of the bridge: with `bridge`, `bridge_write` and `final_mesh` the only touc
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import bpy
@@ -66,7 +67,7 @@ def remove(body: bpy.types.Object, kind: str) -> int:
 
 def sweep_data() -> None:
     """Remove what no modifier uses any more: an undo may leave it. A paste may put a carrier in the scene."""
-    carriers = [each for each in bpy.data.objects if each.name.startswith(CARRIER)]
+    carriers = [each for each in bpy.data.objects if each.name.startswith(CARRIER) and not each.library]
     for carrier in carriers:
         for collection in carrier.users_collection:
             collection.objects.unlink(carrier)
@@ -105,6 +106,12 @@ def carriers(modifier: bpy.types.Modifier) -> Iterator[bpy.types.Object]:
     for info in sorted(infos, key=lambda each: each.name):
         if carrier := info.inputs["Object"].default_value:
             yield carrier
+
+
+def files(modifier: bpy.types.Modifier) -> list[tuple[Path, float]]:
+    """Return the PC2 files that a modifier of ours plays, the viewport's first, each with its first frame."""
+    plays, library = [each.modifiers[0] for each in carriers(modifier) if each.modifiers], modifier.id_data.library
+    return [(Path(bpy.path.abspath(each.filepath, library=library)), each.frame_start) for each in plays]
 
 
 def _group(kind: str, shown: Sequence[Shown]) -> bpy.types.NodeTree:

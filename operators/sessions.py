@@ -6,10 +6,10 @@ and renaming.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import bpy
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from .recorder import Recorder
     from .settings import Settings
 
-TRAIL = 4000  # points of force against depth that the chart remembers
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -50,7 +49,6 @@ class LiveBody:
     poked: which fingertips are the poke's.
     lead: simulated time that it is ahead of the slowest of those that run with it [s].
     done: how far it came in the last step, that lead included [s].
-    trail: depth [m] and force [N] of the deepest fingertip.
     recorder: of the recording under way.
     take: path and first frame of the last recording.
     shown: what its object shows: link, matrix, shape at rest and positions; None where that is not known.
@@ -73,7 +71,6 @@ class LiveBody:
     poked: frozenset[int] = frozenset()
     lead: float = 0.0
     done: float = 0.0
-    trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
     recorder: Recorder | None = None
     take: tuple[str, int] | None = None
     shown: tuple[object, ...] | None = None
@@ -148,8 +145,9 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     try:
         link, model = yield from bridge.reading_body(context, obj)
         proxy, reason = yield from planning.planning_for(context.scene, obj, model)
-        # may refuse too, so before the mesh is touched
-        session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene))
+        # may refuse too, so before the object is touched
+        session = yield 0.9, partial(Session, model, proxy=proxy, tick=timeline.tick_s(context.scene))
+        final_mesh.attach(context, obj, link.cuts)
     except BaseException:
         if size:
             obj.dimple.property_unset("size_mode")
@@ -161,7 +159,6 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
         link=link, session=session, settings=settings, seen=settings,
         matrix=link.matrix, rest=link.rest, triangles=first[model.mesh.triangles],
     )  # fmt: skip
-    final_mesh.attach(context, obj, link.cuts)
     obj.dimple.enabled = True
     return body, messages
 

@@ -88,8 +88,8 @@ def _changing(
     except DimpleError as error:
         body.refused = f"{error} Until then it goes on as it was."
         return [] if refused_before else [body.refused]
-    if now != body.settings:
-        body.trail.clear()  # the chart is of one material
+    if any(had and not has for had, has in zip(body.settings.materials, now.materials, strict=False)):
+        messages.append(f'"{body.name}": a material is gone: the constants of a new one act in its place.')
     body.settings, body.changed_at = now, body.frame.time
     return messages
 

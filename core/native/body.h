@@ -26,12 +26,12 @@
 #define DM_SUNK 0.16
 #define DM_NEAR 0.0625
 #define DM_LIST_MARGIN 0.125 /* of the radius: the more, the longer a list holds, and the longer it is */
-#define DM_SKIN_TRAVEL 0.5 /* as in core/base.py, with the four below */
+#define DM_SKIN_TRAVEL 0.5 /* as in studies/reference, with what is below */
 #define DM_FINGER_TRAVEL 0.25
 #define DM_LARGEST_GROWTH 100.0
 #define DM_FASTEST 1e6
 #define DM_PIN_BEHIND 1e-4 /* of the size: a pin that is farther from its place was held back */
-#define DM_REST_SPEED 1e-3 /* as in core/base.py, with the three below */
+#define DM_REST_SPEED 1e-3
 #define DM_REST_TIME 0.25
 #define DM_REST_WAY 1e-6
 #define DM_REST_CLEAR 0.05

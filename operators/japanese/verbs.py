@@ -2,6 +2,10 @@
 
 MESSAGES = {
     '"{}": {}': '"{}": {}',
+    "{} bodies: {}": "{} 個の物体: {}",
+    "{} meshes are soft. Press them with the left mouse button.": (
+        "{} 個のメッシュを柔らかくしました。左マウスボタンで押せます。"
+    ),
     "{}: {}": "{}: {}",
     "A rig holds it: its shape at rest goes where that goes.": "リグに付いています。元の形はリグの動きに従います。",
     "The mesh is coarse for the fingertip: it is pressed with {} vertices.": (
@@ -32,7 +36,7 @@ MESSAGES = {
     "Baked objects: {}": "ベイクしたオブジェクト: {} 個",
     "There was no bake on the selected objects": "選択したオブジェクトにベイクがありません",
     "The last frame ({}) must come after the first ({}).": (
-        "終了フレーム ({}) は開始フレーム ({}) よりあとにしてください。"
+        "最終フレーム ({}) は開始フレーム ({}) よりあとにしてください。"
     ),
     '"{}" is linked from another file. Make it local first: Object > Relations.': (
         '"{}" は別のファイルからリンクされています。先に「オブジェクト > 関係」でローカル化してください。'
@@ -40,11 +44,26 @@ MESSAGES = {
     '"{}" has a mesh of another file. Make it local first: Object > Relations.': (
         '"{}" のメッシュは別のファイルのものです。先に「オブジェクト > 関係」でローカル化してください。'
     ),
+    'The material of "{}" is linked from another file. Make it local first.': (
+        '"{}" のマテリアルは別のファイルからリンクされています。先にローカル化してください。'
+    ),
+    '"{}": a material is gone: the constants of a new one act in its place.': (
+        '"{}": マテリアルがなくなったため、代わりに新しいマテリアルの定数を使います。'
+    ),
+    "Wind and other force fields of the scene do not act on it.": (
+        "シーンの風などのフォースフィールドは、この物体に働きません。"
+    ),
+    'The file that "{}" plays is gone: bake again.': (
+        '"{}" が再生するファイルがありません。ベイクし直してください。'
+    ),
+    'The fingertip "{}" is disabled in the viewport, so it does not move.': (
+        '指先 "{}" はビューポートで無効になっているため、動きません。'
+    ),
     '"{}" has absolute shape keys. Switch its shape keys to Relative first.': (
         '"{}" のシェイプキーは絶対です。先に「相対」に切り替えてください。'
     ),
     '"{}" shows one shape key only. Switch Solo Active Shape Key off first.': (
-        '"{}" はシェイプキーを一つだけ表示しています。先に「アクティブシェイプキーのみ表示」をオフにしてください。'
+        '"{}" はシェイプキーを一つだけ表示しています。先に「アクティブシェイプキーをソロ化」をオフにしてください。'
     ),
     '"{}" shows what its modifier "{}" makes of its mesh, and shape keys move the mesh before that. Bake to a Mesh '
     "Cache, or export.": (
@@ -140,7 +159,7 @@ MESSAGES = {
         "式を選んでください。"
     ),
     "The last frame ({}) must not come before the first ({}).": (
-        "終了フレーム ({}) は開始フレーム ({}) より前にできません。"
+        "最終フレーム ({}) は開始フレーム ({}) より前にできません。"
     ),
     "The simulation begins at frame {}, after the first ({}).": (
         "計算の開始がフレーム {} で、開始フレーム ({}) よりあとです。"
@@ -158,7 +177,7 @@ MESSAGES = {
     '"{}" is a device to try.': '"{}" は試しに使えるデバイスです。',
     "Blender draws only {} frames a second, so the dead-man key lapses and there is no force. Simulate a proxy, or "
     "draw less.": (
-        "Blender の描画が毎秒 {} フレームしかないため、デッドマンキーが切れて力が出ません。代理メッシュで計算するか"
+        "Blender の描画が毎秒 {} フレームしかないため、デッドマンキーが切れて力が出ません。プロキシで計算するか"
         "、表示を軽くしてください。"
     ),
     "What is under a fingertip has changed. Lift it and arm the device again.": (
@@ -224,7 +243,7 @@ MESSAGES = {
     "No surface lies along the direction of the press at ({}). Choose another location.": (
         "({}) で押す向きに表面がありません。別の位置を選んでください。"
     ),
-    "That is beyond the scene's last frame {}.": "シーンの終了フレーム {} を超えています。",
+    "That is beyond the scene's last frame {}.": "シーンの最終フレーム {} を超えています。",
     'Recorded {} frames of "{}" to {}: when its session has ended, it plays them from frame {} to {}.': (
         '"{1}" の {0} フレームを {2} に記録しました。押し終えると、フレーム {3} から {4} まで再生します。'
     ),
@@ -246,13 +265,13 @@ MESSAGES = {
     '"{}" was edited while it was pressed, so its session has ended. The edit is kept.': (
         '"{}" が押している間に編集されたため、終了しました。編集は残っています。'
     ),
-    '"{}" is {} m across as modelled, which does not suit a fingertip of {} mm: it is pressed as an object of {} '
+    '"{}": {} m across as modelled does not suit a fingertip of {} mm: it is pressed as an object of {} '
     "mm. Physical Size in Physics > Dimple changes that.": (
-        '"{}" は {} m で作られていて {} mm の指先に合わないため、{} mm の物体として押します。物理演算 > Dimple の「'
+        '"{}": {} m で作られていて {} mm の指先に合わないため、{} mm の物体として押します。物理演算 > Dimple の「'
         "実物の大きさ」で変えられます。"
     ),
     "The mesh has too few vertices to hold the map. Subdivide it first.": (
-        "マップを持つには頂点が少なすぎます。先にメッシュを細かく分割してください。"
+        "マップを持つには頂点が少なすぎます。先にメッシュを細分化してください。"
     ),
     "{} of the vertices are over four times softer or stiffer than the material, beyond what a map can say: change "
     "K1 and K2.": (

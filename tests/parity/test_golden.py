@@ -27,15 +27,15 @@ from studies.reference import create
 from tests.parity.cases import CASES, build
 
 GOLDEN = {
-    ("liquid", 32, "SSE2"): "26c9574a2347afc168cf63c6ad1cb2e0f90d056b80bd9fbcd5820098d49772b4",
-    ("liquid", 32, "AVX2"): "58203590192eda21d3a79be0bdd0276285ec4f0a750ccb585ab21a79807537d7",
-    ("liquid", 64, ""): "8a1c66ea904013faa4fd3208545cfc4a437128ab62a083a575fc04ba92c92ccf",
-    ("free on the ground", 32, "SSE2"): "added647bd77ff86b9a36026b5204eef023adff06cef5d98e5bdc155f1e70e1f",
-    ("free on the ground", 32, "AVX2"): "997b5be59d31a16da61b046542d06305e2827826803f19268ee007c377b459cb",
-    ("free on the ground", 64, ""): "92a121c337d90968309bc7e97b55dfd2bfa831c71aadd1ea9c71275f032f912c",
+    ("liquid", 32, "SSE2"): "487d0bd7903e5885667a9f50383afdebd75cf03cb7354d914d658d40d764a0ed",
+    ("liquid", 32, "AVX2"): "ce9c67151038a8d9984f157b7ebe3837996e5e2c959cc5c850a53dc90d4221fa",
+    ("liquid", 64, ""): "c333b440400023c541cc9a07e2c3a629761fd643d336cab84ac5ae570c8e9d14",
+    ("free on the ground", 32, "SSE2"): "036cc94b9f0bfa3cae1e268a6828bfd13936867f3ede8bb0329d750fc6a4b2dd",
+    ("free on the ground", 32, "AVX2"): "415fe3f09428e9db8d833c8f29ac8db3dde8a2ecc4957696d77a5790fbf52a6b",
+    ("free on the ground", 64, ""): "fcdf74c8ef3646d0c99ceb820d87f75fa9e94db7bdaa987b6eaf17ce6e9d747e",
 }
 NUMPY = {
-    "liquid": "40d72b266debb544149aeb152ac7ffa9c3cc7bfa007033f771c802e1e5a34f85",
+    "liquid": "7b1f6d0d9cf24d81123c46ce2f0506c8b222603e5052c83ebc38890f87d4bbe5",
 }
 
 

@@ -154,7 +154,7 @@ def test_a_press_is_the_same_at_every_frame_rate(bpy: ModuleType, scene: Any, pr
         bpy.data.objects.remove(scene.dimple.finger_1)
     for fps in (30, 60, 120):
         assert np.abs(dents[fps] - dents[24]).max() / 2 * 165 < 0.05  # [mm] on a dent of 20 mm
-        assert forces[fps] == pytest.approx(forces[24], rel=0.02)
+        assert forces[fps] == pytest.approx(forces[24], rel=1e-3)
 
 
 @pytest.mark.parametrize("fps", [24, 30, 60, 120])
@@ -217,9 +217,9 @@ def test_frames_in_the_wrong_order_are_said(bpy: ModuleType, scene: Any, pressed
         bpy.ops.dimple.bake(frame_start=5, frame_end=5)
 
 
-@pytest.mark.parametrize(("simulated", "near"), [("MESH", 0.05), pytest.param("PROXY", 0.1, marks=pytest.mark.once)])
-def test_a_bake_with_keyframed_constants_answers_as_one_that_has_them_all_the_time(
-    bpy: ModuleType, scene: Any, ball: Add, simulated: str, near: float
+@pytest.mark.parametrize("simulated", ["MESH", pytest.param("PROXY", marks=pytest.mark.once)])
+def test_a_bake_with_keyframed_constants_answers_at_once_as_one_that_has_them_all_the_time(
+    bpy: ModuleType, scene: Any, ball: Add, simulated: str
 ) -> None:
     def baked(*keys: tuple[int, float]) -> list[dict[str, float]]:
         for frame, constants.K1 in keys:
@@ -240,10 +240,10 @@ def test_a_bake_with_keyframed_constants_answers_as_one_that_has_them_all_the_ti
         tip.keyframe_insert("location", index=2, frame=frame)
     soft, hard = baked((1, 0.6)), baked((1, 3.0))
     keyed = baked((1, 0.6), (20, 0.6), (21, 3.0))
-    assert keyed[18]["force_1_n"] == pytest.approx(soft[18]["force_1_n"], rel=near)
-    assert keyed[21]["law_force_1_n"] == pytest.approx(5 * keyed[18]["law_force_1_n"], rel=1e-3)
-    assert keyed[-1]["force_1_n"] == pytest.approx(hard[-1]["force_1_n"], rel=near)
-    assert hard[-1]["force_1_n"] > 2 * soft[-1]["force_1_n"]
+    assert keyed[18]["force_1_n"] == pytest.approx(soft[18]["force_1_n"], rel=1e-3)
+    for frame in (20, 21, -1):  # the rows of frames 21, 22 and 40
+        assert keyed[frame]["force_1_n"] == pytest.approx(hard[frame]["force_1_n"], rel=1e-3)
+    assert hard[-1]["force_1_n"] == pytest.approx(5 * soft[-1]["force_1_n"], rel=1e-3)
 
 
 @pytest.mark.parametrize("simulated", ["MESH", "PROXY"])

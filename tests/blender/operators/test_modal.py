@@ -39,7 +39,7 @@ def test_press_hold_release_and_escape(
 
     body = sessions.get(ball_of(bpy))
     assert body.frame.depths[0] == pytest.approx(0.015, abs=1e-3) and np.linalg.norm(body.frame.finger_forces[0]) > 1
-    assert shown(ball_of(bpy))[:, 2].max() < 0.95 and len(body.trail) > 3
+    assert shown(ball_of(bpy))[:, 2].max() < 0.95
     assert poke.send("LEFTMOUSE", "RELEASE") == {"RUNNING_MODAL"}
     poke.ticks(40)
     assert body.fingers[0] is not None, "the fingertip hovers again"
@@ -159,7 +159,6 @@ def test_a_press_by_force_sinks_in_until_the_body_answers_with_it(bpy: ModuleTyp
     bpy.context.scene.dimple.press_by, bpy.context.scene.dimple.press_force_n = "FORCE", 4.0
     material = bpy.data.materials.new("Tuned")
     ball_of(bpy).active_material = material
-    ball_of(bpy).dimple.simulated = "AUTO"  # 42 vertices are cut finer, or each place would answer otherwise
     poke, depths = hand("poke"), []
     poke.invoke()
     poke.send("LEFTMOUSE", at=(560, 540))
@@ -168,11 +167,11 @@ def test_a_press_by_force_sinks_in_until_the_body_answers_with_it(bpy: ModuleTyp
         poke.ticks(60)
         body = sessions.get(ball_of(bpy))
         inward = np.array(body.session.fingers[0].inward)
-        assert -body.frame.finger_forces[0] @ inward == pytest.approx(4.0, rel=0.02)
+        assert -body.frame.finger_forces[0] @ inward == pytest.approx(4.0, rel=0.01)
         depths.append(body.frame.depths[0])
     centre = body.session.placed[0].position
     assert body.fingers[0].position == centre, "it is drawn where it is"
-    assert depths == pytest.approx([4.0 / 610, 4.0 / 300], rel=0.1), "as deep as was measured"
+    assert depths == pytest.approx([4.0 / 610, 4.0 / 300], rel=0.01), "as deep as was measured"
     poke.send("LEFTMOUSE", "RELEASE")
     poke.ticks(40)
     assert not body.frame.depths.any()
