@@ -143,12 +143,12 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     bridge_write.rescue(sessions)  # a duplicate of a body that is live shows its press
     size = sizing.settle_size(context.scene, obj)
     try:
+        final_mesh.attach(context, obj)
         link, model = yield from bridge.reading_body(context, obj)
         proxy, reason = yield from planning.planning_for(context.scene, obj, model)
-        # may refuse too, so before the object is touched
         session = yield 0.9, partial(Session, model, proxy=proxy, tick=timeline.tick_s(context.scene))
-        final_mesh.attach(context, obj, link.cuts)
     except BaseException:
+        final_mesh.detach(obj)
         if size:
             obj.dimple.property_unset("size_mode")
         raise

@@ -21,8 +21,8 @@ def left_over(bpy: ModuleType) -> list[str]:
 
 
 def balls(bpy: ModuleType, count: int) -> list[Any]:
-    """Add balls of 642 vertices, each with a mesh of its own, and select them."""
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4)
+    """Add balls of 2,562 vertices, each with a mesh of its own, and select them."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5)
     first = bpy.context.object
     made = [first]
     for k in range(1, count):
