@@ -302,10 +302,7 @@ class Session:
 
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
-        result = self.body.step(Motion(0, self.substeps, self.clock.tick, self._motions(0.0, 0.0)))
-        for tip in filter(None, self._tips):
-            tip.fresh = False
-        return result
+        return self.body.step(Motion(0, self.substeps, self.clock.tick, self._motions(0.0, 0.0)))
 
     def _bend(self, target: Floats, ticks: int) -> None:
         """Let the shape at rest go on towards a target in the ticks that follow."""

@@ -1,4 +1,5 @@
-/* The contact of a fingertip: the measured law at its depth, Eq. (1), and Coulomb friction.
+/* The contact of a fingertip: the measured law at its depth, Eq. (1), and Coulomb friction. In numpy:
+ * studies/reference/fingertip.py.
  *
  * On the surface at rest, as the body carries it, lies a sphere of the fingertip's radius which the surface keeps out
  * (the virtual proxy of Ruspini 1997). Where it would lie straight above the fingertip is its foot: the way from the
@@ -200,7 +201,7 @@ static double dm_skin_height(const dm_state *b, const dm_tip *f, const double *p
     return high;
 }
 
-/* Does anything else touch the body? */
+/* Does anything touch the body, other than this fingertip? */
 static int dm_is_beside_others(const dm_state *b, int finger) {
     int others = b->meets;
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) others |= k != finger && b->fingers[k].felt;
@@ -253,9 +254,12 @@ static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_rou
     }
     for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
     if (!(dm_along_normals(round, way, along, aside) > 0)) return 0;
-    double deep = sqrt(dm_inner3(way, way));
+    /* what a foot that is straight above is still aside would tilt the force of a shallow press */
+    int straight = sqrt(dm_inner3(aside, aside)) <= DM_STRAIGHT * f->radius;
+    const double *up = straight ? along : way;
+    double deep = sqrt(dm_inner3(up, up));
     if (!(deep > 1e-9 * f->radius)) return 0; /* it has no direction */
-    for (int c = 0; c < 3; c++) f->outward[c] = way[c] / deep;
+    for (int c = 0; c < 3; c++) f->outward[c] = up[c] / deep;
     return deep;
 }
 
@@ -282,7 +286,7 @@ static void dm_place_tip(dm_state *b, int finger, const double *pose, const doub
     f->met = deep > 0, deep = deep > most ? most : deep;
     if (!f->met) deep = dm_find_gap(b, f, x, &round), f->met = deep > 0;
     if (round.facet) dm_take_place(b, f, &round);
-    if (!f->felt) f->zero = -f->height, f->beside = dm_is_beside_others(b, finger), f->stick = 0;
+    if (!f->felt) f->zero = -f->height, f->stick = 0, f->beside = b->comes_back > 0 || dm_is_beside_others(b, finger);
     f->deep = deep, f->depth = deep - f->zero;
     int felt = f->depth > 0;
     if (!f->felt) memcpy(f->anchor, f->foot, sizeof f->anchor);
@@ -318,7 +322,7 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
     double stick = DM_STICK * law / f->depth, friction = b->laws[f->material][DM_FRICTION];
     double far = sqrt(dm_inner3(aside, aside)), most = stick > 0 ? friction * law / stick : 0, left = far;
     if (was && stick > f->stick && f->stick > 0) left *= f->stick / stick;
-    f->slides = left > most, left = f->slides ? most : left, f->stick = stick;
+    left = left < most ? left : most, f->slides = most > 0 ? left / most : 1, f->stick = stick;
     if (left < (1 - 1e-9) * far) { /* the anchor comes nearer */
         dm_round round;
         for (int c = 0; c < 3; c++) aside[c] *= left / far;
@@ -371,7 +375,7 @@ static void dm_push_on(const dm_state *b, dm_tip *f, const dm_fingertip *to, dou
 }
 
 static void dm_lift(dm_tip *f) {
-    f->met = f->felt = f->slides = 0;
+    f->met = f->felt = 0, f->slides = 0;
     f->way = f->zero = f->height = f->law = f->slope = f->stick = f->thickness = 0;
     memset(f->force, 0, sizeof f->force);
 }
@@ -410,7 +414,8 @@ static void dm_put_down(dm_state *b, dm_tip *f) {
     }
     memcpy(f->local, x, sizeof x);
     f->facet = round.facet - b->facets;
-    f->deep = f->depth = dm_find_gap(b, f, x, &round);
+    f->deep = f->depth = dm_find_gap(b, f, x, &round), f->met = f->depth > 0;
+    memcpy(f->anchor, f->foot, sizeof f->anchor);
     dm_take_place(b, f, &round);
     for (int c = 0; c < 3; c++) place[c] = f->foot[c] - f->radius * f->outward[c];
     f->height = dm_skin_height(b, f, pose, place);

@@ -394,7 +394,11 @@ def press(a: Around, tip: Tip, centre: Floats, seconds: float = 0.0) -> None:
         force, push = force - drag + up * tip.outward, max(push - up, 0.0)
         size = math.sqrt(force @ force)
         force *= friction * push / size if size > friction * push else 1.0
-    tip.force = rotation @ (force + push * tip.outward)
+    force = force + push * tip.outward
+    if math.sqrt(force @ force) + tip.slope < math.inf:
+        tip.force = rotation @ force
+    else:  # what is beyond all measure is no force
+        tip.law, tip.slope, tip.felt, tip.slides = 0.0, 0.0, False, False
 
 
 def count_anew(tip: Tip, tick: float, *, others: bool) -> None:

@@ -27,6 +27,9 @@ from .ticks import SKIN_TRAVEL, each_tick, meet, moved_back, slow_down
 LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
 FASTEST = 1e6  # sizes a tick: and so has one as fast
 
+LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
+FASTEST = 1e6  # sizes in a tick: so has one as fast
+
 
 @dataclass(slots=True, kw_only=True)
 class Call:
@@ -203,31 +206,33 @@ class Twin:
 
     def substep(self, call: Call, touches: list[Near], left: int, turning: Turning | None = None) -> None:
         """Advance the body by a substep after which so many come in the tick, fingertips included."""
+        try:
+            with np.errstate(all="ignore"):  # the frame says when it has blown up
+                self._advance(call, touches, left, turning)
+        except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
+            self._state.positions[:] = np.nan
+
+    def _advance(self, call: Call, touches: list[Near], left: int, turning: Turning | None) -> None:
         model, state, dt = self.model, self._state, call.motion.tick / call.motion.substeps
         before = state.positions.copy()
         near = [h for h in touches if len(h.vertices) or len(h.triangles)]
         limit = min((h.radius for h in near), default=np.inf) * SKIN_TRAVEL
-        with np.errstate(all="ignore"):  # the frame says when it has blown up
-            try:
-                if model.free:
-                    self._fitted = self._pose()
-                    self._press_free(call, touches, left + 1, dt)
-                if turning:
-                    turning.measure(model.mass, before, state.velocities)
-                semi_implicit.advance(model, state, dt)
-            except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
-                state.positions[:] = np.nan
-                return
-            if turning:
-                by = dt * turning.acceleration(before)
-                state.velocities -= by
-                state.positions -= dt * by
-            if near:
-                slow_down(before, state.positions, limit)
-            now = [replace(h, slides=self._tips[i].slides) for i, h in zip(call.down, touches, strict=True)]
-            given = meet(model, state, moved_back(now, left * dt), Step(dt, limit))
-            if model.free and call.down:
-                self._react(given.sum(axis=0), dt)
+        if model.free:
+            self._fitted = self._pose()
+            self._press_free(call, touches, left + 1, dt)
+        if turning:
+            turning.measure(model.mass, before, state.velocities)
+        semi_implicit.advance(model, state, dt)
+        if turning:
+            by = dt * turning.acceleration(before)
+            state.velocities -= by
+            state.positions -= dt * by
+        if near:
+            slow_down(before, state.positions, limit)
+        now = [replace(h, slides=self._tips[i].slides) for i, h in zip(call.down, touches, strict=True)]
+        given = meet(model, state, moved_back(now, left * dt), Step(dt, limit))
+        if model.free and call.down:
+            self._react(given.sum(axis=0), dt)
 
     def _press_free(self, call: Call, touches: list[Near], left: int, dt: float) -> None:
         """Evaluate the contacts of a free body, as a substep begins after which the tick has so many less one."""

@@ -186,7 +186,7 @@ def test_constants_that_are_none_are_refused(body: native.Body, wrong: float) ->
     assert code_of(lambda: body.set_constants(changed)) == NUMBER
     for power in (wrong, 0.5):  # a law begins with the power 1 at the least
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(Model, "laws", [(*law[:3], power) for law in body.model.laws])
+            patch.setattr(Model, "laws", [(*law[:3], power, *law[4:]) for law in body.model.laws])
             assert code_of(lambda: body.set_constants(body.model)) == NUMBER
 
 

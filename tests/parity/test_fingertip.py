@@ -186,3 +186,38 @@ def test_a_sheet_is_pressed_from_behind_as_from_the_front_and_a_body_from_outsid
     for body in (bodies[1], holed):
         touch = body.step(Motion(0, 1, TICK, (FingertipMotion(within, within, within, RADIUS, True),))).touches[0]
         assert touch and np.linalg.norm(touch.centre) > 0.99 * (SIZE / 2 + RADIUS) - 2e-3
+
+
+@pytest.mark.parametrize("backend", ["native64", "numpy"])
+def test_a_body_that_flies_and_spins_gains_the_momentum_and_the_moment_that_the_fingertip_loses(backend: str) -> None:
+    model = sphere(free=True, material=replace(SOFT, friction=0.0))
+    body, mass, rest = create(model, backend=backend), model.matching.mass, model.matching.rest
+    velocities = np.array([[0.5], [0.0], [0.0]]) + np.cross([[0.0], [1.0], [0.0]], rest, axis=0)
+    body.set_state(rest, velocities)
+    substeps, given, turned = model.substeps(TICK), np.zeros(3), np.zeros(3)
+    step, top = TICK / substeps, SIZE / 2 + RADIUS
+    for k in range(20 * substeps):
+        start, end = ((0.02 + 0.5 * t, 0.01, top - 0.2 * t) for t in (k * step, (k + 1) * step))
+        touch = body.step(Motion(1, 1, step, (FingertipMotion(start, end, end, RADIUS, k == 0),))).touches[0]
+        assert touch
+        given -= touch.impulse
+        turned -= np.cross(start, touch.impulse)  # a force through its centre, where that is as the substep begins
+    gained = (body.velocities() - velocities) @ mass
+    spun = np.cross(body.positions(), body.velocities(), axis=0) @ mass - np.cross(rest, velocities, axis=0) @ mass
+    assert np.linalg.norm(given) > 1e-3
+    np.testing.assert_allclose(gained, given, atol=1e-10 * np.linalg.norm(given))
+    np.testing.assert_allclose(spun, turned, atol=1e-5 * np.linalg.norm(turned))
+
+
+@pytest.mark.parametrize("backend", ["native", "numpy"])
+def test_no_number_that_is_none_comes_into_a_force(backend: str) -> None:
+    """Where the law falls with the depth it has no slope, and what is beyond all measure is no force."""
+    model = sphere(free=True)
+    falling, beyond = (np.linspace(first, 0, 33)[None] for first in (1.0, 1e308))
+    for table in (falling, beyond):
+        body = create(model, backend=backend)
+        start, end = ((0.0, 0.0, SIZE / 2 + RADIUS - down) for down in (-1e-4, 8e-3))
+        tip = FingertipMotion.straight(start, end, ticks=30, radius=RADIUS, fresh=True)
+        frame = body.step(Motion(30, model.substeps(TICK), TICK, (tip._replace(factors=(table, 4e-3)),)))
+        for touch in frame.touches:
+            assert touch and np.isfinite([*touch.force, *touch.impulse, touch.slope]).all() and touch.slope >= 0

@@ -85,24 +85,6 @@ def test_a_fingertip_with_its_centre_on_the_skin_pushes_it_inward_as_one_just_ou
         np.testing.assert_allclose(moved, pushed[2][1], rtol=0, atol=0.015)  # faces share a vertex otherwise
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_a_free_body_takes_the_momentum_that_the_fingertips_give(backend: str) -> None:
-    model = build_model(mesh_from_triangles(*ball(1, 0.08)), [replace(SOFT, friction=0.8)])
-    session = Session(model, backend=backend)
-    start = [np.array([0.0, 0.01, 0.1]), np.array([-0.1, 0.0, 0.02])]
-    session.set_fingers([Finger(tuple(p), 0.02) for p in start])
-    given = np.zeros(3)
-    for i in range(1, 31):
-        way = 0.002 * i
-        session.set_fingers(
-            [Finger(tuple(p), 0.02) for p in (start[0] + [way / 2, 0, -way], start[1] + [way, way / 3, 0])]
-        )
-        given -= session.step(0.002).finger_forces.sum(axis=0) * 0.002
-    momentum = (model.mass * session.body.velocities()).sum(axis=1)
-    assert np.linalg.norm(momentum) > 0.05
-    np.testing.assert_allclose(momentum, given, atol=(1e-12 if backend != "native" else 1e-4) * np.linalg.norm(given))
-
-
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda p: p.name)
 @pytest.mark.parametrize("cells", [1, 2, 3])
 def test_no_fingertip_slips_through_a_face_larger_than_itself(preset: Preset, cells: int) -> None:
@@ -153,7 +135,7 @@ def test_the_bulge_is_how_far_the_middle_of_a_facet_with_its_corners_on_a_sphere
 def test_a_fingertip_in_the_middle_of_a_facet_meets_its_corners_first(backend: str) -> None:
     """Of a flat facet with edges of some 11 mm, a fingertip of 20 mm: 1 mm deep it still touches nothing."""
     mesh = mesh_from_triangles(*ball(3, 0.08))
-    model = build_model(mesh, [replace(SOFT, fill="none")])
+    model = build_model(mesh, [replace(SOFT, fill="none")], pinned=base_vertices(mesh))
     corners, radius = mesh.rest_positions[mesh.triangles[7]], 0.02
     middle = corners.mean(axis=0)
     distance = float(np.linalg.norm(middle))
