@@ -15,9 +15,9 @@ from ..core.steps import Parts, at_once
 from . import (
     bridge,
     contact,
+    final_mesh,
     haptic,
     props,
-    rest_shape,
     sessions,
     showing,
     tuning,
@@ -213,7 +213,7 @@ def finish(body: LiveBody) -> list[str]:
     showing.show(_object(body), body)
     if body.recorder:
         try:
-            body.recorder.append(frame.time, showing.local_of(body), body.session)
+            body.recorder.append(frame.time, showing.offsets_of(body), body.session)
         except OSError as error:
             ended = body.recorder.cut_short(body.name, error)
             messages += [ended, *(each for each in sessions.end_recording(body) if not isinstance(each, Note))]
@@ -222,7 +222,7 @@ def finish(body: LiveBody) -> list[str]:
 
 def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> None:
     """Let what is pinned of a body go where its object has gone, and its shape at rest be what its rig makes of it."""
-    body.matrix, body.rest = rest_shape.lead(context, obj, body.link, body.session, body.matrix, body.rest)
+    body.matrix, body.rest = final_mesh.lead(context, obj, body.link, body.session, body.matrix, body.rest)
 
 
 def pressing(scene: bpy.types.Scene, body: LiveBody) -> Sequence[Finger | None]:

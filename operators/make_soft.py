@@ -5,7 +5,6 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from . import polls, sessions
-from .cutting import is_coarse, is_simulated_finer, refine
 from .mesh_faults import Faults, faults, repair
 from .messages import gathered, report, say
 from .names import POKE_TOOL, Op
@@ -43,9 +42,6 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         description="Object whose constants the material gets; unchosen, only a mesh without one gets it",
         items=presets, default=0, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
     )  # fmt: skip
-    subdivide: BoolProperty(
-        name="Subdivide", description="Cut edges that are longer than the fingertip is wide, which changes the mesh"
-    )
     repair: BoolProperty(
         name="Repair", description="Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself"
     )
@@ -65,11 +61,10 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         from . import live
 
         meshes = [obj for obj in live.candidates(context) if obj.type == "MESH"]
-        self.subdivide = any(_should_be_cut(context, obj) for obj in meshes if not is_shared(obj))
         found = [f for obj in meshes if not is_shared(obj) and any(f := faults(obj))]
         self.faults = words(Faults(*map(sum, zip(*found, strict=True)))) if found else ""
         self.repair = bool(found)
-        if self.subdivide or self.repair:
+        if self.repair:
             return context.window_manager.invoke_props_dialog(self, width=380)
         return self.execute(context)
 
@@ -77,10 +72,6 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         """Draw the material, and what is offered, and why."""
         column = self.layout.column()
         column.prop(self, "preset")
-        if self.subdivide or not self.faults:
-            column.label(text="The mesh is coarse for the fingertip.", icon="INFO")
-            column.label(text="A bake shows the dent only where the mesh is cut finer.", icon="BLANK1")
-        column.prop(self, "subdivide")
         if self.faults:
             column.label(text=self.faults, icon="INFO")
         column.prop(self, "repair")
@@ -105,7 +96,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
                 if self.repair and not is_shared(obj) and any(repaired := repair(obj)):
                     done.append(f'"{obj.name}" was repaired. {words(repaired)}')
                 chosen = self.properties.is_property_set("preset")
-                sentence, notes = make_soft(context, obj, self.preset, chosen=chosen, subdivide=self.subdivide)
+                sentence, notes = make_soft(context, obj, self.preset, chosen=chosen)
                 soft.append(sentence)
                 noted += notes
             except DimpleError as error:
@@ -128,18 +119,13 @@ def words(found: Faults) -> str:
     )
 
 
-def _should_be_cut(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
-    """Tell whether to offer a cut; of a body that is soft already also where only its bake is coarser than a press."""
-    return is_coarse(context, obj) or obj.dimple.enabled and is_simulated_finer(context.scene, obj)
-
-
 def is_shared(obj: bpy.types.Object) -> bool:
     """Tell whether to change a mesh would change more than this object, or unmake its shape keys."""
     return bool(obj.data.shape_keys) or obj.data.users > 1
 
 
 def make_soft(
-    context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool, subdivide: bool
+    context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool
 ) -> tuple[str, list[str]]:
     """Make a mesh a soft body; return a sentence on what it is now, and notes on what was found.
 
@@ -164,19 +150,14 @@ def make_soft(
         with context.temp_override(object=obj, active_object=obj):
             bpy.ops.dimple.apply_preset(preset=preset)
     settle_size(context.scene, obj)
-    obj.dimple.enabled, uncut = True, []
-    if subdivide and is_simulated_finer(context.scene, obj):  # at the size that the material may just have given it
-        if is_shared(obj):
-            uncut = [f'"{obj.name}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.']
-        else:
-            refine(context.scene, obj)
+    obj.dimple.enabled = True
     if len(obj.data.vertices) > LARGE:
-        return f'"{obj.name}" is soft: "{obj.active_material.name}". It is prepared when you press it first.', uncut
+        return f'"{obj.name}" is soft: "{obj.active_material.name}". It is prepared when you press it first.', []
     _, model = bridge.read_body(context, obj)
     planning.proxy_for(context.scene, obj, model)  # so that the first press begins at once
     size, notes = f"{1e3 * model.mesh.size:.3g} mm", [type(note)(f'"{obj.name}": {note}') for note in model.notes]
     said = f'"{obj.name}" is soft: "{obj.active_material.name}", {size} across. Press it with the left mouse button.'
-    return said, [*uncut, *notes]
+    return said, notes
 
 
 def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.types.Object, str]:

@@ -43,7 +43,7 @@ class LiveBody:
     changed_at: when they were changed last, None where they were planned for [s].
     around: what it was planned for besides its settings, None before its first step.
     matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
-    triangles: (t, 3) of the object's own vertices, outward.
+    triangles: (t, 3) of the vertices of the final mesh, outward.
     painted_at: when weights that are painted were read last [s].
     fingers: the fingertips to be drawn, in the session's space.
     poked: which fingertips are the poke's.
@@ -135,7 +135,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
         return body, []
     from ..core.mesh.surface import input_vertices
     from ..core.session import Session
-    from . import bridge, bridge_write, planning, sizing, timeline
+    from . import bridge, bridge_write, final_mesh, planning, sizing, timeline
     from .settings import settings_of
 
     bridge.check(obj)
@@ -143,12 +143,12 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     bridge_write.rescue(sessions)  # a duplicate of a body that is live shows its press
     size = sizing.settle_size(context.scene, obj)
     try:
+        final_mesh.attach(context, obj)
         link, model = yield from bridge.reading_body(context, obj)
         proxy, reason = yield from planning.planning_for(context.scene, obj, model)
-        # may refuse too, so before the object is touched
         session = yield 0.9, partial(Session, model, proxy=proxy, tick=timeline.tick_s(context.scene))
-        bridge_write.borrow(obj)
     except BaseException:
+        final_mesh.detach(obj)
         if size:
             obj.dimple.property_unset("size_mode")
         raise
@@ -185,7 +185,8 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     if body is None:
         return []
     set_worlds(())  # made anew of those that are left
-    from . import bridge, bridge_write, cache_files, props
+    from ..core.base import DimpleError
+    from . import bridge, bridge_write, cache_files, final_mesh, props
 
     if not sessions and restore and not undoing:
         props.put_back()
@@ -193,14 +194,18 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
         props.fallen.clear()
     obj = bridge.find(uid, body.name)
     if obj and not restore and bridge_write.is_intact(obj, body.link):
-        local = bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
-        bridge_write.keep(obj, local, body.rest)
+        local = bridge.offsets_of(body.link, body.matrix, body.rest, body.session.positions())
+        bridge_write.keep(bpy.context, obj, body.link, local)
     if obj:
-        bridge_write.give_back(obj)
+        final_mesh.detach(obj)
     bridge_write.rescue(sessions)
     messages = end_recording(body)  # after the mesh: whatever the disk does, that is safe
     if obj and body.take:
-        cache_files.attach_cache(obj, *body.take)
+        try:
+            with cache_files.plain_os_errors("Recording"):
+                cache_files.attach_cache(bpy.context, obj, *body.take, body.link.cuts)
+        except DimpleError as error:
+            messages.append(str(error))
         if not undoing:
             bridge_write.remember("Record")  # else an undo of what came before would take the take along
     return messages

@@ -5,7 +5,7 @@ WORDS = {
     "Simulate": "計算するもの",
     "What is simulated: the full mesh or a proxy": "計算するもの。元のメッシュ、またはプロキシ",
     "Automatic": "自動",
-    "The full mesh, cut finer where it is coarse, or the finest proxy that runs live": (
+    "The full mesh, subdivided where it is coarse, or the finest proxy that runs live": (
         "リアルタイムで動くなら元のメッシュ、動かないならリアルタイムで動く最も細かいプロキシ。粗すぎるメッシュは細分化します"
     ),
     "Full Mesh": "元のメッシュ",

@@ -75,14 +75,6 @@ WORDS = {
         "重複した頂点を結合し、孤立した頂点を削除し、面を外側に向けます。メッシュ自体が変わります"
     ),
     "Faults": "不備",
-    "Subdivide": "細分化",
-    "Cut edges that are longer than the fingertip is wide, which changes the mesh": (
-        "指先の幅より長い辺を分割します。メッシュが変わります"
-    ),
-    "The mesh is coarse for the fingertip.": "メッシュが指先に対して粗くなっています。",
-    "A bake shows the dent only where the mesh is cut finer.": (
-        "メッシュを細分化しないと、ベイクにはへこみが現れません。"
-    ),
     "Colors": "色",
     "Color the surface of what is pressed, with a scale": "押している物体の面を、目盛り付きの色で塗る",
     "Contact Pressure": "接触圧",

@@ -342,7 +342,7 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
     for (int c = 0; c < 3; c++) force[c] += push * f->outward[c];
     if (dm_inner3(force, force) + f->slope < INFINITY)
         for (int c = 0; c < 3; c++) f->force[c] = dm_inner3(pose + 3 * c, force);
-    else f->law = f->slope = f->felt = f->slides = 0; /* what is beyond all measure is no force */
+    else f->law = f->slope = f->slides = 0, f->felt = 0; /* what is beyond all measure is no force */
 }
 
 /* Let the depth be counted from the surface at rest again, where what had moved the skin has gone. */

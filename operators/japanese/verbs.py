@@ -7,14 +7,9 @@ MESSAGES = {
         "{} 個のメッシュを柔らかくしました。左マウスボタンで押せます。"
     ),
     "{}: {}": "{}: {}",
-    'The modifier "{}" moves the surface after the press: aim at the mesh before it.': (
-        'モディファイアー "{}" が押したあとで表面を動かします。その前のメッシュを狙ってください。'
-    ),
     "A rig holds it: its shape at rest goes where that goes.": "リグに付いています。元の形はリグの動きに従います。",
-    "The mesh has only {} vertices, too few for this fingertip: {} are simulated, in the same shape. A bake needs the "
-    "mesh itself as fine: subdivide it, or tick Subdivide in Make Soft.": (
-        "元の {} 頂点では指先に対して少なすぎるため、同じ形の {} 頂点で計算します。ベイクするには、メッシュそのものを"
-        "細分化するか、「柔らかくする」の「細分化」をオンにしてください。"
+    "The mesh is coarse for the fingertip: it is pressed with {} vertices.": (
+        "指先に対してメッシュが粗いため、{} 頂点に細分化して押します。"
     ),
     "The body is {} m across, over 100 times the radius of the fingertip. Set Physical Size to Custom Size in "
     "Physics > Dimple.": (
@@ -26,8 +21,8 @@ MESSAGES = {
         "メッシュの辺は {} mm、指先の幅は {} mm です。へこみが見えるように、メッシュを細分化するか、もっと大きい指先を"
         "使ってください。"
     ),
-    "The mesh is coarse for this fingertip: it is cut finer when the body is started again.": (
-        "この指先にはメッシュが粗すぎます。物体をもう一度開始すると細分化されます。"
+    "The mesh is coarse for this fingertip: it is subdivided further when the body is started again.": (
+        "この指先にはメッシュが粗すぎます。物体をもう一度開始するとさらに細分化されます。"
     ),
     "A pressure needs an inside: close the mesh.": "圧力には内側が必要です。メッシュを閉じてください。",
     "Its materials differ in fill or pressure: {}, {} kPa acts, on the most area.": (
@@ -52,12 +47,6 @@ MESSAGES = {
     'The material of "{}" is linked from another file. Make it local first.': (
         '"{}" のマテリアルは別のファイルからリンクされています。先にローカル化してください。'
     ),
-    '"{}" has its faces from a modifier alone. Apply that modifier first.': (
-        '"{}" の面はモディファイアーだけが作っています。先にそのモディファイアーを適用してください。'
-    ),
-    'What shows the press of "{}" was deleted, so its session has ended.': (
-        '"{}" の押した形を表示するデータが削除されたため、終了しました。'
-    ),
     '"{}": a material is gone: the constants of a new one act in its place.': (
         '"{}": マテリアルがなくなったため、代わりに新しいマテリアルの定数を使います。'
     ),
@@ -76,10 +65,13 @@ MESSAGES = {
     '"{}" shows one shape key only. Switch Solo Active Shape Key off first.': (
         '"{}" はシェイプキーを一つだけ表示しています。先に「アクティブシェイプキーをソロ化」をオフにしてください。'
     ),
-    '"{}": the modifier "{}" comes after shape keys and would move them once more. Bake to a Mesh Cache, which '
-    "goes after it.": (
-        '"{}": モディファイアー "{}" はシェイプキーのあとに働き、もう一度動かしてしまいます。そのあとに入るメッシュ'
-        "キャッシュにベイクしてください。"
+    '"{}" shows what its modifier "{}" makes of its mesh, and shape keys move the mesh before that. Bake to a Mesh '
+    "Cache, or export.": (
+        '"{}" にはモディファイアー "{}" の結果が見えていて、シェイプキーはその前のメッシュを動かします。'
+        "メッシュキャッシュにベイクするか、書き出してください。"
+    ),
+    '"{}" is too coarse for shape keys. Subdivide it, bake to a Mesh Cache, or export.': (
+        '"{}" はシェイプキーには粗すぎます。細分化するか、メッシュキャッシュにベイクするか、書き出してください。'
     ),
     '"{}" shares its mesh with other objects: its shape keys go on a copy of its own.': (
         '"{}" はメッシュをほかのオブジェクトと共有しているため、シェイプキーは専用のコピーに付けます。'
@@ -181,9 +173,6 @@ MESSAGES = {
         "Blender のエクスポーターが {} を書き終えられませんでした。ディスクがいっぱいか、フォルダーが読み取り専用で"
         "はありませんか？"
     ),
-    '"{}": {} holds the mesh before its modifiers ({}).': (
-        '"{}": {} に入るのはモディファイアー ({}) を適用する前のメッシュです。'
-    ),
     "Choose a port, or type its path.": "ポートを選ぶか、パスを入力してください。",
     '"{}" is a device to try.': '"{}" は試しに使えるデバイスです。',
     "Blender draws only {} frames a second, so the dead-man key lapses and there is no force. Simulate a proxy, or "
@@ -202,9 +191,6 @@ MESSAGES = {
     ),
     "Nothing is selected. Select a mesh to press it.": "何も選択されていません。押すメッシュを選択してください。",
     '"{}" is being pressed already.': '"{}" はすでに押しているところです。',
-    '"{}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.': (
-        '"{}" にはシェイプキーがあるか、メッシュを共有しているため、細分化しません。自分で細分化してください。'
-    ),
     '"{}" is soft: "{}". It is prepared when you press it first.': (
         '"{}" は柔らかくなりました: "{}"。最初に押すときに準備されます。'
     ),
@@ -267,10 +253,13 @@ MESSAGES = {
     "The recovery copy could not be written, so save the file yourself: {}": (
         "復旧用のコピーを書き込めませんでした。自分でファイルを保存してください: {}"
     ),
-    'The modifier "{}" reorders vertices, so the shape at rest is that of this frame. To let it follow the rig, '
-    "switch that modifier off in the viewport.": (
-        'モディファイアー "{}" が頂点の順序を変えるため、元の形はこのフレームのものになります。リグに従わせるには、'
-        "ビューポートでそのモディファイアーをオフにしてください。"
+    '"{}" is not in this view layer, so it has no shape now. Put it there first.': (
+        '"{}" はこのビューレイヤーにないため、いまの形がありません。先にビューレイヤーに入れてください。'
+    ),
+    '"{}": its modifiers give {} vertices now, and gave {}. What is pressed must keep its vertices: apply the modifier '
+    "that changes them, or switch it off.": (
+        '"{}": モディファイアーの出力がいま {} 頂点で、始めは {} 頂点でした。押すものの頂点は変わってはいけません。'
+        "頂点を変えるモディファイアーを適用するか、オフにしてください。"
     ),
     '"{}" is gone, so its session has ended.': '"{}" がなくなったため、終了しました。',
     '"{}" was edited while it was pressed, so its session has ended. The edit is kept.': (

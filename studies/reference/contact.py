@@ -62,7 +62,7 @@ class Touch:
     faces: (t,) which of the mesh they are.
     kept: (3, vertices and faces of the mesh) the impulses of the last step [N s], None where there was none; replaced
         by those of the next.
-    slides: the fingertip slides over the surface, and the skin under it as well.
+    slides: share of the friction that the fingertip uses up on the surface: of the skin's, so much does not hold.
     """
 
     centre: Floats
@@ -73,7 +73,7 @@ class Touch:
     radii: Floats
     faces: Ints | None = None
     kept: Floats | None = None
-    slides: bool = False
+    slides: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,7 +237,7 @@ def _find(before: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: S
     here, share = members[met], weights[met]
     compliance, friction = ((each[here] * share).sum(axis=1) for each in (skin.compliance, skin.friction))
     yields = np.where(is_face[met], FACE_YIELDS, VERTEX_YIELDS) * compliance / dt**2
-    friction = np.zeros_like(friction) if touch.slides else friction
+    friction = (1 - touch.slides) * friction
     part = np.where(was_held[met] & (yields == 0), HELD_PART, 1.0)  # what yields comes out by its impulse alone
     gap, normal = (apart - radius)[met], normal[:, met]
     gives = (yields > 0) & (gap < 0)

@@ -72,7 +72,7 @@ class Tip:
     factors: tuple[Floats, float] | None = None
     met: bool = False
     felt: bool = False
-    slides: bool = False
+    slides: float = 0.0
     beside: bool = False
     way: float = 0.0
     deep: float = 0.0
@@ -120,7 +120,7 @@ class Around:
     skin: (3, n) where the vertices are [m].
     rest: (3, n) those of a proxy at rest [m], None where the surface is the body's own.
     pushes: the fingertip moves the skin itself.
-    others: something else touches the body.
+    others: something else touches the body, or did so short a time ago that its skin still comes back.
     """
 
     surface: RestSurface
@@ -316,11 +316,13 @@ def find_foot(s: RestSurface, tip: Tip, x: Floats) -> tuple[float, Round]:
         tip.foot = tip.anchor.copy()
         found = march(s, tip, tip.foot, -aside)
     way = tip.foot - x
-    along, _ = along_normals(found, way)
-    deep = math.sqrt(way @ way)
+    along, aside = along_normals(found, way)
+    # what a foot that is straight above is still aside would tilt the force of a shallow press
+    up = along if math.sqrt(aside @ aside) <= STRAIGHT * tip.radius else way
+    deep = math.sqrt(up @ up)
     if not along @ along > 0 or not deep > 1e-9 * tip.radius:  # it has no direction
         return 0.0, found
-    tip.outward = way / deep
+    tip.outward = up / deep
     return deep, found
 
 
@@ -367,7 +369,7 @@ def press(a: Around, tip: Tip, centre: Floats, seconds: float = 0.0) -> None:
     """
     s, rotation, was = a.surface, a.pose[0], tip.felt
     before, x = tip.local, rotation.T @ (centre - a.pose[1])
-    tip.local, tip.force, tip.law, tip.slope, tip.slides = x, np.zeros(3), 0.0, 0.0, False
+    tip.local, tip.force, tip.law, tip.slope, tip.slides = x, np.zeros(3), 0.0, 0.0, 0.0
     if not np.isfinite(x).all():  # of a body that has blown up
         tip.met = tip.felt = False
         return
@@ -382,7 +384,8 @@ def press(a: Around, tip: Tip, centre: Floats, seconds: float = 0.0) -> None:
     most = friction * law / stick if stick > 0 else 0.0
     if was and stick > tip.stick > 0:  # it keeps its force and gives up its way
         left *= tip.stick / stick
-    tip.slides, left, tip.stick = left > most, min(left, most), stick
+    left, tip.stick = min(left, most), stick
+    tip.slides = left / most if most > 0 else 1.0
     if left < (1 - 1e-9) * far:  # the anchor comes nearer
         aside *= left / far
         tip.anchor = tip.foot.copy()
@@ -398,7 +401,7 @@ def press(a: Around, tip: Tip, centre: Floats, seconds: float = 0.0) -> None:
     if math.sqrt(force @ force) + tip.slope < math.inf:
         tip.force = rotation @ force
     else:  # what is beyond all measure is no force
-        tip.law, tip.slope, tip.felt, tip.slides = 0.0, 0.0, False, False
+        tip.law, tip.slope, tip.slides, tip.felt = 0.0, 0.0, 0.0, False
 
 
 def count_anew(tip: Tip, tick: float, *, others: bool) -> None:
@@ -418,8 +421,8 @@ def push_on(s: RestSurface, pose: Pose, tip: Tip, to: FingertipMotion, tick: flo
 
 def lift(tip: Tip) -> None:
     """Take a fingertip away."""
-    tip.met = tip.felt = tip.slides = False
-    tip.way = tip.zero = tip.height = tip.law = tip.slope = tip.stick = tip.thickness = 0.0
+    tip.met = tip.felt = False
+    tip.way = tip.slides = tip.zero = tip.height = tip.law = tip.slope = tip.stick = tip.thickness = 0.0
     tip.force = np.zeros(3)
 
 
@@ -442,7 +445,7 @@ def put_down(a: Around, tip: Tip) -> None:
         tip.centre = rotation @ x + translation
     tip.local, tip.facet = x, found.facet
     tip.depth, found = find_gap(s, tip, x)
-    tip.deep = tip.depth
+    tip.deep, tip.met, tip.anchor = tip.depth, tip.depth > 0, tip.foot.copy()
     take_place(s, tip, found)
     tip.height = skin_height(a, tip, tip.foot - tip.radius * tip.outward)
 

@@ -121,6 +121,7 @@ class Twin:
         state.positions[:] = positions
         state.velocities[:] = 0.0 if velocities is None else velocities
         self._led, self._rest = False, Rest()
+        self._comes_back = 0.0  # [s] for so long its skin does, since nothing touches it: about
         for tip in self._tips:
             fingertip.lift(tip)
 
@@ -275,10 +276,10 @@ class Twin:
         return Around(
             surface=self._surface, pose=pose or self._pose(), skin=self._state.positions,
             rest=None if own else self.model.mesh.rest_positions.T, pushes=kept is not None and bool(kept.any()),
-            others=self._is_beside_others(finger),
+            others=self._comes_back > 0 or self._is_beside_others(finger),
         )  # fmt: skip
 
-    def _is_beside_others(self, finger: int) -> bool:
+    def _is_beside_others(self, finger: int | None) -> bool:
         return self.meets or any(tip.felt for k, tip in enumerate(self._tips) if k != finger)
 
     def _enter_tick(self, call: Call) -> None:
@@ -295,6 +296,8 @@ class Twin:
         call.ticks += 1
         if not self.model.free or self._rest.asleep:
             self._press_held(call)
+        back = self._comes_back - call.motion.tick
+        self._comes_back = fingertip.BACK_TIME if self._is_beside_others(None) else back
         if self._rest.asleep:
             return
         state, tick, path = self._state, call.motion.tick, call.path

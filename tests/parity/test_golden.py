@@ -27,15 +27,15 @@ from studies.reference import create
 from tests.parity.cases import CASES, build
 
 GOLDEN = {
-    ("liquid", 32, "SSE2"): "487d0bd7903e5885667a9f50383afdebd75cf03cb7354d914d658d40d764a0ed",
-    ("liquid", 32, "AVX2"): "ce9c67151038a8d9984f157b7ebe3837996e5e2c959cc5c850a53dc90d4221fa",
-    ("liquid", 64, ""): "c333b440400023c541cc9a07e2c3a629761fd643d336cab84ac5ae570c8e9d14",
-    ("free on the ground", 32, "SSE2"): "036cc94b9f0bfa3cae1e268a6828bfd13936867f3ede8bb0329d750fc6a4b2dd",
-    ("free on the ground", 32, "AVX2"): "415fe3f09428e9db8d833c8f29ac8db3dde8a2ecc4957696d77a5790fbf52a6b",
-    ("free on the ground", 64, ""): "fcdf74c8ef3646d0c99ceb820d87f75fa9e94db7bdaa987b6eaf17ce6e9d747e",
+    ("liquid", 32, "SSE2"): "b78c3b87a4e7a7988d361e68ef0eb0c061c02c8a971c17639f67f42d45e3a3e3",
+    ("liquid", 32, "AVX2"): "788ea3ddfd9b0bc252836bb182a834687a3b14a261d58ffceb69372fcae818b3",
+    ("liquid", 64, ""): "c6af458bdab071f979532f609001884fe10101373c050171bf05ded62e215a4b",
+    ("free on the ground", 32, "SSE2"): "77ca6f06a843ac4db3dae486702ff9ad0a4780a00372defe81df65d4e9cfc6ee",
+    ("free on the ground", 32, "AVX2"): "734c1f3a983659d2177b4300f9098fecc042ea7882f48ead33cb65d6d26bdc91",
+    ("free on the ground", 64, ""): "5bb349c390a237d3d55fb628125067f4ffe8f455a0da5624a82074da4f04be00",
 }
 NUMPY = {
-    "liquid": "7b1f6d0d9cf24d81123c46ce2f0506c8b222603e5052c83ebc38890f87d4bbe5",
+    "liquid": "0f3a7d3df11d6fc67708aab536301f614c72050019deb413f995663b958c0329",
 }
 
 

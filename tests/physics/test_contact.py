@@ -55,11 +55,13 @@ def test_the_impulse_on_the_fingertip_is_minus_that_on_the_skin(seed: int, radiu
     touch = Touch(
         centre=centre, velocity=towards, radius=radius, vertices=vertices, triangles=mesh.triangles[faces], radii=radii
     )  # fmt: skip
-    before = v.copy()
-    impulse = resolve(x, v, touch, 1 / mass, hard(42, friction), Step(1e-4))
+    before, place = v.copy(), x - 1e-4 * v
+    impulse, moment = resolve(x, v, touch, 1 / mass, hard(42, friction), Step(1e-4))
     gained = (mass * (v - before)).sum(axis=1)
     assert np.linalg.norm(gained) > 0
     np.testing.assert_allclose(impulse, -gained, atol=1e-13 * np.abs(mass * (v - before)).sum())
+    spun = np.cross(place, mass * (v - before), axis=0).sum(axis=1)
+    np.testing.assert_allclose(moment, -spun, atol=1e-13 * np.abs(mass * (v - before)).sum())
 
 
 @pytest.mark.parametrize("where", [(1, 1, 1), (0, 1, 1), (0, 0, 1)], ids=["face", "edge", "vertex"])
@@ -78,7 +80,7 @@ def test_a_fingertip_with_its_centre_on_the_skin_pushes_it_inward_as_one_just_ou
             centre=centre, velocity=-outward, radius=0.1, vertices=vertices, triangles=mesh.triangles[faces],
             radii=radii,
         )  # fmt: skip
-        pushed.append((resolve(x, v, touch, np.ones(42), hard(42, 0.0), Step(1e-4)), x - mesh.rest_positions.T))
+        pushed.append((resolve(x, v, touch, np.ones(42), hard(42, 0.0), Step(1e-4))[0], x - mesh.rest_positions.T))
     for impulse, moved in pushed[:2]:
         assert impulse @ outward > 0 and (weights @ moved.T[mesh.triangles[7]]) @ outward < -0.08
         np.testing.assert_allclose(impulse, pushed[2][0], rtol=0, atol=0.15 * np.linalg.norm(pushed[2][0]))

@@ -20,7 +20,7 @@ BALL_TIP = Indenter(shape="sphere", radius=TIP)
 SOFT = Material(K1=600, K2=2000, x0=0.02, k=600, mass=0.5, damping_ratio=0.5, fill="none", indenter=BALL_TIP)
 STIFF = replace(SOFT, K1=1800, K2=6000, k=1800)
 CHANGES = [
-    replace(SOFT, K1=1800), replace(SOFT, K2=9000), replace(SOFT, x0=0.008), replace(SOFT, k=3000),
+    replace(SOFT, K1=1800), replace(SOFT, K2=9000), replace(SOFT, x0=0.015), replace(SOFT, k=3000),
     replace(SOFT, mass=2.0), replace(SOFT, damping_ratio=1.5), replace(SOFT, friction=0.0), replace(SOFT, spread=0.03),
 ]  # fmt: skip
 MAPS = ("softness", "knee", "spread", "thickness")

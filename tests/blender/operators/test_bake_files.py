@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from tests.blender.operators.test_bake import table
+from tests.point_cache import cache_of
 from tools.environment import ROOT
 
 Add = Callable[..., Any]
@@ -60,9 +61,9 @@ def test_several_objects_are_baked_in_one_pass(bpy: ModuleType, scene: Any, ball
     for obj in bodies:
         obj.select_set(True)
     bpy.ops.dimple.bake(frame_start=5, frame_end=8)
-    paths = {obj.modifiers[0].filepath for obj in bodies}
+    paths = {cache_of(obj).filepath for obj in bodies}
     assert len(paths) == 3 and all(Path(path).exists() for path in paths)
-    assert {obj.modifiers[0].frame_start for obj in bodies} == {5.0}
+    assert {cache_of(obj).frame_start for obj in bodies} == {5.0}
 
 
 def unfinished(bpy: ModuleType, obj: Any, **changes: Any) -> Iterator[float]:
@@ -160,7 +161,7 @@ def test_a_bake_beside_a_saved_file_is_found_again_when_the_project_moves(
     (tmp_path / "here").mkdir()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "here" / "press.blend"))
     bpy.ops.dimple.bake(frame_start=1, frame_end=8)
-    assert obj.modifiers[0].filepath == "//press_Ball_bake.pc2"
+    assert cache_of(obj).filepath == "//press_Ball_bake.pc2"
     scene.frame_set(7)
     seen = shown(obj).copy()
     bpy.ops.wm.save_mainfile()

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.point_cache import cache_of
+
 LAST = 10  # frames
 LONGEST_S = 20.0  # before a proxy is made all the same: who waits for it so long has not gone on beside it
 
@@ -68,7 +70,7 @@ def test_a_bake_makes_its_proxy_between_events_with_progress_and_esc_leaves_noth
     while (state := run.ticks(1)) == {"RUNNING_MODAL"}:
         assert "%" in run.context.said
     assert state == {"FINISHED"} and keyed.dimple.plan_vertices == 1000
-    path = Path(keyed.modifiers["Dimple"].filepath)
+    path = Path(cache_of(keyed).filepath)
     beside = path.read_bytes()
     bpy.ops.dimple.unbake()
     assert bpy.ops.dimple.bake(frame_start=1, frame_end=LAST) == {"FINISHED"}

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 NOTE = (
-    '"{}": The mesh has only 642 vertices, too few for this fingertip: 2,562 are simulated, in the same shape. '
-    "A bake needs the mesh itself as fine: subdivide it, or tick Subdivide in Make Soft."
+    '"{}": The edges of the mesh are 642 mm long, the fingertip 20 mm wide: subdivide the mesh or use a larger '
+    "fingertip, for a visible dent."
 )
 
 
@@ -36,7 +36,7 @@ def test_sentences_of_many_bodies_are_translated_soon_and_like_one(bpy: ModuleTy
     joined = translation.translated(" ".join(NOTE.format(f"Ball.{k:03}") for k in range(50)), japanese)
     assert time.process_time() - began < 1.5
     assert row == joined == "".join(translation.translated(NOTE.format(f"Ball.{k:03}"), japanese) for k in range(50))
-    assert "vertices" not in row and row.count("642") == 50
+    assert "edges" not in row and row.count("642") == 50
 
 
 def test_where_the_catalogue_is_not_in_the_language_a_message_is_not_looked_at(

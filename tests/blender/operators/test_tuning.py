@@ -263,7 +263,7 @@ def test_that_a_mesh_is_coarse_for_a_smaller_fingertip_is_said_once(bpy: ModuleT
     bpy.context.scene.dimple.finger_radius_mm = 1.0
     step(bpy, 1.5)
     said = [each for _ in range(4) for each in live.advance(bpy.context, FRAME_S)]
-    assert sum("cut finer when the body is started again" in each for each in said) == 1
+    assert sum("subdivided further when the body is started again" in each for each in said) == 1
 
 
 def test_undo_passes_for_whatever_was_changed_in_a_panel_and_not_for_the_wheel(
