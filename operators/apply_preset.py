@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import StringProperty
 
-from . import polls
+from . import polls, sizing
 from .messages import say
 from .names import Op
 
@@ -47,6 +47,7 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
         apply(material_of(context.object, preset.label).dimple, preset)
         body = context.object.dimple
         body.enabled, body.size_mode, body.size_mm = True, "CUSTOM", preset.size * 1e3
+        sizing.fit(context.scene, context.object)
         return {"FINISHED"}
 
 

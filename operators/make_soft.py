@@ -8,8 +8,8 @@ from . import polls, sessions
 from .cutting import is_coarse, is_simulated_finer, refine
 from .mesh_faults import Faults, faults, repair
 from .messages import report, say
-from .names import POKE_TOOL, Op
-from .sizing import settle_size
+from .names import Op
+from .sizing import fit, settle_size
 from .start import LARGE
 
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
@@ -85,7 +85,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set up every selected mesh; one that cannot be pressed is said and left as it was."""
         from ..core.base import DimpleError
-        from . import live
+        from . import live, pointer
 
         done, wrong, noted = [], [], []
         try:
@@ -110,7 +110,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
             say(self, {"ERROR"}, " ".join(wrong))
             return {"CANCELLED"}
         report(self, [*wrong, *noted])
-        choose_tool(context)
+        pointer.choose_tool(context)
         say(self, {"INFO"}, " ".join(done))
         return {"FINISHED"}
 
@@ -153,6 +153,7 @@ def make_soft(
         with context.temp_override(object=obj, active_object=obj):
             bpy.ops.dimple.apply_preset(preset=preset)
     settle_size(context.scene, obj)
+    fit(context.scene, obj)
     obj.dimple.enabled, uncut = True, []
     if subdivide and is_simulated_finer(context.scene, obj):  # at the size that the material may just have given it
         if is_shared(obj):
@@ -196,12 +197,6 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.type
     made = context.view_layer.objects.active if replaced else obj  # Blender removes a metaball
     made.name = name
     return made, f'"{made.name}" was {given}converted to a mesh.'
-
-
-def choose_tool(context: bpy.types.Context) -> None:
-    """Make the poke the tool of the viewport, where there is one."""
-    if context.area and context.area.type == "VIEW_3D" and context.window:
-        bpy.ops.wm.tool_set_by_id(name=POKE_TOOL)
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_make_soft])
