@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import bpy
+import brushing
 import clicking
 import large
 import playing
@@ -328,6 +329,7 @@ def record(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 SCENES: dict[str, Scene] = {
     "making": by_hand,
     "tuning": press_and_undo,
+    "brushing": brushing.brush,
     "keyframing": playing.keyframes,
     "search": search,
     "recording": record,

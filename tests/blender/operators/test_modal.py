@@ -200,7 +200,8 @@ def test_undo_is_swallowed_and_navigation_sizing_and_the_side_regions_are_not(
     poke = hand("poke")
     poke.invoke()
     swallowed = (
-        ("Z", {"ctrl": True}), ("Z", {"oskey": True}), ("X", {}), ("TAB", {}), ("G", {}), ("R", {}), ("N", {"ctrl": True})
+        ("Z", {"ctrl": True}), ("Z", {"oskey": True}), ("X", {}), ("TAB", {}), ("G", {}), ("R", {}),
+        ("N", {"ctrl": True}),
     )  # fmt: skip
     for kind, more in swallowed:
         assert poke.send(kind, **more) == {"RUNNING_MODAL"}, kind
