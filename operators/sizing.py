@@ -18,7 +18,7 @@ def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> Note | None:
     settings = obj.dimple
     settings.size_mode = "CUSTOM"
     return Note(
-        f'"{obj.name}" is {_as_modelled(scene, obj):.3g} m across as modelled, but constants are measured on what '
+        f'"{obj.name}": {_as_modelled(scene, obj):.3g} m across as modelled, but constants are measured on what '
         f"one can hold: it is pressed as an object of {settings.size_mm:.3g} mm. "
         "Physical Size in Physics > Dimple changes that."
     )
@@ -41,13 +41,6 @@ def metres_per_unit(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
     if (settings.size_mode == "CUSTOM" or is_unsuited(scene, obj)) and largest > 0:
         return float(settings.size_mm / 1e3 / largest)
     return float(scene.unit_settings.scale_length)
-
-
-def scales_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> tuple[float, float, float]:
-    """Return metres of the real object per unit of its mesh, along each axis of the mesh."""
-    per_unit = metres_per_unit(scene, obj)
-    x, y, z = (per_unit * abs(each) for each in obj.matrix_world.to_scale())
-    return x, y, z
 
 
 def fit(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
