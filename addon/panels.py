@@ -124,10 +124,15 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         """Draw radius, direction and the three slots."""
         settings, layout = context.scene.dimple, self.layout
         layout.use_property_split = True
-        layout.prop(settings, "finger_radius_mm", text="Radius (mm)")
+        row = layout.row(align=True)
+        row.prop(settings, "finger_radius_mm", text="Radius (mm)")
+        row.prop(settings, "radius_follows", text="", icon="LINKED")
         layout.row().prop(settings, "press_by", expand=True)
         for name in amounts(settings):
-            layout.prop(settings, name)
+            row = layout.row(align=True)
+            row.prop(settings, name)
+            if name == "press_depth_mm":
+                row.prop(settings, "depth_follows", text="", icon="LINKED")
         row = layout.row()
         row.active = settings.press_by == "DEPTH"  # a force goes straight into the surface
         row.prop(settings, "poke_along")

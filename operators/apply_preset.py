@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import StringProperty
 
-from . import polls
+from . import polls, sizing
 from .messages import say
 from .names import Op
 
@@ -44,6 +44,7 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
             say(self, {"ERROR"}, f'There is no preset "{self.preset}". There are: {known}.')
             return {"CANCELLED"}
         give(context.object, preset)
+        sizing.fit(context.scene, context.object)
         return {"FINISHED"}
 
 
