@@ -118,4 +118,4 @@ def test_the_same_ticks_sleep_alike_however_they_are_called(first: str, second: 
         moved += many.step(Motion(1, steps, 1e-3, (FingertipMotion(here, there, there, 0.02),))).moved
         here = there
     assert 250 <= moved < 320
-    assert one.positions() == pytest.approx(many.positions(), abs=1e-9)
+    assert one.positions() == pytest.approx(many.positions(), abs=1e-8)
