@@ -2,6 +2,7 @@
 
 from .. import operators
 from . import (
+    fingertip_gizmo,
     overlay,
     panels,
     preferences,
@@ -18,7 +19,7 @@ from . import (
 # the preferences move the panels
 PARTS = (
     translations, properties, operators, presets, panels, reduction, preferences, surface_colours, overlay,
-    tool, still_warning,
+    fingertip_gizmo, tool, still_warning,
 )  # fmt: skip
 
 

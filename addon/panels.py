@@ -6,6 +6,7 @@ What cannot be used now is greyed out, not hidden; a tooltip from the operator's
 import bpy
 
 from ..operators import twins
+from ..operators.fingertip_objects import body_of
 from ..operators.names import MAPS, Op
 from ..operators.sessions import sessions
 from ..operators.under_way import is_blind
@@ -68,7 +69,7 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the operators and the state of the session."""
-        layout, body = self.layout, context.object
+        layout, body = self.layout, body_of(context.object, context.scene)
         entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)
         column.scale_y = 1.4
@@ -77,7 +78,7 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         row.operator(Op.MAKE_SOFT, icon="MOD_SOFT")
         column.operator(Op.POKE, icon="RESTRICT_SELECT_OFF")
         row = layout.row()
-        row.enabled = body is not None and body.type == "MESH"
+        row.enabled = body is not None and body.type == "MESH" and body == context.object
         DIMPLE_PT_material_presets.draw_menu(row, text="Materials")
         paired = body is not None and body.type == "MESH" and twins.other(body, context.scene) is not None
         layout.operator(Op.USE_MATERIAL if paired else Op.COMPARE_MATERIALS, icon="MOD_MIRROR")
@@ -98,7 +99,7 @@ class DIMPLE_PT_state(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the state."""
-        layout, body = self.layout, context.object
+        layout, body = self.layout, body_of(context.object, context.scene)
         if body is None or body.type != "MESH":
             draw_notes(context, layout, ["Select a mesh to press it."])
         elif context.window_manager.dimple.state:
@@ -118,7 +119,7 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the numbers with units, then the notes."""
-        layout, body = self.layout, context.object
+        layout, body = self.layout, body_of(context.object, context.scene)
         room.note_readout(context.area, shown=True)
         entry = sessions.get(body.session_uid) if body else None
         if entry is None:
@@ -159,7 +160,9 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         tips = [getattr(settings, f"finger_{number}") for number in (1, 2, 3)]
         if any(tip and tip.type != "EMPTY" for tip in tips):
             draw_notes(context, layout, ["A fingertip presses as a ball of this radius, whatever its shape."])
-        layout.operator(Op.ADD_FINGERTIP, icon="SPHERE")
+        column = layout.column(align=True)
+        column.operator(Op.ADD_FINGERTIP, icon="SPHERE")
+        column.operator(Op.KEY_PRESS, icon="KEYINGSET")
 
 
 def _bake_button(layout: bpy.types.UILayout, scene: bpy.types.Scene, target: str, *, text: str) -> None:

@@ -5,7 +5,7 @@ press.
 
 import bpy
 
-from . import modal_runs, sessions, showing
+from . import live_press, modal_runs, sessions, showing
 from .names import PRESS
 
 
@@ -20,6 +20,7 @@ def _rescue() -> None:
 @bpy.app.handlers.persistent
 def _on_load_pre(*_: object) -> None:
     sessions.stop_all()
+    live_press.presses.clear()
 
 
 @bpy.app.handlers.persistent

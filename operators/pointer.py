@@ -11,9 +11,9 @@ from bpy_extras import view3d_utils
 
 from ..core.mesh.ray import ray_hit
 from ..core.poke import Hit, Kind, PokeEvent
-from ..core.vectors import Vector
+from ..core.vectors import Vector, along, dot, length
 from .names import DEAD_MAN
-from .sessions import LiveBody
+from .sessions import LiveBody, fingertip_objects
 
 KEYS = {"SPACE": Kind.PAUSE, "R": Kind.RECORD, "F": Kind.BY_FORCE, "RET": Kind.KEEP, "NUMPAD_ENTER": Kind.KEEP}
 FINGERS = {"ONE": 1, "TWO": 2, "THREE": 3}
@@ -110,6 +110,21 @@ def unselected(context: bpy.types.Context, view: View, bodies: Mapping[int, Live
     original = obj.original if hit and obj else None
     mesh = original is not None and original.type == "MESH" and original.session_uid not in bodies
     return original if mesh else None
+
+
+def fingertip_under(context: bpy.types.Context, view: View) -> bpy.types.Object | None:
+    """Return the fingertip object whose sphere the pointer is on, before any surface."""
+    origin, direction = _ray(view)
+    hit, place, *_ = context.scene.ray_cast(context.evaluated_depsgraph_get(), origin, direction)
+    first, found = length(along(tuple(place), origin, -1.0)) if hit else np.inf, None
+    for tip in fingertip_objects(context.scene):
+        if tip and tip.type == "EMPTY" and tip.visible_get():
+            centre = along(tuple(tip.matrix_world.translation), origin, -1.0)
+            radius, ahead = tip.empty_display_size * tip.matrix_world.median_scale, dot(centre, direction)
+            square = radius**2 - dot(centre, centre) + ahead**2
+            if square > 0 and 0 < (away := ahead - square**0.5) < first:
+                first, found = away, tip
+    return found
 
 
 def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, LiveBody], shapes: Shapes) -> Hit | None:

@@ -73,6 +73,10 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         from ..core.poke import PokeState
         from . import fingertip, live, pointer, start
 
+        view = pointer.view_under(context, event)
+        down = event.type == "LEFTMOUSE" and event.value in pointer.DOWN
+        if view and down and self._chosen(context, view):
+            return {"CANCELLED"}
         try:
             if start.takes_long(context):
                 bpy.ops.dimple.start("INVOKE_DEFAULT", then="poke")
@@ -94,8 +98,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         self._contacts, self._typed = _contacts(context), {}
         modal_runs.show_status(context, self._run, self._help(context))
         # started as a tool the button is down already
-        view = pointer.view_under(context, event)
-        if view and event.type == "LEFTMOUSE" and event.value in pointer.DOWN:
+        if view and down:
             self._take(context, pointer.poke_event(event, view, sessions.sessions, {}, pressing=False))
         return {"RUNNING_MODAL"}
 
@@ -124,12 +127,26 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         meant = pointer.poke_event(event, view, sessions.sessions, self._shapes, pressing=self._state.pressing)
         if meant is None:
             return {"PASS_THROUGH"} if pointer.passes(event, view, undo=self._tuned(context)) else {"RUNNING_MODAL"}
+        if view and meant.kind is Kind.PRESS and self._chosen(context, view):
+            return {"CANCELLED"}
         if view and meant.kind is Kind.PRESS and meant.hit is None:
             meant = self._joined(context, event, view) or meant
         result = self._take(context, meant)
         if meant.kind is Kind.MOVE and not self._state.pressing:
             return {"PASS_THROUGH"}
         return result
+
+    def _chosen(self, context: bpy.types.Context, view: "View") -> bool:
+        """Select the fingertip object that is clicked, and leave the poke: what it is moved with is Blender's own."""
+        from . import bridge_write, fingertip_objects, pointer
+
+        tip = pointer.fingertip_under(context, view)
+        if tip is None:
+            return False
+        report(self, sessions.stop_all())
+        fingertip_objects.select(context, tip)
+        bridge_write.remember("Select")
+        return True
 
     def _tick(self, context: bpy.types.Context) -> set[str]:
         """Let as much time pass as did since the last tick, or as this computer manages."""

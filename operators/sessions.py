@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from ..core.session import Finger, Frame, Session
     from ..core.steps import Parts
+    from ..core.stroke import Hand
     from .bridge import ObjectLink, Singles
     from .contact import LiveWorld
     from .planning import Around
@@ -48,6 +49,8 @@ class LiveBody:
     painted_at: when weights that are painted were read last [s].
     fingers: the fingertips to be drawn, in the session's space.
     poked: which fingertips are the poke's.
+    held: the fingertips of a hand, by number: the poke's and the haptic device's.
+    hand: what they have done.
     lead: simulated time that it is ahead of the slowest of those that run with it [s].
     done: how far it came in the last step, that lead included [s].
     trail: depth [m] and force [N] of the deepest fingertip.
@@ -64,6 +67,7 @@ class LiveBody:
     matrix: np.ndarray
     rest: Singles
     triangles: np.ndarray
+    hand: Hand
     refused: str = ""
     change: Generator[float, None, list[str]] | None = None
     changed_at: float | None = None
@@ -71,6 +75,7 @@ class LiveBody:
     painted_at: float = 0.0
     fingers: tuple[Finger | None, ...] = (None, None, None)
     poked: frozenset[int] = frozenset()
+    held: dict[int, Finger] = field(default_factory=dict)
     lead: float = 0.0
     done: float = 0.0
     trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
@@ -138,6 +143,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
         return body, []
     from ..core.mesh.surface import input_vertices
     from ..core.session import Session
+    from ..core.stroke import Hand
     from . import bridge, bridge_write, planning, sizing, timeline
     from .settings import settings_of
 
@@ -159,7 +165,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     settings = settings_of(context.scene, obj)
     body = sessions[link.uid] = LiveBody(
         link=link, session=session, settings=settings, seen=settings,
-        matrix=link.matrix, rest=link.rest, triangles=first[model.mesh.triangles],
+        matrix=link.matrix, rest=link.rest, triangles=first[model.mesh.triangles], hand=Hand(),
     )  # fmt: skip
     bridge_write.borrow(obj)
     obj.dimple.enabled = True
