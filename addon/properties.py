@@ -73,8 +73,9 @@ class DIMPLE_PG_object(ContactSettings, ReductionSettings, bpy.types.PropertyGro
     spread_group: _map(2)
     thickness_group: _map(3)
     presses: PointerProperty(
-        name="Presses", description="The body that this fingertip was made for. While the fingertip is active, Bake and "
-        "Export take that body",
+        name="Presses",
+        description="The body that this fingertip was made for. While the fingertip is active, Bake and Export take "
+        "that body",
         type=bpy.types.Object, translation_context=CONTEXT,
     )  # fmt: skip
     twin: PointerProperty(

@@ -2,10 +2,9 @@
 
 import bpy
 
-from . import fingertip_objects, live_press, polls, timeline
+from . import fingertip_objects, live_press, polls
 from .messages import Note, report
 from .names import Op
-from .shape_keys import curve_bags
 
 STRAIGHT_M = 5e-5  # how far the ways between keyframes may lead past the press, at the body's physical size
 
@@ -49,6 +48,8 @@ class DIMPLE_OT_key_press(bpy.types.Operator):
 def key(context: bpy.types.Context, press: live_press.LivePress, body: bpy.types.Object) -> tuple[int, int]:
     """Add fingertips that repeat a press, and return its first and last frame."""
     from ..core.stroke import keys
+    from . import timeline
+    from .shape_keys import curve_bags
 
     scene = context.scene
     frame, frame_s = scene.frame_current if press.frame is None else press.frame, timeline.frame_s(scene)

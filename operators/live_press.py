@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from . import timeline
-
 if TYPE_CHECKING:
     from ..core.stroke import Way
     from .sessions import LiveBody
@@ -38,6 +36,8 @@ presses: dict[int, LivePress] = {}  # by the session_uid of the body; the last t
 
 def note(context: bpy.types.Context, body: LiveBody) -> None:
     """Take in what the fingertips of a hand have done to a body in its last step."""
+    from . import timeline
+
     clock, touches, held = body.session.clock, body.frame.touches, {}
     for i, finger in body.held.items():
         touch = touches[i] if i < len(touches) else None
