@@ -4,7 +4,7 @@ import bpy
 from mathutils import Vector
 
 from . import fingertip_objects, polls
-from .messages import say
+from .messages import report, say
 from .names import Op
 
 
@@ -40,6 +40,7 @@ class DIMPLE_OT_add_fingertip(bpy.types.Operator):
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
+        report(self, fingertip_objects.leave_poke())
         radius = scene.dimple.finger_radius_mm / 1e3 / scale
         place, outward = _at_cursor(context, body, radius) or (Vector(top), Vector((0.0, 0.0, 1.0)))
         number = fingertip_objects.free(scene)[0]

@@ -8,7 +8,7 @@ import bpy
 from bpy_extras.object_utils import object_data_add
 from mathutils import Matrix, Vector
 
-from . import sessions
+from . import modal_runs, sessions
 
 NUMBERS = (1, 2, 3)
 
@@ -37,6 +37,11 @@ def radius_of(obj: bpy.types.Object, scene: bpy.types.Scene, scale: float) -> fl
     return scene.dimple.finger_radius_mm / 1e3
 
 
+def leave_poke() -> list[str]:
+    """End a poke, which would take the mouse and the keys of who animates; return sentences for the artist."""
+    return sessions.stop_all() if any(run.kind == "poke" for run in modal_runs.runs) else []
+
+
 def make(
     context: bpy.types.Context,
     body: bpy.types.Object,
@@ -53,7 +58,8 @@ def make(
     """
     tip = object_data_add(context, None, name=f"Fingertip {number}")
     tip.empty_display_type, tip.empty_display_size = "SPHERE", radius
-    tip.matrix_world = Matrix.Translation(centre) @ Vector(outward).to_track_quat("Z", "Y").to_matrix().to_4x4()
+    turn = Vector((0.0, 0.0, 1.0)).rotation_difference(Vector(outward))
+    tip.matrix_world = Matrix.LocRotScale(Vector(centre), turn, None)
     tip.dimple.presses = body
     setattr(context.scene.dimple, f"finger_{number}", tip)
     return tip

@@ -38,6 +38,7 @@ class DIMPLE_OT_key_press(bpy.types.Operator):
         body = press and bridge.find(press.uid, press.name)
         if body is None:
             return {"CANCELLED"}
+        report(self, fingertip_objects.leave_poke())
         first, last = key(context, press, body)
         beyond = f" That is beyond the scene's last frame {scene.frame_end}." if last > scene.frame_end else ""
         said = f'The press on "{body.name}" is keyframed from frame {first} to {last}.{beyond}'

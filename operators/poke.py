@@ -143,7 +143,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         tip = pointer.fingertip_under(context, view)
         if tip is None:
             return False
-        report(self, sessions.stop_all())
+        report(self, fingertip_objects.leave_poke())
         fingertip_objects.select(context, tip)
         bridge_write.remember("Select")
         return True

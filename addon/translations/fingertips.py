@@ -23,5 +23,4 @@ WORDS = {
     "Radius of the fingertip of the tool and of those that are added, at the physical size of the body": (
         "ツールの指先と、これから追加する指先の、物体の実物の大きさでの半径"
     ),
-    "Fingertip": "指先",
 }

@@ -164,7 +164,7 @@ def test_a_press_that_is_keyed_and_baked_moves_as_it_was_seen(
 
 
 def test_a_pinch_becomes_two_fingertips_and_a_changed_radius_is_keyed(
-    bpy: ModuleType, scene: Any, soft: Any, hand: Any
+    bpy: ModuleType, scene: Any, soft: Any, hand: Any, sessions: Any
 ) -> None:
     poke = hand("poke")
     poke.invoke()
@@ -180,9 +180,33 @@ def test_a_pinch_becomes_two_fingertips_and_a_changed_radius_is_keyed(
     assert set(bpy.context.selected_objects) == {first, second}
     assert ("scale", 0) not in curves(first)
     assert curves(second)["scale", 0][-1][1] == pytest.approx(1.1, rel=1e-3)
+    assert not sessions.sessions, "its mouse and keys are free for the fingertips"
     with pytest.raises(RuntimeError, match="in use"):
         bpy.ops.dimple.key_press()
-    poke.send("ESC")
+
+
+def test_a_press_by_device_is_from_where_it_touches_to_where_it_leaves(
+    bpy: ModuleType, scene: Any, soft: Any, sessions: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.core.session import Finger
+    from bl_ext.user_default.dimple.operators import haptic, live, timeline
+
+    depths = [-10, -4, 2, 8, 9, 5, -3, -8]  # [mm]; it is in the air too
+    top = 0.0825
+    place = iter([Finger((0.0, 0.0, top + 0.01 - depth / 1e3), 0.01) for depth in depths])
+    live.start_all(bpy.context)
+    monkeypatch.setattr(haptic, "fingertips", lambda *_: [next(place), None, None])
+    monkeypatch.setattr(timeline, "is_playing", lambda _: True)
+    for frame in range(20, 20 + len(depths)):
+        scene.frame_set(frame)
+        live.advance(bpy.context, 1 / FPS)
+    sessions.stop_all()
+    scene.frame_set(3)
+    assert bpy.ops.dimple.key_press() == {"FINISHED"}
+    keys = curves(scene.dimple.finger_1)["location", 2]
+    assert (keys[0][0], keys[-1][0]) == (21, 26), "at the frames that the timeline showed, not at the current one"
+    heights = [(height - 1) / M * 1e3 for _, height in keys]
+    assert heights[0] == pytest.approx(10, abs=0.2) == heights[-1] and min(heights) == pytest.approx(1, abs=0.2)
 
 
 def test_there_is_nothing_to_key_before_a_press_and_in_another_file(
