@@ -10,9 +10,8 @@ from ..operators.names import Op
 from ..operators.under_way import is_blind
 from .drawing import SidebarPanel, draw_notes, draw_rows
 from .readout import iface_
-from .translations import CONTEXT
 
-_FIXED = {"options": set(), "translation_context": CONTEXT}
+_FIXED = {"options": set()}
 FULL = 0.95  # of the peak force: shown as all of it
 
 

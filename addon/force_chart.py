@@ -1,4 +1,4 @@
-"""The chart of force against depth: the law of a material, its measurement, and the press that runs."""
+"""The chart of force against depth: the law of a material, its measurement, and where a fingertip is on it."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -7,17 +7,20 @@ import bpy
 
 from ..operators import calibration
 from . import canvas, shapes
-from .canvas import FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, Screen
+from .canvas import FINGERTIP, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
 from .room import Room
 from .shapes import Law, Point
 
 LAW = (0.55, 0.75, 1.0, 0.9)
+HERE = (0.75, 1.0, 0.6, 0.9)
 BAND = (0.55, 0.75, 1.0, 0.35)
 MEASURED = (1.0, 1.0, 0.55, 0.9)
 # sizes in pixels at a resolution scale of 1
 SIZE = (230.0, 130.0)
 CROSS = 2.5  # half the width of a measured point
+DOT = 4.0  # radius of the point where a fingertip is
+LINES = 32  # of a curve that is bent
 
 
 class Curves(NamedTuple):
@@ -26,13 +29,27 @@ class Curves(NamedTuple):
     law: what `shapes.law_curve` draws.
     band: the lower and upper end of the law's 95 % interval.
     measured: of the instrument.
-    trail: of the running session.
+    fingertip: where the deepest is, None where none presses.
+    here: what acts on it where that is not the law as it was measured, and
+    name: what that is called.
     """
 
     law: Law
     band: tuple[list[Point], list[Point]] = ([], [])
     measured: list[Point] = []
-    trail: list[Point] = []
+    fingertip: Point | None = None
+    here: list[Point] = []
+    name: str = ""
+
+    @property
+    def seen(self) -> list[Point]:
+        """Return the points that the axes must reach."""
+        return [*self.measured, *([self.fingertip] if self.fingertip else [])]
+
+    @property
+    def deepest(self) -> float:
+        """Return the depth that the axis must reach [m]: the knee too, to show how far the press has come."""
+        return max([self.law[2] * 1.1, *(depth for depth, _ in self.seen)])
 
 
 def fits(free: Room, scale: float, lines: int) -> bool:
@@ -43,21 +60,36 @@ def fits(free: Room, scale: float, lines: int) -> bool:
 
 def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
     """Return the curves of a session's chart: force against depth, and the law of the material that is pressed."""
-    which = pressed_material(body, entry)
-    law, slot = entry.session.model.laws[which], entry.link.slots[which]
+    frame, slots, model = entry.frame, entry.link.slots, entry.session.model
+    down = [index for index, material in enumerate(frame.materials) if material >= 0]
+    deepest = max(down, key=lambda index: frame.depths[index], default=None)
+    if deepest is None:
+        which = slots.index(body.active_material_index) if body.active_material_index in slots else 0
+    else:
+        which = frame.materials[deepest]
+    pressed, slot = model.materials[which], slots[which]
+    law = (pressed.K1, pressed.K2, pressed.x0, pressed.power)
     theirs = body.material_slots[slot].material if slot < len(body.material_slots) else None
-    known = _material_curves(theirs.dimple) if theirs else None
-    trail = [(float(depth), float(force)) for depth, force in entry.trail]
-    return (known or Curves(law))._replace(law=law, trail=trail)
+    curves = ((theirs and _material_curves(theirs.dimple)) or Curves(law))._replace(law=law)
+    if deepest is None or not frame.depths[deepest] > 0:
+        return curves
+    curves = curves._replace(fingertip=(float(frame.depths[deepest]), float(frame.pushes[deepest])))
+    return curves._replace(**_acting(entry.session, deepest, pressed, curves))
 
 
-def pressed_material(body: bpy.types.Object, entry: Any) -> int:
-    """Return the index, in the model, of the material nearest to the deepest fingertip, else of the active one."""
-    frame, slots = entry.frame, entry.link.slots
-    down = [(depth, which) for depth, which in zip(frame.depths, frame.materials, strict=True) if which >= 0]
-    if down:
-        return max(down)[1]
-    return slots.index(body.active_material_index) if body.active_material_index in slots else 0
+def _acting(session: Any, index: int, material: Any, curves: Curves) -> dict[str, Any]:
+    """Return the curve that acts on a fingertip, and its name: nothing where that is the law as it was measured."""
+    from ..core.material import Indenter
+
+    depths = [curves.deepest * line / LINES for line in range(LINES + 1)]
+    forces, radius = session.law(index, depths), session.fingers[index].radius
+    if material.indenter != Indenter(shape="sphere", radius=radius):
+        name = iface_("Predicted for {} mm").format(f"{1e3 * radius:.3g}")
+    elif all(abs(force - material.law(depth)) <= 1e-6 * force for force, depth in zip(forces, depths, strict=True)):
+        return {}
+    else:
+        name = iface_("As Painted")
+    return {"here": list(zip(depths, forces, strict=True)), "name": name}
 
 
 def calibrated_curves(context: bpy.types.Context) -> Curves | None:
@@ -99,8 +131,8 @@ def draw_key(curves: Curves, corner: Point, scale: float) -> float:
     """Write the names of the curves in their colours, from a corner [px]; return where the line ends [px]."""
     law = iface_("Law") + (" ± 95 %" if curves.band[0] else "")
     words = [
-        (law, LAW, curves.law), (iface_("Measured"), MEASURED, curves.measured),
-        (iface_("Pressed"), FORCE, curves.trail),
+        (law, LAW, curves.law), (iface_("Measured"), MEASURED, curves.measured), (curves.name, HERE, curves.here),
+        (iface_("Fingertip"), FINGERTIP, curves.fingertip),
     ]  # fmt: skip
     words = [(word, colour, shown) for word, colour, shown in words if shown]
     wide = sum(canvas.width(word, scale) + MARGIN * scale for word, _, _ in words)
@@ -115,11 +147,9 @@ def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:
     """Draw a chart and its key upwards from a corner [px] and return where they end [px]."""
     scale = screen.scale
     size = (SIZE[0] * scale, SIZE[1] * scale)
-    seen = [*curves.measured, *curves.trail]
-    # the knee is always in view, to show how far the press has come
-    deepest = max([curves.law[2] * 1.1, *(depth for depth, _ in seen)])
-    law = shapes.law_curve(curves.law, deepest)
-    ends = (shapes.round_up(deepest), shapes.round_up(max(force for _, force in [*law, *seen])))
+    law = shapes.law_curve(curves.law, curves.deepest)
+    highest = max(force for _, force in [*law, *curves.here, *curves.seen])
+    ends = (shapes.round_up(curves.deepest), shapes.round_up(highest))
     right, top = corner[0] + size[0], corner[1] + size[1]
     canvas.draw_filled(corner, (right, top), canvas.paper())
     canvas.draw_lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], canvas.faint(), screen)
@@ -128,10 +158,10 @@ def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:
     for end in curves.band:
         canvas.draw_lines(shapes.chained(shapes.into_box(end, ends, corner, size)), BAND, screen)
     canvas.draw_lines(shapes.chained(shapes.into_box(law, ends, corner, size)), LAW, screen)
-    trail = shapes.into_box(curves.trail, ends, corner, size)
-    canvas.draw_lines(shapes.chained(trail), FORCE, screen)
-    if trail:
-        canvas.draw_lines(shapes.circle(trail[-1], (4 * scale, 0.0), (0.0, 4 * scale)), FINGERTIP, screen)
+    canvas.draw_lines(shapes.chained(shapes.into_box(curves.here, ends, corner, size)), HERE, screen)
+    if curves.fingertip:
+        (at,) = shapes.into_box([curves.fingertip], ends, corner, size)
+        canvas.draw_lines(shapes.circle(at, (DOT * scale, 0.0), (0.0, DOT * scale)), FINGERTIP, screen)
     canvas.write(f"{ends[1]:g} N", (corner[0] + 4 * scale, top - LINE_HEIGHT * scale), scale)
     canvas.write(f"{ends[0] * 1e3:g} mm", (right - 48 * scale, corner[1] + 5 * scale), scale)
     return draw_key(curves, (corner[0], top), scale)

@@ -12,7 +12,7 @@ from ..operators.modal_runs import runs
 from ..operators.sessions import sessions
 from ..operators.translation import translated
 from ..operators.under_way import is_blind
-from . import canvas, dent, device, force_chart, readout, room, shapes
+from . import canvas, device, force_chart, readout, room, shapes
 from .canvas import FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
 from .room import Room
@@ -24,10 +24,9 @@ _handlers: list[tuple[object, str]] = []
 
 
 def draw_bodies() -> None:
-    """Draw fingertips, force arrows, and dents that a mesh cannot show, in the scene (POST_VIEW)."""
+    """Draw fingertips and force arrows in the scene (POST_VIEW)."""
     context = bpy.context
-    for body, entry in shown_bodies(context):
-        dent.draw_dent(body, entry)
+    for _, entry in shown_bodies(context):
         draw_fingers(entry, canvas.screen_of(context))
 
 
@@ -103,7 +102,7 @@ def shown_bodies(context: bpy.types.Context) -> list[tuple[bpy.types.Object, Any
     """Return the sessions to draw in this viewport, each with its object."""
     if not sessions or not context.scene.dimple.show_overlay or not canvas.overlays_shown(context):
         return []
-    here = {body.session_uid: body for body in context.scene.objects}
+    here = {body.session_uid: body for body in context.scene.objects if body.visible_get()}
     return [(here[uid], entry) for uid, entry in sessions.items() if uid in here]
 
 

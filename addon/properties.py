@@ -13,7 +13,6 @@ from .contact import ContactSettings
 from .device import DevicePlace
 from .material_settings import DIMPLE_PG_material
 from .reduction_settings import FIXED, KEYED, ReductionSettings, exact, kept_text
-from .translations import CONTEXT
 
 _PINNED = (
     ("BASE", "Base", "The lowest tenth of the body is pinned; a flat sheet is pinned along its border"),
@@ -76,11 +75,11 @@ class DIMPLE_PG_object(ContactSettings, ReductionSettings, bpy.types.PropertyGro
         name="Presses",
         description="The body that this fingertip was made for. While the fingertip is active, Bake and Export take "
         "that body",
-        type=bpy.types.Object, translation_context=CONTEXT,
+        type=bpy.types.Object,
     )  # fmt: skip
     twin: PointerProperty(
         name="Twin Of", description="The object that this is a twin of, with another material",
-        type=bpy.types.Object, translation_context=CONTEXT,
+        type=bpy.types.Object,
     )  # fmt: skip
     size_mode: EnumProperty(
         name="Physical Size", description="How large the real object is", items=_SIZE_MODES, **FIXED
@@ -160,7 +159,7 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     cache_dir: StringProperty(
         name="Cache Folder",
         description="Where recordings go. Empty: beside the .blend file, or Dimple's own folder if it is not saved",
-        subtype="DIR_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}, translation_context=CONTEXT,
+        subtype="DIR_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )  # fmt: skip
     shape_key_step: IntProperty(
         name="Frame Step", description="Make one shape key for this many frames",
@@ -192,9 +191,7 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
 class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
     """The state of the interface, which is never saved."""
 
-    state: StringProperty(
-        name="State", description="What the session is doing", options={"SKIP_SAVE"}, translation_context=CONTEXT
-    )
+    state: StringProperty(name="State", description="What the session is doing", options={"SKIP_SAVE"})
 
 
 _POINTERS = (

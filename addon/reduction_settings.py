@@ -4,14 +4,11 @@ from decimal import Decimal
 
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
-from .translations import CONTEXT
-
-# labels are translated in a context of our own
-FIXED = {"options": set(), "translation_context": CONTEXT}
-KEYED = {"options": {"ANIMATABLE"}, "translation_context": CONTEXT}  # a bake and what plays follow its keyframes
+FIXED = {"options": set()}
+KEYED = {"options": {"ANIMATABLE"}}  # a bake and what plays follow its keyframes
 
 _SIMULATED = (
-    ("AUTO", "Automatic", "The full mesh, cut finer where it is coarse, or the finest proxy that runs live"),
+    ("AUTO", "Automatic", "The full mesh, subdivided where it is coarse, or the finest proxy that runs live"),
     ("MESH", "Full Mesh", "Every vertex of the mesh is simulated and no more, however slow or coarse that is"),
     ("PROXY", "Proxy", "A coarser body is simulated in place of the mesh and deforms it"),
 )

@@ -44,7 +44,7 @@ def main() -> int:
     for row in rows:
         print(
             f"  {row['name']:22} {row['vertices']:5} vertices, {row['moving_vertices']:5} move  "
-            f"{row['max_depth_mm']:5.1f} mm  {row['force_n']:6.1f} N (law {row['law_force_n']:5.1f} N)  "
+            f"{row['max_depth_mm']:5.1f} mm  {row['force_n']:6.1f} N (law {row['law_n']:5.1f} N)  "
             f"volume {100 * row['volume_error']:.2f} %  {row['steps']} steps"
         )
     print(f"wrote {out}")
@@ -87,6 +87,13 @@ def finger_of(table: Sequence[dict[str, float]]) -> int:
     return max((1, 2, 3), key=lambda i: max(row[f"depth_{i}_mm"] for row in table))
 
 
+def law_at(body: bpy.types.Object, depth_mm: float) -> float:
+    """Return the force [N] of Eq. (1) at a depth, with the constants of a body's material."""
+    from bl_ext.user_default.dimple.core.material import Material
+
+    return Material(**body.active_material.dimple.to_params()).law(depth_mm / 1e3)
+
+
 def summary_row(body: bpy.types.Object, table: Sequence[dict[str, float]]) -> dict[str, object]:
     """Return what the summary says of one body: forces at the deepest frame that is held, the worst volume."""
     finger, held = finger_of(table), table[HELD - 1]
@@ -98,7 +105,7 @@ def summary_row(body: bpy.types.Object, table: Sequence[dict[str, float]]) -> di
         "steps": int(table[-1]["steps"]),
         "max_depth_mm": max(row[f"depth_{finger}_mm"] for row in table),
         "force_n": held[f"force_{finger}_n"],
-        "law_force_n": held[f"law_force_{finger}_n"],
+        "law_n": law_at(body, held[f"depth_{finger}_mm"]),
         "volume_error": max(abs(row["volume_m3"] / row["rest_volume_m3"] - 1) for row in table),
         "finite": all(math.isfinite(value) for row in table for value in row.values()),
     }
@@ -110,23 +117,25 @@ def draw_curves(
     bodies: Sequence[bpy.types.Object],
     tables: dict[str, list[dict[str, float]]],
 ) -> None:
-    """Draw force against depth while the fingertip goes in, simulated and by Eq. (1); write the numbers beside."""
+    """Draw force against depth while the fingertip goes in, over Eq. (1); write the numbers beside."""
     figure, axes = plt.subplots(1, len(bodies), figsize=(4.4 * len(bodies), 3.8), squeeze=False)
     with (out / f"{name}_force_depth.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(["object", "depth_mm", "force_n", "law_force_n"])
+        writer.writerow(["object", "depth_mm", "force_n", "law_n"])
         for axis, body in zip(axes[0], bodies, strict=True):
             table = tables[body.name]
             finger = finger_of(table)
             down = [row for row in table[:DOWN] if row[f"depth_{finger}_mm"] > 0]
-            depth, force, law = (
+            depth, force = (
                 np.array([row[f"{kind}_{finger}_{unit}"] for row in down])
-                for kind, unit in (("depth", "mm"), ("force", "n"), ("law_force", "n"))
+                for kind, unit in (("depth", "mm"), ("force", "n"))
             )
-            axis.plot(depth, force, "o-", markersize=3, label="simulated")
-            writer.writerows((body.name, *row) for row in zip(depth, force, law, strict=True))
-            axis.plot(depth, law, "k-", linewidth=1, label="K(x), Eq. (1)")
-            top = 1.4 * max(law.max(), force.max())
+            writer.writerows((body.name, x, f, law_at(body, x)) for x, f in zip(depth, force, strict=True))
+            fine = np.linspace(0, depth.max(), 200)
+            law = np.array([law_at(body, x) for x in fine])
+            axis.plot(fine, law, "k-", linewidth=1, label="K(x), Eq. (1)")
+            axis.plot(depth, force, "o", markersize=3, label="on the fingertip")
+            top = 1.2 * max(law.max(), force.max())
             axis.set(title=body.name, xlabel="depth of the fingertip [mm]", ylabel="force [N]", xlim=(0, None))
             axis.set_ylim(0, top)
             axis.legend(fontsize=7)

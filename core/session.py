@@ -223,6 +223,13 @@ class Session:
         """Return where the fingertips are to be at the end of the next step."""
         return tuple([tip.target if tip else None for tip in self._tips])
 
+    def law(self, index: int, depths: Sequence[float]) -> list[float]:
+        """Return the forces [N] of the law on a fingertip that is down, if it were at depths [m] where it is."""
+        tip = self._tips[index]
+        assert tip
+        table = factors(self.model.materials, tip.target.radius, self.model.mesh.size)
+        return self.body.law(index, np.asarray(depths), table).tolist()
+
     def positions(self) -> Singles:
         """Return where the input vertices (N, 3) [m] are now, to be read."""
         return self._skin.positions(self.body, self.placed)
@@ -295,10 +302,7 @@ class Session:
 
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
-        result = self.body.step(Motion(0, self.substeps, self.clock.tick, self._motions(0.0, 0.0)))
-        for tip in filter(None, self._tips):
-            tip.fresh = False
-        return result
+        return self.body.step(Motion(0, self.substeps, self.clock.tick, self._motions(0.0, 0.0)))
 
     def _bend(self, target: Floats, ticks: int) -> None:
         """Let the shape at rest go on towards a target in the ticks that follow."""

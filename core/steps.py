@@ -70,7 +70,6 @@ def beside(parts: Parts, look_s: float = LOOK_S) -> Generator[float, None, Any]:
     try:
         return (yield from _driven(parts, waited))
     finally:
-        parts.close()
         pool.shutdown(wait=False)
 
 
@@ -79,12 +78,15 @@ def _driven(
 ) -> Generator[float, None, Any]:
     """Run each part in steps, send what it returns or throw why it cannot, and yield the share that is done."""
     send, value = parts.send, None
-    while True:
-        try:
-            share, call = send(value)
-        except StopIteration as end:
-            return end.value
-        try:
-            send, value = parts.send, (yield from as_share(run(call), share, 0.0))
-        except DimpleError as error:  # the parts may know what to do about it
-            send, value = parts.throw, error
+    try:
+        while True:
+            try:
+                share, call = send(value)
+            except StopIteration as end:
+                return end.value
+            try:
+                send, value = parts.send, (yield from as_share(run(call), share, 0.0))
+            except DimpleError as error:  # the parts may know what to do about it
+                send, value = parts.throw, error
+    finally:
+        parts.close()

@@ -1,6 +1,6 @@
 """The operators: short steps from Blender to the session of the core, and back.
 
-bridge, bridge_write and rest_shape alone read and write mesh arrays. sessions holds what runs, showing puts it on its
+bridge, bridge_write and final_mesh alone read and write mesh arrays. sessions holds what runs, showing puts it on its
 objects, live steps it. Nothing heavy is imported here: numpy, trimesh and the core come with the first poke.
 """
 

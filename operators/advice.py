@@ -7,35 +7,32 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from . import stack
+from . import offset, stack
 from .messages import Note
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
-    from ..core.mesh.refine import Refinement
     from ..core.mesh.surface import Mesh
+    from .object_link import ObjectLink
 
-_MOVING = {"ARMATURE", "LATTICE", "CURVE", "MESH_DEFORM", "SURFACE_DEFORM", "HOOK", "SIMPLE_DEFORM", "DISPLACE"}
 
-
-def on_body(
-    body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, refined: Refinement | None
-) -> tuple[str, ...]:
-    """Return sentences of advice on a body: modifiers, its size, and the edges of its mesh."""
+def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: ObjectLink) -> tuple[str, ...]:
+    """Return sentences of advice on a body: its rig, what of the scene does not act, its size, and how fine it is."""
     notes, size = [], mesh.size
-    after = body.modifiers[stack.place_in_stack(body) :]
-    moving = [modifier.name for modifier in after if modifier.type in _MOVING and modifier.show_viewport]
-    if moving:
-        notes.append(f'The modifier "{moving[0]}" moves the surface after the press: aim at the mesh before it.')
     if stack.is_carried(body):
         notes.append(Note("A rig holds it: its shape at rest goes where that goes."))
+    if any(each.field and each.field.type != "NONE" for each in scene.objects):
+        notes.append(Note("Wind and other force fields of the scene do not act on it."))
+    for bake in filter(stack.is_cache, body.modifiers):
+        if not all(path.exists() for path, _ in offset.files(bake)):
+            notes.append(f'The file that "{bake.name}" plays is gone: bake again.')
+    for number in (1, 2, 3):
+        tip = getattr(scene.dimple, f"finger_{number}")
+        if tip and (tip.hide_viewport or tip.name not in bpy.context.view_layer.objects):
+            notes.append(f'The fingertip "{tip.name}" is disabled in the viewport, so it does not move.')
     radius, edge = scene.dimple.finger_radius_mm / 1e3, float(np.median(mesh.rest_lengths))
-    if refined:
-        notes.append(Note(
-            f"The mesh has only {refined.before:,} vertices, too few for this fingertip: "
-            f"{len(mesh.rest_positions):,} are simulated, in the same shape. A bake needs the mesh itself as fine: "
-            "subdivide it, or tick Subdivide in Make Soft."
-        ))  # fmt: skip
+    if link.cuts:
+        notes.append(Note(f"The mesh is coarse for the fingertip: it is pressed with {len(link.rest):,} vertices."))
     if radius < size / 100:
         notes.append(
             f"The body is {size:.3g} m across, over 100 times the radius of the fingertip. "
@@ -44,7 +41,7 @@ def on_body(
     elif edge > 2 * radius:
         notes.append(
             f"The edges of the mesh are {1e3 * edge:.3g} mm long, the fingertip {2e3 * radius:.3g} mm wide: "
-            "subdivide the mesh or use a larger fingertip, for a visible dent and a reliable force."
+            "subdivide the mesh or use a larger fingertip, for a visible dent."
         )
     return tuple(notes)
 

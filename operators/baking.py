@@ -1,4 +1,4 @@
-"""Simulate bodies over a range of frames and write what they do; all of it, or nothing.
+"""Simulate bodies over a range of frames and write how they move from their shape at rest; all of it, or nothing.
 
 Files are written in a folder of their own beside where they go, and go there at the end.
 """
@@ -9,6 +9,7 @@ import contextlib
 import os
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,12 +26,11 @@ from . import (
     bridge_write,
     cache_files,
     contact,
+    final_mesh,
     live,
-    offset,
     planning,
     props,
     recorder,
-    rest_shape,
     shape_keys,
     stack,
     timeline,
@@ -53,6 +53,7 @@ class Baked:
     session: what moves it.
     settings: what it has of the panels, which may be keyframed.
     matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
+    offsets: (N, 3) from its shape at rest in the last frame, and what they were made of: of what sleeps the very same.
     path: where the PC2 file goes.
     part: where it is until it is whole.
     cache: the PC2 file under way, None for shape keys.
@@ -69,6 +70,7 @@ class Baked:
     part: Path
     cache: PointCache | None
     table: recorder.ForceTable
+    offsets: tuple[Singles, tuple[object, ...]] | None = None
     shapes: list[tuple[int, Singles]] = field(default_factory=list)
 
 
@@ -103,7 +105,7 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
     bodies = yield from simulate(context, plan, messages)
     with cache_files.plain_os_errors("The bake"):
         for body in bodies:
-            _play(plan, body)
+            _play(context, plan, body)
 
 
 def simulate(
@@ -174,10 +176,10 @@ def _check_keys(obj: bpy.types.Object) -> None:
         raise DimpleError(f'"{obj.name}" has absolute shape keys. Switch its shape keys to Relative first.')
     if keys and obj.show_only_shape_key:
         raise DimpleError(f'"{obj.name}" shows one shape key only. Switch Solo Active Shape Key off first.')
-    if shaping := stack.shaping(obj):
+    if others := [each.name for each in obj.modifiers if each.show_viewport and not stack.is_cache(each)]:
         raise DimpleError(
-            f'"{obj.name}": the modifier "{shaping[0].name}" comes after shape keys and would move them once more. '
-            "Bake to a Mesh Cache, which goes after it."
+            f'"{obj.name}" shows what its modifier "{others[0]}" makes of its mesh, and shape keys move the mesh '
+            "before that. Bake to a Mesh Cache, or export."
         )
 
 
@@ -185,12 +187,13 @@ def _opening(
     context: bpy.types.Context, plan: BakePlan, obj: bpy.types.Object, messages: list[str], files: contextlib.ExitStack
 ) -> Parts:
     """Get an object ready to be baked, in parts; its files are closed, and deleted where they are, with `files`."""
-    link, model = yield from bridge.reading_body(context, obj, baked=False)
-    if link.shaped:
-        files.enter_context(rest_shape.unbaked(obj))
-        files.enter_context(offset.attached(obj))
+    files.enter_context(final_mesh.unbaked(obj))
+    files.enter_context(final_mesh.attached(context, obj))
+    link, model = yield from bridge.reading_body(context, obj)
+    if plan.target == "SHAPE_KEYS" and link.cuts:
+        raise DimpleError(f'"{obj.name}" is too coarse for shape keys. Subdivide it, bake to a Mesh Cache, or export.')
     proxy, reason = yield from planning.planning_for(context.scene, obj, model)
-    session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
+    session = yield 0.9, partial(Session, model, tick=timeline.tick_s(context.scene), proxy=proxy)
     messages += [reason] if reason else []
     messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
@@ -220,7 +223,7 @@ def _step(
             obj = _object(body)
             body.settings = tuning.follow_keyframes(scene, obj, body.session, body.link, body.settings)
             body.session.set_fingers(live.fingertips(scene, body.link.scale))
-            body.matrix, body.rest = rest_shape.lead(
+            body.matrix, body.rest = final_mesh.lead(
                 context, obj, body.link, body.session, body.matrix, body.rest
             )
         for world in worlds:
@@ -250,11 +253,14 @@ def _object(body: Baked) -> bpy.types.Object:
 
 def _write(plan: BakePlan, bodies: Sequence[Baked], frame: int) -> None:
     for body in bodies:
-        local = bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
+        now = body.matrix, body.rest, body.session.positions()
+        if body.offsets is None or any(a is not b for a, b in zip(now, body.offsets[1], strict=True)):
+            body.offsets = bridge.offsets_of(body.link, *now), now
+        offsets = body.offsets[0]
         if body.cache:
-            body.cache.append(local)
+            body.cache.append(offsets)
         elif (frame - plan.first) % plan.step == 0 or frame == plan.last:
-            body.shapes.append((frame, local - body.rest))
+            body.shapes.append((frame, offsets))
         body.table.append(frame, body.session.frame.time, body.session)
 
 
@@ -271,14 +277,14 @@ def _close(bodies: Sequence[Baked]) -> None:
         body.table.close()
 
 
-def _play(plan: BakePlan, body: Baked) -> None:
+def _play(context: bpy.types.Context, plan: BakePlan, body: Baked) -> None:
     """Let an object play its files."""
     obj = bridge.find(body.link.uid, body.link.name)
     if obj is None:
         return
     if plan.target == "MESH_CACHE":
         shape_keys.remove(obj)
-        cache_files.attach_cache(obj, str(body.path), plan.first)
+        cache_files.attach_cache(context, obj, str(body.path), plan.first, body.link.cuts)
     elif plan.target == "SHAPE_KEYS":
         cache_files.detach_cache(obj)
         shape_keys.add(obj, body.shapes)

@@ -7,11 +7,10 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import bpy
-import numpy as np
 
 from ..core.base import DimpleError
 from ..core.steps import Parts, at_once
-from . import advice
+from . import advice, final_mesh
 from .names import MAPS
 
 if TYPE_CHECKING:
@@ -36,22 +35,18 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
     from ..core.mesh.surface import base_vertices
 
     params, surroundings = body.dimple.to_params(), scene.dimple
-    rigged = link.carried or (link.shaped and link.follows and params["pinned"] != "none")
-    name, said = body.name, advice.on_body(body, mesh, scene, link.refined)
+    name, said = body.name, advice.on_body(body, mesh, scene, link)
     try:
         pinned = base_vertices(mesh) if params["pinned"] == "base" else None
         if params["pinned"] == "group":
-            pinned = _pins(body, params["pin_group"])
-            pinned = link.refined.least_at_vertices(pinned) if link.refined else pinned
+            pinned = _pins(body, params["pin_group"], link)
         materials = [_material(body, slot) for slot in link.slots]
         groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
-        maps = {name: _weights(body, group, name) for name, group in groups.items() if group}
-        if link.refined:
-            maps = {name: link.refined.at_vertices(weights) for name, weights in maps.items()}
+        maps = {name: _weights(body, group, name, link) for name, group in groups.items() if group}
         make = partial(
             _made, mesh, materials, pinned=pinned, **maps,
             gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
-            ground=0.0 if surroundings.use_ground else None, rigged=rigged,
+            ground=0.0 if surroundings.use_ground else None, rigged=link.rigged,
         )  # fmt: skip
         model: Model = yield 0.4, make
     except DimpleError as error:
@@ -90,30 +85,18 @@ def _material(body: bpy.types.Object, slot: int) -> Material:
         raise DimpleError(f'material "{material.name}": {error}') from error
 
 
-def _pins(body: bpy.types.Object, group: str) -> Floats:
+def _pins(body: bpy.types.Object, group: str, link: ObjectLink) -> Floats:
     if not group:
         raise DimpleError("it is pinned by a vertex group, but none is chosen. Choose one in Physics > Dimple.")
-    weights = _weights(body, group, "pin")
+    weights = _weights(body, group, "pin", link)
     if not (weights >= 0.5).any():
         raise DimpleError(f'no vertex of the pin group "{group}" has a weight of 0.5 or more. Paint some.')
     return weights
 
 
-def _weights(body: bpy.types.Object, group: str, role: str) -> Floats:
+def _weights(body: bpy.types.Object, group: str, role: str, link: ObjectLink) -> Floats:
     """Return the weight (N,) of every vertex in a vertex group, 0 outside it; or a float attribute of that name."""
-    found, attribute = body.vertex_groups.get(group), body.data.attributes.get(group)
-    if found is None and attribute and attribute.domain == "POINT" and attribute.data_type == "FLOAT":
-        values = np.empty(len(body.data.vertices), np.float32)
-        attribute.data.foreach_get("value", values)
-        return values.astype(np.float64)
+    found = final_mesh.weights(bpy.context, body, group, link.cuts)
     if found is None:
         raise DimpleError(f'there is no vertex group "{group}" ({role}). Choose another in Physics > Dimple.')
-    import bmesh
-
-    read = bmesh.new()  # half the time of vertex.groups: a dictionary a vertex
-    try:
-        read.from_mesh(body.data, face_normals=False, vertex_normals=False)
-        layer, index = read.verts.layers.deform.active, found.index
-        return np.array([vertex[layer].get(index, 0.0) if layer else 0.0 for vertex in read.verts])
-    finally:
-        read.free()
+    return found

@@ -1,6 +1,6 @@
-"""Write through the bridge: show a running session, keep a press for good, shape keys and painted weights.
+"""Write through the bridge: keep a press, shape keys and painted weights.
 
-A press is shown by a modifier (`offset`): nothing here but `keep` changes a mesh while a body is live.
+A press is shown by a modifier (`offset`): nothing here changes a mesh while a body is live.
 """
 
 from __future__ import annotations
@@ -10,28 +10,9 @@ from collections.abc import Collection
 import bpy
 import numpy as np
 
-from . import offset
+from . import final_mesh, offset
 from .bridge import ObjectLink, Singles, get_points
-from .names import CACHES_OFF, KEPT, PAINTING
-from .stack import is_cache, shaping
-
-
-def borrow(body: bpy.types.Object) -> None:
-    """Make an object ready to show a session: its bakes are switched off."""
-    offset.attach(body)
-    shown = [modifier for modifier in body.modifiers if is_cache(modifier) and modifier.show_viewport]
-    for modifier in shown:
-        modifier.show_viewport = False
-    if shown:
-        body[CACHES_OFF] = "\n".join(modifier.name for modifier in shown)  # its duplicates know it too
-
-
-def give_back(body: bpy.types.Object) -> None:
-    """Take away what shows a session, and switch the bakes on again."""
-    offset.detach(body)
-    for name in str(body.pop(CACHES_OFF, "")).split("\n"):
-        if name in body.modifiers:
-            body.modifiers[name].show_viewport = True
+from .names import CACHES_OFF, KEPT, KEPT_PRESS, PAINTING
 
 
 def rescue(live: Collection[int]) -> None:
@@ -42,7 +23,7 @@ def rescue(live: Collection[int]) -> None:
     """
     for body in bpy.data.objects:
         if body.session_uid not in live and not body.library and (offset.modifier_of(body) or CACHES_OFF in body):
-            give_back(body)
+            final_mesh.detach(body)
     offset.sweep_data()
 
 
@@ -54,42 +35,20 @@ def is_shared(mesh: bpy.types.Mesh) -> bool:
 def is_intact(body: bpy.types.Object, link: ObjectLink) -> bool:
     """Tell whether an object still has the mesh that was read, and nobody edits its shape."""
     mesh = body.data
-    if body.mode not in ("OBJECT", PAINTING) or len(mesh.vertices) != len(link.rest):
+    if body.mode not in ("OBJECT", PAINTING) or len(mesh.vertices) != len(link.own):
         return False
     if link.shaped:  # its shape at rest is read anew at every step
         return True
-    return np.array_equal(get_points(mesh.attributes["position"].data, len(link.rest), "vector"), link.rest)
+    return np.array_equal(get_points(mesh.attributes["position"].data, len(link.own), "vector"), link.own)
 
 
-def keep(body: bpy.types.Object, local: Singles, rest: Singles) -> None:
-    """Make the shape that shows now, coordinates (N, 3), the object's own.
-
-    With shape keys it becomes a key that can be blended; where modifiers shape the mesh before the press, keys are
-    absolute, or the mesh is of another file, the modifier stays.
-
-    Args:
-        rest: (N, 3) the shape at rest of this frame.
-    """
-    modifier = offset.modifier_of(body)
-    keys = body.data.shape_keys
-    if modifier and (shaping(body) or body.data.library or (keys and not keys.use_relative)):
-        modifier.name = KEPT
-        modifier.node_group.name = KEPT
-        return
-    if is_shared(body.data):
-        body.data = body.data.copy()
-    if body.data.shape_keys:
-        add_key(body, KEPT, local - rest).value = 1.0
-    else:
-        set_positions(body.data, local)
-
-
-def set_positions(mesh: bpy.types.Mesh, local: Singles) -> None:
-    """Write the coordinates (N, 3) of a mesh."""
-    mesh.attributes["position"].data.foreach_set("vector", np.ascontiguousarray(local).ravel())
-    # this leaves normals and bounding box as they were; one vertex set through RNA has them computed anew
-    mesh.vertices[0].co = mesh.vertices[0].co
-    mesh.update_tag()
+def keep(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, offsets: Singles) -> None:
+    """Leave a press, offsets (N, 3) from the shape at rest, in a modifier on top of all others."""
+    final_mesh.detach(body)
+    shown = final_mesh.shown(context, body, len(link.rest), link.cuts)
+    for each, own in shown:
+        offset.set_offsets(each.carrier, offsets if own is None else own.carry(offsets))
+    offset.add(body, KEPT, KEPT_PRESS, [each for each, _ in shown])
 
 
 def remember(what: str) -> None:

@@ -13,9 +13,10 @@ from pathlib import Path
 import bpy
 
 from ..core.base import DimpleError
-from . import curves
-from .names import CACHE
-from .stack import is_cache, place_in_stack
+from ..core.recording import PointCache, open_point_cache
+from . import curves, final_mesh, offset
+from .names import BAKED_PRESS, CACHE
+from .stack import is_cache
 
 LONGEST_NAME = 91  # bytes; a name has two, a number and endings, and a disk takes 255
 _PACKAGE = (__package__ or "").rpartition(".")[0]
@@ -43,7 +44,7 @@ def bake_path(context: bpy.types.Context, obj: bpy.types.Object, folder: Path | 
         return folder / f"{file_name(obj.name)}.pc2"
     if bpy.data.filepath:
         return Path(f"{_stem(context, obj, 'bake')}.pc2")
-    playing = {Path(bpy.path.abspath(modifier.filepath)) for modifier in obj.modifiers if is_cache(modifier)}
+    playing = {path for modifier in obj.modifiers if is_cache(modifier) for path, _ in offset.files(modifier)}
     return next(path for path in _numbered(context, obj, "bake") if path in playing or not _exists(path))
 
 
@@ -123,19 +124,41 @@ def plain_os_errors(doing: str, folder: str = "cache folder") -> Iterator[None]:
         raise DimpleError(f"{doing} failed at {where}: {error.strerror}. Choose another {folder}.") from error
 
 
-def attach_cache(obj: bpy.types.Object, path: str, start_frame: int) -> bpy.types.Modifier:
-    """Let an object play a PC2 file, after the modifiers that shape what was pressed; an earlier bake makes room.
+def attach_cache(
+    context: bpy.types.Context, obj: bpy.types.Object, path: str, start_frame: int, cuts: int
+) -> bpy.types.Modifier:
+    """Let an object play a PC2 file of offsets, on top of all its modifiers; an earlier bake makes room.
 
-    Where the scene asks for curves it has those of the table beside the file too.
+    Where a render has other vertices than the viewport, they have a file of their own beside it. Where the scene asks
+    for curves it has those of the table beside the file too.
+
+    Args:
+        cuts: how often its final mesh is subdivided.
+
+    Raises:
+        OSError: the disk refuses, or the file is gone.
     """
     detach_cache(obj)
     add_curves(obj, Path(path))
-    modifier = obj.modifiers.new(CACHE, "MESH_CACHE")
-    modifier.cache_format = "PC2"
-    modifier.filepath = _stored(path)
-    modifier.frame_start = start_frame
-    obj.modifiers.move(len(obj.modifiers) - 1, place_in_stack(obj))
-    return modifier
+    return play(context, obj, Path(path), start_frame, cuts)
+
+
+def play(
+    context: bpy.types.Context, obj: bpy.types.Object, path: Path, start_frame: float, cuts: int
+) -> bpy.types.Modifier:
+    """Let an object play a PC2 file of offsets; see `attach_cache`."""
+    _, samples = open_point_cache(path)
+    shown = final_mesh.shown(context, obj, samples.shape[1], cuts)
+    for each, carried in shown:
+        file = path
+        if carried:
+            file = path.with_name(f"{path.stem}_render.pc2")
+            with PointCache(file, len(carried.corners), start_frame) as cache:
+                for sample in samples:
+                    cache.append(carried.carry(sample))
+        plays = each.carrier.modifiers.new(CACHE, "MESH_CACHE")
+        plays.cache_format, plays.filepath, plays.frame_start = "PC2", _stored(os.fspath(file)), start_frame
+    return offset.add(obj, CACHE, BAKED_PRESS, [each for each, _ in shown])
 
 
 def add_curves(obj: bpy.types.Object, cache: Path) -> None:
@@ -146,12 +169,9 @@ def add_curves(obj: bpy.types.Object, cache: Path) -> None:
 
 
 def detach_cache(obj: bpy.types.Object) -> int:
-    """Take our Mesh Cache modifiers and curves off an object; return how many modifiers there were."""
+    """Take the modifiers that play a bake and its curves off an object; return how many modifiers there were."""
     curves.remove(obj)
-    caches = [modifier for modifier in obj.modifiers if is_cache(modifier)]
-    for modifier in caches:
-        obj.modifiers.remove(modifier)
-    return len(caches)
+    return offset.remove(obj, BAKED_PRESS)
 
 
 def _stored(path: str) -> str:

@@ -37,9 +37,9 @@ class Clip:
     """An object and what it does.
 
     obj: the object.
-    cache: a PC2 file that it can play.
-    cache_first: frame of the first sample of that.
-    samples: (frames, vertices, 3) its own coordinates, in frames first to last.
+    plays: the PC2 file of offsets that it is to play, its first frame, and how often its final mesh is subdivided; None
+        where it plays already.
+    samples: (frames, vertices, 3) coordinates of its final mesh, in frames first to last; none where no format asks.
     first, last: frames.
     step: frames from one shape key to the next.
     key_error: how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for a shape key
@@ -49,8 +49,7 @@ class Clip:
     """
 
     obj: bpy.types.Object
-    cache: Path
-    cache_first: int
+    plays: tuple[Path, float, int] | None
     samples: Singles
     first: int
     last: int

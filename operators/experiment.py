@@ -1,7 +1,5 @@
 """The sensory comparison of the paper's chapter 5: trials from a file, blind, each answer kept before the next."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from pathlib import Path

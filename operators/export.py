@@ -43,7 +43,10 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         name="Formats", description="What to write", items=EXPORTS, options={"ENUM_FLAG"}, default={"ALEMBIC"},
         update=_measure,
     )  # fmt: skip
-    source: EnumProperty(name="Source", description="What is exported", items=_SOURCES, update=_measure)
+    source: EnumProperty(
+        name="Source", description="What is exported", items=_SOURCES, update=_measure,
+        translation_context="*",  # Blender's word: ours is where a number comes from
+    )  # fmt: skip
     frame_start: IntProperty(name="First Frame", description="By default the scene's first frame", default=1)
     frame_end: IntProperty(name="Last Frame", description="By default the scene's last frame", default=250)
     step: IntProperty(
@@ -132,7 +135,7 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
             return str(error), "ERROR"
         text = iface_("{} frames, about {} MB").format(plan.last - plan.first + 1, megabytes(size))
         if took is not None:
-            text += iface_(", {} on this computer").format(duration(took))
+            text += iface_(", {} on this computer").format(translated(duration(took)))
         return text, "TIME"
 
     def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:

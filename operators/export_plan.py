@@ -13,7 +13,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.recording import open_point_cache
-from . import bridge, cache_files, exporters, stack
+from . import bridge, cache_files, exporters, offset, stack
 from .formats import FORMATS, Size
 from .messages import megabytes
 
@@ -52,10 +52,13 @@ class ExportPlan:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Source:
-    """What an object plays: a PC2 file, its first frame, the table beside it, and what was simulated, if it was."""
+    """What an object plays, and the table beside it.
 
-    cache: Path
-    first: int
+    plays: what it is to play, as in `Clip`; None where it plays already.
+    simulated: how, where it was for this.
+    """
+
+    plays: tuple[Path, float, int] | None
     table: Path | None
     simulated: dict[str, Any] | None = None
 
@@ -74,29 +77,32 @@ def estimate(context: bpy.types.Context, plan: ExportPlan) -> float:
         for each in plan.formats:
             kind = FORMATS[each]
             count = -(-frames // plan.step) if kind.keyed and not plan.key_error else frames
-            total += count * kind.bytes_of(size_of(context, obj, kind.modified, plan.normals))
+            total += count * kind.bytes_of(size_of(context, obj, plan.normals))
     return total
 
 
 def played(obj: bpy.types.Object) -> Source | None:
     """Return the bake or recording that an object plays, None where it plays none."""
     for modifier in obj.modifiers:
-        if stack.is_cache(modifier) and modifier.show_viewport and modifier.cache_format == "PC2":
-            path = Path(bpy.path.abspath(modifier.filepath))
+        if not (stack.is_cache(modifier) and modifier.show_viewport):
+            continue
+        for path, _ in offset.files(modifier)[:1]:
             try:
-                start, points = open_point_cache(path)
+                _, points = open_point_cache(path)
             except OSError as error:
                 raise DimpleError(
                     f'"{obj.name}" plays {path}, which cannot be read: {error.strerror}. '
                     "Bake again, or export with Simulate Anew."
                 ) from error
-            if points.shape[1] != len(obj.data.vertices):
+            graph = bpy.context.view_layer.depsgraph  # as it is: a panel that is being drawn evaluates nothing
+            count = len(obj.evaluated_get(graph).data.vertices) if graph and obj.visible_get() else points.shape[1]
+            if points.shape[1] != count:
                 raise DimpleError(
-                    f'"{obj.name}" has {len(obj.data.vertices)} vertices and its bake {points.shape[1]}. '
+                    f'"{obj.name}" has {count} vertices and its bake {points.shape[1]}. '
                     "Bake again, or export with Simulate Anew."
                 )
             table = path.with_suffix(".csv")
-            return Source(cache=path, first=round(modifier.frame_start), table=table if table.is_file() else None)
+            return Source(plays=None, table=table if table.is_file() else None)
     return None
 
 
@@ -105,12 +111,12 @@ def unplayed(plan: ExportPlan) -> list[bpy.types.Object]:
     return [obj for obj in plan.objects if plan.simulate or played(obj) is None]
 
 
-def size_of(context: bpy.types.Context, obj: bpy.types.Object, modified: bool, normals: bool) -> Size:
-    """Return what the length of the files of an object depends on, after its modifiers or before them."""
-    graph = context.view_layer.depsgraph  # as it is: a panel that is being drawn evaluates nothing
-    mesh = obj.evaluated_get(graph).data if modified and graph else obj.data
+def size_of(context: bpy.types.Context, obj: bpy.types.Object, normals: bool) -> Size:
+    """Return what the length of the files of an object depends on."""
+    graph = context.view_layer.depsgraph
+    mesh = obj.evaluated_get(graph).data if graph else obj.data
     corners = len(mesh.loops)
-    sharp = obj.data.normals_domain != "POINT"
+    sharp = mesh.normals_domain != "POINT"
     return Size(len(mesh.vertices), corners, corners - 2 * len(mesh.polygons), normals, sharp)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.recording import PointCache
-from . import baking, rest_shape
+from . import baking, final_mesh
 from .clip import Clip
 from .export_plan import ExportPlan, check_choice, unplayed
 from .formats import FORMATS
@@ -115,7 +115,7 @@ def _get_ready(steps: Iterator[float]) -> None:
 
 
 def _written(context: bpy.types.Context, obj: bpy.types.Object, each: str, normals: bool, folder: Path) -> Cost:
-    rest = rest_shape.read(context, obj, baked=False).points
+    rest = final_mesh.read(context, obj, baked=False)
     # the first time, Blender loads what it needs
     once = min(_timed(context, obj, rest, 1, each, normals, folder / name) for name in ("loading", "one"))
     for frames in (FEW, MANY):
@@ -127,16 +127,18 @@ def _written(context: bpy.types.Context, obj: bpy.types.Object, each: str, norma
 
 
 def _timed(
-    context: bpy.types.Context, obj: bpy.types.Object, rest: np.ndarray, frames: int, each: str, normals: bool,
+    context: bpy.types.Context, obj: bpy.types.Object, rest: final_mesh.Final, frames: int, each: str, normals: bool,
     folder: Path,
 ) -> float:
     """Return the time [s] of writing a body that grows in some frames."""
     folder.mkdir()
-    samples = rest * (1 + MOVED * np.arange(frames, dtype=np.float32)[:, None, None])
-    with PointCache(folder / "cache.pc2", len(rest)) as cache:
-        for sample in samples:
-            cache.append(sample)
-    clip = Clip(obj=obj, cache=cache.path, cache_first=1, samples=samples, first=1, last=frames, normals=normals)
+    offsets = rest.points * (MOVED * np.arange(frames, dtype=np.float32)[:, None, None])
+    with PointCache(folder / "cache.pc2", len(rest.points)) as cache:
+        for each_frame in offsets:
+            cache.append(each_frame)
+    clip = Clip(
+        obj=obj, plays=(cache.path, 1, rest.cuts), samples=rest.points + offsets, first=1, last=frames, normals=normals
+    )
     began = time.perf_counter()
     for _ in FORMATS[each].write(context, clip, folder / f"written{FORMATS[each].ending}"):
         pass

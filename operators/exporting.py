@@ -19,8 +19,7 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
-from ..core.recording import open_point_cache
-from . import baking, cache_files, export_time, sidecar, stack, unfinished_folder
+from . import baking, cache_files, export_time, sidecar, stage, unfinished_folder
 from .clip import Clip
 from .export_plan import ExportPlan, Source, check, check_space, played, size_of, unplayed
 from .formats import FORMATS
@@ -39,6 +38,7 @@ def export(
         DimpleError: an object cannot be exported, files are there already, or the disk refuses.
     """
     with contextlib.ExitStack() as stack, cache_files.plain_os_errors("The export", "folder"):
+        context.view_layer.update()
         check(plan)
         folder = stack.enter_context(unfinished_folder.opened(plan.folder))
         check_space(context, plan)
@@ -47,15 +47,16 @@ def export(
         sources = yield from _sources(context, plan, folder, messages, first)
         done = first
         for obj, source in zip(plan.objects, sources, strict=True):
-            described = sidecar.describe(context, obj, plan.first, plan.last, source.simulated)
+            clip = _clip(context, obj, source, plan, folder)
+            with stage.playing(context, obj, clip.plays):
+                described = sidecar.describe(context, obj, plan.first, plan.last, source.simulated)
             stem = cache_files.file_name(obj.name)
             if source.table:
                 _copy_table(source.table, folder / "table", plan)
                 _commit(folder / "table", plan.folder / f"{stem}.csv", written)
-            _warn(obj, plan, messages)
             for each in plan.formats:
                 yield done
-                clip, part_of_all = _clip(obj, source, plan), parts.pop(0)
+                part_of_all = parts.pop(0)
                 final = plan.folder / f"{stem}{FORMATS[each].ending}"
                 part = folder / final.name
                 with _readable_errors(each, final):
@@ -92,7 +93,7 @@ def _sources(
         bodies = yield from _scaled(steps, share)
         for body in bodies:
             found[body.link.uid] = Source(
-                cache=body.path, first=begin, table=body.path.with_suffix(".csv"),
+                plays=(body.path, begin, body.link.cuts), table=body.path.with_suffix(".csv"),
                 simulated=sidecar.describe_session(body.session),
             )  # fmt: skip
     return [source for obj in plan.objects if (source := found[obj.session_uid])]
@@ -114,8 +115,9 @@ def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> 
     Raises:
         OSError: there is not.
     """
-    seen, own = (size_of(context, clip.obj, modified, clip.normals) for modified in (True, False))
-    size = max(len(clip.samples) * FORMATS[each].bytes_of(some) + 64 * some.corners for some in (seen, own)) + 2e5
+    with stage.playing(context, clip.obj, clip.plays):
+        some = size_of(context, clip.obj, clip.normals)
+    size = (clip.last - clip.first + 1) * FORMATS[each].bytes_of(some) + 64 * some.corners + 2e5
     if hasattr(os, "posix_fallocate"):
         with (folder / "room").open("wb") as file:
             os.posix_fallocate(file.fileno(), 0, int(1.1 * size))
@@ -124,15 +126,19 @@ def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> 
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
 
 
-def _clip(obj: bpy.types.Object, source: Source, plan: ExportPlan) -> Clip:
-    _, points = open_point_cache(source.cache)
-    begin, end = plan.first - source.first, plan.last - source.first + 1
-    if begin < 0 or end > len(points):  # before and after a recording its first and last shape stay
-        points = points[np.clip(np.arange(begin, end), 0, len(points) - 1)]
-        begin, end = 0, len(points)
+def _clip(
+    context: bpy.types.Context, obj: bpy.types.Object, source: Source, plan: ExportPlan, folder: Path
+) -> Clip:
+    samples = np.empty((0, 0, 3), np.float32)
+    if not all(FORMATS[each].played for each in plan.formats):
+        path = folder / "seen.pc2"
+        try:
+            samples = stage.seen(context, obj, source.plays, plan.first, plan.last, path)
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, error.filename or str(path)) from error
     return Clip(
-        obj=obj, cache=source.cache, cache_first=source.first, samples=points[begin:end], first=plan.first,
-        last=plan.last, step=plan.step, key_error=plan.key_error, normals=plan.normals,
+        obj=obj, plays=source.plays, samples=samples, first=plan.first, last=plan.last, step=plan.step,
+        key_error=plan.key_error, normals=plan.normals,
     )  # fmt: skip
 
 
@@ -143,16 +149,6 @@ def _copy_table(table: Path, path: Path, plan: ExportPlan) -> None:
     kept = [row for row in rows if row and plan.first <= float(row[0]) <= plan.last]
     with path.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([head, *kept])
-
-
-def _warn(obj: bpy.types.Object, plan: ExportPlan, messages: list[str]) -> None:
-    pressed = stack.shaping(obj)
-    others = [each.name for each in obj.modifiers if not stack.is_cache(each) and each not in pressed]
-    labels = [FORMATS[each].label for each in plan.formats if not FORMATS[each].modified]
-    if others and labels:
-        messages.append(
-            f'"{obj.name}": {", ".join(labels)} holds the mesh before its modifiers ({", ".join(others)}).'
-        )
 
 
 def _commit(part: Path, final: Path, written: list[Path]) -> None:

@@ -47,7 +47,7 @@ class Format:
     write: the writer.
     bytes_of: about how long a frame of a mesh is.
     keyed: it holds shape keys.
-    modified: it holds the mesh after its modifiers.
+    played: Blender's exporter sees the object play; it holds the mesh of a render.
     exporter: the operator of Blender's that writes it, if one does.
     """
 
@@ -57,7 +57,7 @@ class Format:
     write: Callable[[bpy.types.Context, Clip, Path], Iterator[float]]
     bytes_of: Callable[[Size], float]
     keyed: bool = False
-    modified: bool = False
+    played: bool = False
     exporter: str = ""
 
 
@@ -169,7 +169,7 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
     yield 0.4
     least, most = vertex_texture.write_png(path / "offsets.png", picture)
     yield 0.8
-    with stage.mapped(context, clip.obj, clip.samples[0], vertex_texture.uv(vertices, where)):
+    with stage.mapped(context, clip.obj, clip.plays, clip.samples[0], vertex_texture.uv(vertices, where)):
         ask(
             "export_scene.gltf", filepath=str(path / "mesh.glb"), check_existing=False, export_format="GLB",
             use_selection=True, export_animations=False, export_apply=False, export_skins=False, export_yup=True,
@@ -187,14 +187,14 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
 @contextlib.contextmanager
 def _playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
     with stage.ranged(context.scene, clip.first, clip.last):
-        with stage.playing(context, clip.obj, clip.cache, clip.cache_first):
+        with stage.playing(context, clip.obj, clip.plays):
             yield
 
 
 @contextlib.contextmanager
 def _keyed(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
     with stage.ranged(context.scene, clip.first, clip.last):
-        with stage.keyed(context, clip.obj, clip.samples[0], clip.keys().shapes):
+        with stage.keyed(context, clip.obj, clip.plays, clip.samples[0], clip.keys().shapes):
             yield
 
 
@@ -207,37 +207,37 @@ def _split(size: Size) -> float:
     return 12 * (1 + size.normals) * (3 * size.triangles if size.sharp else size.vertices)
 
 
-OBJECT = "the object's own coordinates: x, y and z as in Blender, before its modifiers, in its own scale"
+OBJECT = "the object's own coordinates: x, y and z as in Blender, after modifiers, in its own scale"
 SCENE = "the scene's coordinates: Z up, in scene units, after modifiers"
 USD = "Z up, in scene units"
-TEXTURE = "offsets in the coordinates of mesh.glb: Y up, in scene units, before modifiers; layout.json says how"
+TEXTURE = "offsets in the coordinates of mesh.glb: Y up, in scene units, after modifiers; layout.json says how"
 FORMATS = {
     "ALEMBIC": Format(
         "Alembic", ".abc", "Y up, as Alembic has it, in scene units, after modifiers", _alembic,
-        lambda size: 12 * (size.vertices + size.corners * (size.normals and size.sharp)), modified=True,
+        lambda size: 12 * (size.vertices + size.corners * (size.normals and size.sharp)), played=True,
         exporter="wm.alembic_export",
     ),
-    "USD": Format("USD", ".usdc", f"{USD}, after modifiers", _usd, _baked, modified=True, exporter="wm.usd_export"),
+    "USD": Format("USD", ".usdc", f"{USD}, after modifiers", _usd, _baked, played=True, exporter="wm.usd_export"),
     "USD_SHAPES": Format(
-        "USD Blend Shapes", "_shapes.usdc", f"{USD}; modifiers are left out", _usd_shapes,
+        "USD Blend Shapes", "_shapes.usdc", f"{USD}, after modifiers", _usd_shapes,
         lambda size: 16 * size.vertices, keyed=True, exporter="wm.usd_export",
     ),
     "GLB": Format(
-        "glTF", ".glb", "Y up, as glTF has it, in scene units; modifiers are left out", _glb, _split, keyed=True,
+        "glTF", ".glb", "Y up, as glTF has it, in scene units, after modifiers", _glb, _split, keyed=True,
         exporter="export_scene.gltf",
     ),
     "FBX": Format(
-        "FBX", ".fbx", "Y up, -Z forward, UnitScaleFactor says the unit; no modifiers", _fbx,
+        "FBX", ".fbx", "Y up, -Z forward, UnitScaleFactor says the unit, after modifiers", _fbx,
         lambda size: 15 * size.vertices, keyed=True, exporter="export_scene.fbx",  # it is compressed
     ),
     "PC2": Format("PC2", ".pc2", OBJECT, _pc2, lambda size: 12 * size.vertices),
     "MDD": Format("MDD", ".mdd", OBJECT, _mdd, lambda size: 12 * size.vertices),
     "STL": Format(
-        "STL", "_stl", SCENE, _stl, lambda size: 84 + 50 * size.triangles, modified=True, exporter="wm.stl_export"
+        "STL", "_stl", SCENE, _stl, lambda size: 84 + 50 * size.triangles, played=True, exporter="wm.stl_export"
     ),
     "PLY": Format(
         "PLY", "_ply", SCENE, _ply, lambda size: 12 * (1 + size.normals) * size.vertices + 13 * size.triangles,
-        modified=True, exporter="wm.ply_export",
+        played=True, exporter="wm.ply_export",
     ),
     "VAT": Format(
         "Vertex Animation Texture", "_vat", TEXTURE, _texture, lambda size: 18 * size.vertices,

@@ -3,15 +3,17 @@ press.
 """
 
 
+from itertools import chain
+
 import bpy
 
 from . import live_press, modal_runs, sessions, showing
-from .names import PRESS
+from .names import OURS
 
 
 def _rescue() -> None:
     """Put objects right that were caught pressed; look first, so that nothing heavy is loaded for nothing."""
-    if any(group.name.startswith(PRESS) for group in bpy.data.node_groups):
+    if any(each.name.startswith(OURS) for each in chain(bpy.data.node_groups, bpy.data.objects, bpy.data.meshes)):
         from . import bridge_write
 
         bridge_write.rescue(sessions.sessions)
@@ -32,6 +34,12 @@ def _on_load_post(*_: object) -> None:
 def _on_save_pre(*_: object) -> None:
     if sessions.sessions:
         showing.rest_all()
+    _rescue()
+
+
+@bpy.app.handlers.persistent
+def _on_import_post(*_: object) -> None:
+    _rescue()
 
 
 @bpy.app.handlers.persistent
@@ -68,6 +76,7 @@ def _on_undo(*_: object) -> None:
 _HANDLERS = {
     "load_pre": _on_load_pre,
     "load_post": _on_load_post,
+    "blend_import_post": _on_import_post,
     "save_pre": _on_save_pre,
     "save_post": _on_save_post,
     "save_post_fail": _on_save_post,

@@ -15,17 +15,17 @@ from ..core.steps import Parts, at_once
 from . import (
     bridge,
     contact,
+    final_mesh,
     fingertip_objects,
     haptic,
     live_press,
     props,
-    rest_shape,
     sessions,
     showing,
     tuning,
     twins,
 )
-from .messages import Note
+from .messages import Note, gathered
 from .modal_runs import ModalRun
 from .sessions import LiveBody
 
@@ -71,20 +71,25 @@ def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], li
 
 
 def starting_all(context: bpy.types.Context) -> Parts:
-    """Start a session on every candidate, in parts; see `start_all`."""
-    bodies, messages, wrong = [], [], []
-    for obj in twins.joined(candidates(context), context.scene):
-        try:
-            body, notes = yield from sessions.starting(obj, context)
-        except DimpleError as error:
-            wrong.append(str(error))
-        else:
-            bodies.append(body)
-            messages += notes
-    if not bodies:
-        raise DimpleError(" ".join(wrong))
-    if crossing := _meet(context):
-        raise DimpleError(crossing[0])
+    """Start a session on every candidate, in parts; see `start_all`. Closed, nothing was started."""
+    bodies, messages, wrong, before = [], [], [], set(sessions.sessions)
+    try:
+        for obj in twins.joined(candidates(context), context.scene):
+            try:
+                body, notes = yield from sessions.starting(obj, context)
+            except DimpleError as error:
+                wrong.append(str(error))
+            else:
+                bodies.append(body)
+                messages += notes
+        if not bodies:
+            raise DimpleError(" ".join(gathered(wrong)))
+        if crossing := _meet(context):
+            raise DimpleError(crossing[0])
+    except BaseException:
+        for uid in set(sessions.sessions) - before:
+            sessions.stop(uid)
+        raise
     return bodies, messages, wrong
 
 
@@ -212,13 +217,10 @@ def finish(body: LiveBody) -> list[str]:
     frame = body.frame
     messages: list[str] = []
     body.fingers = merged(body.session.placed, ())
-    if frame.depths.any():
-        deepest = int(frame.depths.argmax())
-        body.trail.append((float(frame.depths[deepest]), float(frame.pushes[deepest])))
     showing.show(_object(body), body)
     if body.recorder:
         try:
-            body.recorder.append(frame.time, showing.local_of(body), body.session)
+            body.recorder.append(frame.time, showing.offsets_of(body), body.session)
         except OSError as error:
             ended = body.recorder.cut_short(body.name, error)
             messages += [ended, *(each for each in sessions.end_recording(body) if not isinstance(each, Note))]
@@ -227,7 +229,7 @@ def finish(body: LiveBody) -> list[str]:
 
 def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> None:
     """Let what is pinned of a body go where its object has gone, and its shape at rest be what its rig makes of it."""
-    body.matrix, body.rest = rest_shape.lead(context, obj, body.link, body.session, body.matrix, body.rest)
+    body.matrix, body.rest = final_mesh.lead(context, obj, body.link, body.session, body.matrix, body.rest)
 
 
 def pressing(scene: bpy.types.Scene, body: LiveBody) -> Sequence[Finger | None]:

@@ -5,9 +5,8 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from . import polls, sessions
-from .cutting import is_coarse, is_simulated_finer, refine
 from .mesh_faults import Faults, faults, repair
-from .messages import report, say
+from .messages import gathered, report, say
 from .names import POKE_TOOL, Op
 from .sizing import settle_size
 from .start import LARGE
@@ -37,12 +36,10 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     preset: EnumProperty(
-        name="Material", description="Object whose constants are given to a mesh without a material",
-        items=presets, default=1,
+        name="Material",
+        description="Object whose constants the material gets; unchosen, only a mesh without one gets it",
+        items=presets, default=1, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
     )  # fmt: skip
-    subdivide: BoolProperty(
-        name="Subdivide", description="Cut edges that are longer than the fingertip is wide, which changes the mesh"
-    )
     repair: BoolProperty(
         name="Repair", description="Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself"
     )
@@ -62,11 +59,10 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         from . import live
 
         meshes = [obj for obj in live.candidates(context) if obj.type == "MESH"]
-        self.subdivide = any(_should_be_cut(context, obj) for obj in meshes if not is_shared(obj))
         found = [f for obj in meshes if not is_shared(obj) and any(f := faults(obj))]
         self.faults = words(Faults(*map(sum, zip(*found, strict=True)))) if found else ""
         self.repair = bool(found)
-        if self.subdivide or self.repair:
+        if self.repair:
             return context.window_manager.invoke_props_dialog(self, width=380)
         return self.execute(context)
 
@@ -74,10 +70,6 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         """Draw the material, and what is offered, and why."""
         column = self.layout.column()
         column.prop(self, "preset")
-        if self.subdivide or not self.faults:
-            column.label(text="The mesh is coarse for the fingertip.", icon="INFO")
-            column.label(text="A bake shows the dent only where the mesh is cut finer.", icon="BLANK1")
-        column.prop(self, "subdivide")
         if self.faults:
             column.label(text=self.faults, icon="INFO")
         column.prop(self, "repair")
@@ -87,7 +79,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         from ..core.base import DimpleError
         from . import live
 
-        done, wrong, noted = [], [], []
+        done, soft, wrong, noted = [], [], [], []
         try:
             bodies = [obj for obj in live.candidates(context) if obj.type in PRESSABLE]
         except DimpleError as error:
@@ -101,17 +93,20 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
                     done.append(sentence)
                 if self.repair and not is_shared(obj) and any(repaired := repair(obj)):
                     done.append(f'"{obj.name}" was repaired. {words(repaired)}')
-                sentence, notes = make_soft(context, obj, self.preset, subdivide=self.subdivide)
-                done.append(sentence)
+                chosen = self.properties.is_property_set("preset")
+                sentence, notes = make_soft(context, obj, self.preset, chosen=chosen)
+                soft.append(sentence)
                 noted += notes
             except DimpleError as error:
                 wrong.append(str(error))
-        if not done:
-            say(self, {"ERROR"}, " ".join(wrong))
+        if not (done or soft):
+            say(self, {"ERROR"}, *gathered(wrong))
             return {"CANCELLED"}
         report(self, [*wrong, *noted])
         choose_tool(context)
-        say(self, {"INFO"}, " ".join(done))
+        if len(soft) > 1:
+            soft = [f"{len(soft)} meshes are soft. Press them with the left mouse button."]
+        say(self, {"INFO"}, *done, *soft)
         return {"FINISHED"}
 
 
@@ -122,22 +117,20 @@ def words(found: Faults) -> str:
     )
 
 
-def _should_be_cut(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
-    """Tell whether to offer a cut; of a body that is soft already also where only its bake is coarser than a press."""
-    return is_coarse(context, obj) or obj.dimple.enabled and is_simulated_finer(context.scene, obj)
-
-
 def is_shared(obj: bpy.types.Object) -> bool:
     """Tell whether to change a mesh would change more than this object, or unmake its shape keys."""
     return bool(obj.data.shape_keys) or obj.data.users > 1
 
 
 def make_soft(
-    context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, subdivide: bool
+    context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool
 ) -> tuple[str, list[str]]:
     """Make a mesh a soft body; return a sentence on what it is now, and notes on what was found.
 
     A large one is prepared when it is pressed first, with its progress shown.
+
+    Args:
+        chosen: it gets the preset whether it has a material or not.
 
     Raises:
         DimpleError: it cannot be pressed; only its material and settings may have been set.
@@ -149,23 +142,20 @@ def make_soft(
     bridge.check_writable(obj)
     if sessions.get(obj):
         raise DimpleError(f'"{obj.name}" is being pressed already.')
-    if obj.active_material is None:
+    if chosen and obj.active_material and obj.active_material.library:
+        raise DimpleError(f'The material of "{obj.name}" is linked from another file. Make it local first.')
+    if chosen or obj.active_material is None:
         with context.temp_override(object=obj, active_object=obj):
             bpy.ops.dimple.apply_preset(preset=preset)
     settle_size(context.scene, obj)
-    obj.dimple.enabled, uncut = True, []
-    if subdivide and is_simulated_finer(context.scene, obj):  # at the size that the material may just have given it
-        if is_shared(obj):
-            uncut = [f'"{obj.name}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.']
-        else:
-            refine(context.scene, obj)
+    obj.dimple.enabled = True
     if len(obj.data.vertices) > LARGE:
-        return f'"{obj.name}" is soft: "{obj.active_material.name}". It is prepared when you press it first.', uncut
+        return f'"{obj.name}" is soft: "{obj.active_material.name}". It is prepared when you press it first.', []
     _, model = bridge.read_body(context, obj)
     planning.proxy_for(context.scene, obj, model)  # so that the first press begins at once
     size, notes = f"{1e3 * model.mesh.size:.3g} mm", [type(note)(f'"{obj.name}": {note}') for note in model.notes]
     said = f'"{obj.name}" is soft: "{obj.active_material.name}", {size} across. Press it with the left mouse button.'
-    return said, [*uncut, *notes]
+    return said, notes
 
 
 def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.types.Object, str]:

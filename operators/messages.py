@@ -1,10 +1,15 @@
 """Sentences for the artist, and how an operator says them."""
 
+import re
 from collections.abc import Iterable
 
 import bpy
 
-from .translation import translated
+from .translation import in_a_row
+
+# what stays on one line in Japanese: a character or a Latin word, with what opens before it and closes after it
+_PIECE = re.compile(r"[「『（]*(?:[!-~]+|.)[、。」』）！？：・ー〜々ぁぃぅぇぉっゃゅょァィゥェォッャュョ]* ?")
+_OF_A_BODY = re.compile(r'"(.+?)": (.*)', re.DOTALL)
 
 
 class Note(str):
@@ -13,15 +18,27 @@ class Note(str):
     __slots__ = ()
 
 
-def say(operator: bpy.types.Operator, kind: set[str], text: str) -> None:
-    """Report messages in the language of the interface; kind: as `Operator.report` takes it."""
-    operator.report(kind, translated(text))
+def say(operator: bpy.types.Operator, kind: set[str], *sentences: str) -> None:
+    """Report messages in a row in the language of the interface; kind: as `Operator.report` takes it."""
+    operator.report(kind, in_a_row(sentences))
 
 
 def report(operator: bpy.types.Operator, sentences: Iterable[str]) -> None:
     """Say sentences: those that are no notes are warnings."""
-    for sentence in sentences:
+    for sentence in gathered(sentences):
         say(operator, {"INFO" if isinstance(sentence, Note) else "WARNING"}, sentence)
+
+
+def gathered(sentences: Iterable[str]) -> list[str]:
+    """Return sentences with those said once that several bodies share: "3 bodies: ..."."""
+    names: dict[tuple[type[str], str], list[str]] = {}
+    for sentence in sentences:
+        named = _OF_A_BODY.fullmatch(sentence)
+        names.setdefault((type(sentence), named[2] if named else sentence), []).append(named[1] if named else "")
+    return [
+        kind(f"{len(of)} bodies: {said}" if len(of) > 1 and of[0] else f'"{of[0]}": {said}' if of[0] else said)
+        for (kind, said), of in names.items()
+    ]
 
 
 def duration(seconds: float) -> str:
@@ -38,7 +55,9 @@ def megabytes(size: float) -> str:
 
 
 def wrapped(sentence: str, width: int) -> list[str]:
-    """Break a sentence into lines of at most `width` columns; text without spaces breaks anywhere."""
+    """Break a sentence into lines of at most `width` columns; Japanese breaks anywhere but inside a Latin word, before
+    a mark that ends something and after one that begins it.
+    """
     lines, line = [], ""
     for word in _words(sentence):
         if line and _columns(line + word.rstrip()) > width:
@@ -55,7 +74,7 @@ def _words(sentence: str) -> list[str]:
             words[-1] += word + " "  # a number and its unit
         else:
             words.append(word + " ")
-    return [piece for word in words for piece in (word if _columns(word) > len(word) else [word])]
+    return [piece for word in words for piece in (_PIECE.findall(word) if _columns(word) > len(word) else [word])]
 
 
 def _columns(text: str) -> int:

@@ -83,10 +83,14 @@ def show_status(context: bpy.types.Context, run: ModalRun, text: str) -> None:
 
 
 def clear_status() -> None:
-    """Take our text out of the status bar of every workspace: it may have been shown in several."""
-    for workspace in bpy.data.workspaces:
-        with bpy.context.temp_override(workspace=workspace):  # whose it is is not looked at
-            workspace.status_text_set(None)
+    """Take our text out of the status bar of every workspace: it may have been shown in several.
+
+    That needs a window, and the context's may be the one that is being closed: Blender ends with that.
+    """
+    for window in bpy.context.window_manager.windows[:1]:
+        for workspace in bpy.data.workspaces:
+            with bpy.context.temp_override(window=window, workspace=workspace):  # whose it is is not looked at
+                workspace.status_text_set(None)
 
 
 def close_run(run: ModalRun) -> None:

@@ -2,9 +2,12 @@
 
 from enum import StrEnum
 
-PRESS = ".Dimple Press"  # begins the names of what shows a running session; Blender hides those with a leading dot
+# begin the names of the node groups that show a running session, a press that was kept, and a bake, and of the meshes
+# that hold their offsets; Blender hides those with a leading dot
+OURS = ".Dimple "
+PRESS, KEPT_PRESS, BAKED_PRESS, CARRIER = ".Dimple Press", ".Dimple Kept", ".Dimple Bake", ".Dimple Carrier"
 REST = ".dimple_rest"  # attribute of what is evaluated: the shape at rest of this frame
-KEPT = "Pressed"  # of the shape key or the modifier that keeps a press
+KEPT = "Pressed"  # name of the modifier that keeps a press
 BAKED_KEY = "Dimple Frame "  # begins the names of a bake's shape keys, before the number of the frame
 CACHE = "Dimple"  # name of the modifier that plays a bake
 CACHES_OFF = "dimple_caches_off"  # custom property of an object: its bakes that are switched off while it is live

@@ -8,15 +8,13 @@ never references into Blender's data, which an undo replaces.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import bpy
 import numpy as np
 import numpy.typing as npt
 
-from ..core.base import DimpleError
-
-if TYPE_CHECKING:
-    from ..core.mesh.refine import Refinement
+from ..core.base import FARTHEST, DimpleError
 
 PART = 16384  # vertices
 Floats = npt.NDArray[np.float64]
@@ -28,30 +26,38 @@ class ObjectLink:
     """What joins an object to its session.
 
     uid, name: of the object.
-    rest: (N, 3) its coordinates at rest, bit for bit.
+    rest: (N, 3) its final mesh at rest, bit for bit.
+    own: (n, 3) the coordinates of its own mesh, bit for bit.
     scale: physical metres per scene unit.
     matrix: (4, 4) of the object at the start.
     resting: (N, 3) what a frame shows at rest [m].
     rounding: what a vertex at rest may be off it [m].
     slots: of the object's materials that the model has.
-    refined: how the surface that is pressed was cut finer than the object's own; None where it was not.
-    shaped: shape keys or modifiers make its shape at rest of the coordinates of its mesh.
-    follows: that shape can be read at every frame.
-    carried: a rig holds it.
+    cuts: how often its final mesh is subdivided.
+    shaped: shape keys or modifiers make the final mesh of its own.
+    rigged: they hold it, or move it where it is pinned.
     """
 
     uid: int
     name: str
     rest: Singles
+    own: Singles
     scale: float
     matrix: Floats
     resting: Singles
     rounding: float
     slots: tuple[int, ...]
-    refined: Refinement | None = None
+    cuts: int = 0
     shaped: bool = False
-    follows: bool = True
-    carried: bool = False
+    rigged: bool = False
+
+
+def find(uid: int, name: str = "") -> bpy.types.Object | None:
+    """Return the object with a session_uid, looked for first under the name it had."""
+    named = bpy.data.objects.get(name)
+    if named and named.session_uid == uid:
+        return named
+    return next((candidate for candidate in bpy.data.objects if candidate.session_uid == uid), None)
 
 
 def get_points(points: Any, count: int, name: str) -> Singles:
@@ -73,16 +79,34 @@ def to_physical(scale: float, matrix: Floats, local: npt.NDArray[Any]) -> Floats
     return scale * (local.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])
 
 
-def places(link: ObjectLink, matrix: Floats, rest: Singles) -> Floats:
-    """Return where every input vertex of a session (n, 3) [m] is at rest, with its object there in a shape (N, 3)."""
-    points = to_physical(link.scale, matrix, rest)
-    return link.refined.at_vertices(points) if link.refined else points
+def scale_of_body(scene: bpy.types.Scene, body: bpy.types.Object, rest: Singles, matrix: Floats) -> float:
+    """Return physical metres per scene unit of a body with a shape at rest (N, 3).
+
+    Raises:
+        DimpleError: it has no size.
+    """
+    name, size = body.name, body.dimple.to_params()["size"]
+    if not np.isfinite(rest).all():
+        bad = np.flatnonzero(~np.isfinite(rest).all(axis=1))
+        raise DimpleError(
+            f'"{name}": vertex {bad[0]} has a coordinate that is not a number ({len(bad)} such vertices). '
+            "Delete or move them."
+        )
+    check_matrix(name, matrix)
+    axes = np.linalg.norm(matrix[:3, :3], axis=0)
+    largest = float((np.array([np.ptp(along) for along in rest.T]) * axes).max())  # axis by axis is far faster
+    if largest <= 0:
+        raise DimpleError(f'"{name}": all vertices lie in one point. Give the mesh a size.')
+    if size is not None and not size <= FARTHEST:
+        raise DimpleError(f'"{name}": a Custom Size of {1e3 * size:.3g} mm is too large. Lower it in Physics > Dimple.')
+    return float(scene.unit_settings.scale_length) if size is None else size / largest
 
 
 def offsets_of(link: ObjectLink, matrix: Floats, rest: Singles, physical: Singles) -> Singles:
-    """Return how far (N, 3) points of a session (n, 3) [m] are from the shape at rest (N, 3), in its object's space.
+    """Return how far (N, 3) points of a session (N, 3) [m] are from the shape at rest (N, 3), in its object's space.
 
-    Part by part, so that what is between stays in the cache: a sixth of the time of `to_local`.
+    Exactly 0 at rest, while the shape at rest is that of the start. Part by part, so that what is between stays in the
+    cache.
     """
     as_begun = rest is link.rest and np.array_equal(matrix, link.matrix)
     # where a rig moves the shape at rest, that in double precision: rounded, it would be off by more than a vertex is
@@ -91,24 +115,8 @@ def offsets_of(link: ObjectLink, matrix: Floats, rest: Singles, physical: Single
     offsets = np.empty(resting.shape, np.float32)
     for begin in range(0, len(resting), PART):
         part = slice(begin, begin + PART)
-        moved = physical[: len(resting)][part] - resting[part]
+        moved = physical[part] - resting[part]
         if as_begun:
             moved[(np.abs(moved) <= link.rounding).all(axis=1)] = 0.0
         offsets[part] = moved @ turn
     return offsets
-
-
-def to_local(link: ObjectLink, matrix: Floats, rest: Singles, physical: Singles) -> Singles:
-    """Return the points of a session (n, 3) [m] as coordinates (N, 3) of its object.
-
-    Vertices at rest get their very bits back while the shape at rest (N, 3) is that of the start. Of a surface that
-    was cut finer the object's own come first.
-    """
-    physical = physical[: len(link.rest)]
-    inverse = np.linalg.inv(matrix)
-    local = (physical @ (inverse[:3, :3].T / link.scale) + inverse[:3, 3]).astype(np.float32)
-    if rest is link.rest and np.array_equal(matrix, link.matrix):
-        x, y, z = (np.abs(physical - link.resting) <= link.rounding).T
-        resting = np.flatnonzero(x & y & z)
-        local[resting] = link.rest[resting]
-    return local

@@ -7,7 +7,7 @@ import bpy
 from bpy.props import FloatProperty, IntProperty
 
 from . import modal_runs, polls, sessions, showing
-from .messages import report, say
+from .messages import gathered, report, say
 from .names import Op
 
 
@@ -140,7 +140,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         _, messages, wrong = started
         report(self, wrong)
         if messages:
-            say(self, {"INFO"}, " ".join(messages))
+            say(self, {"INFO"}, *gathered(messages))
 
 
 def _at_rest() -> bool:

@@ -8,7 +8,7 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
 
 from . import modal_runs, polls, sessions, showing
-from .messages import report, say
+from .messages import gathered, report, say
 from .names import Op
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
             return {"CANCELLED"}
         report(self, wrong)
         if messages:
-            say(self, {"INFO"}, " ".join(messages))
+            say(self, {"INFO"}, *gathered(messages))
         self._shapes: dict[int, object] = {}
         self._clock = time.perf_counter()
         self._run = modal_runs.open_run(context, "poke", "Poking: Esc leaves, Enter keeps the shape")

@@ -38,6 +38,8 @@ def needs_mesh(operator: type, context: bpy.types.Context) -> bool:
 
 def is_own(operator: type, body: bpy.types.Object) -> bool:
     """Tell whether an object and its material belong to this file, so that settings stay with it."""
+    if body.override_library:
+        return refuse(operator, "Settings of a library override would not be saved: make the object local first")
     if body.library or body.data.library:
         return refuse(operator, "The object is linked from another file: make it local first")
     if body.active_material and body.active_material.library:

@@ -14,7 +14,7 @@ def begin(context: bpy.types.Context) -> None:
     Raises:
         DimpleError: a file cannot be written; nothing is recorded.
     """
-    from . import bridge, cache_files, recorder
+    from . import bridge, cache_files, recorder, showing
 
     render = context.scene.render
     begun: list[tuple[sessions.LiveBody, recorder.Recorder]] = []
@@ -24,10 +24,10 @@ def begin(context: bpy.types.Context) -> None:
             if obj is None or body.recorder:
                 continue
             path = cache_files.take_path(context, obj)
-            local = bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
+            offsets = showing.offsets_of(body)
             with cache_files.plain_os_errors("Recording"):
                 fps = render.fps / render.fps_base
-                each = recorder.Recorder(path, context.scene.frame_current, fps, body.frame.time, local, body.session)
+                each = recorder.Recorder(path, context.scene.frame_current, fps, body.frame.time, offsets, body.session)
             begun.append((body, each))
     except DimpleError:
         for _, each in begun:

@@ -20,7 +20,7 @@ FINGERS = 3
 class ForceTable:
     """Write one line a frame: force and friction [N], depth [mm], pressure [Pa], volume [m3], energy [J]; steps.
 
-    work_j is what the fingertips have put in, elastic_j what the shape holds, kinetic_j what the motion does.
+    work_j is what the fingertips have put in by the law, elastic_j what the skin's shape holds, kinetic_j its motion.
     """
 
     def __init__(self, path: Path) -> None:
@@ -31,6 +31,8 @@ class ForceTable:
             columns += [f"force_{number}_n", f"friction_{number}_n", f"depth_{number}_mm"]
         columns += ["pressure_pa", "volume_m3", "rest_volume_m3", "work_j", "elastic_j", "kinetic_j", "steps"]
         self._rows.writerow(columns)
+        self._resting: tuple[object, object] | None = None  # where and as what the energies were last computed
+        self._energies = 0.0, 0.0
 
     def append(self, number: float, time_s: float, session: Session) -> None:
         """Add the line of one frame of the animation."""
@@ -43,8 +45,11 @@ class ForceTable:
                 push, depth = float(frame.pushes[i]), float(frame.depths[i])
                 friction = max(float((frame.finger_forces[i] ** 2).sum()) - push**2, 0.0) ** 0.5
             row += [push, friction, depth * 1e3]
+        now = session.positions(), session.model  # of what sleeps the very same
+        if self._resting is None or any(a is not b for a, b in zip(now, self._resting, strict=True)):
+            self._resting, self._energies = now, energies(session)
         numbers = [
-            time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.work, *energies(session),
+            time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.work, *self._energies,
             frame.total_steps,
         ]  # fmt: skip
         self._rows.writerow([f"{number:g}", *(f"{value:.9g}" for value in numbers)])
@@ -62,17 +67,19 @@ class Recorder:
         start_frame: the frame of the animation that is now.
         fps: frames per second.
         time: of the session now [s].
-        local: (N, 3) the coordinates that show now.
+        offsets: (N, 3) from the shape at rest that show now.
     """
 
-    def __init__(self, path: Path, start_frame: int, fps: float, time: float, local: Singles, session: Session) -> None:
+    def __init__(
+        self, path: Path, start_frame: int, fps: float, time: float, offsets: Singles, session: Session
+    ) -> None:
         self._path, self._start_frame, self._fps = path, start_frame, fps
         self._began = self._time = time
-        self._local = local
+        self._offsets = offsets
         with contextlib.ExitStack() as self._files:
-            self._cache = open_file(self._files, path, lambda name: PointCache(name, len(local), start_frame))
+            self._cache = open_file(self._files, path, lambda name: PointCache(name, len(offsets), start_frame))
             self._table = open_file(self._files, path.with_suffix(".csv"), ForceTable)
-            self.append(time, local, session)
+            self.append(time, offsets, session)
             self._files = self._files.pop_all()
 
     @property
@@ -80,7 +87,7 @@ class Recorder:
         """Return the path of the PC2 file and its first frame."""
         return str(self._path), self._start_frame
 
-    def append(self, time: float, local: Singles, session: Session) -> None:
+    def append(self, time: float, offsets: Singles, session: Session) -> None:
         """Take in the state of a session at a time [s]; what falls on frames in between is interpolated.
 
         Raises:
@@ -92,11 +99,11 @@ class Recorder:
         span = time - self._time
         while (due := self._began + self._cache.samples / self._fps) <= time + 1e-9:
             self._table.append(self._start_frame + self._cache.samples, due - self._began, session)
-            self._cache.append(local if time - due < 1e-9 else self._between(local, (due - self._time) / span))
-        self._time, self._local = time, local
+            self._cache.append(offsets if time - due < 1e-9 else self._between(offsets, (due - self._time) / span))
+        self._time, self._offsets = time, offsets
 
-    def _between(self, local: Singles, share: float) -> Singles:
-        return self._local + (local - self._local) * max(share, 0.0)
+    def _between(self, offsets: Singles, share: float) -> Singles:
+        return self._offsets + (offsets - self._offsets) * max(share, 0.0)
 
     @property
     def frames(self) -> int:

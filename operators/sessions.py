@@ -6,10 +6,10 @@ and renaming.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 
 import bpy
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from .recorder import Recorder
     from .settings import Settings
 
-TRAIL = 4000  # points of force against depth that the chart remembers
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -45,7 +44,7 @@ class LiveBody:
     changed_at: when they were changed last, None where they were planned for [s].
     around: what it was planned for besides its settings, None before its first step.
     matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
-    triangles: (t, 3) of the object's own vertices, outward.
+    triangles: (t, 3) of the vertices of the final mesh, outward.
     painted_at: when weights that are painted were read last [s].
     fingers: the fingertips to be drawn, in the session's space.
     poked: which fingertips are the poke's.
@@ -53,7 +52,6 @@ class LiveBody:
     hand: what they have done.
     lead: simulated time that it is ahead of the slowest of those that run with it [s].
     done: how far it came in the last step, that lead included [s].
-    trail: depth [m] and force [N] of the deepest fingertip.
     recorder: of the recording under way.
     take: path and first frame of the last recording.
     shown: what its object shows: link, matrix, shape at rest and positions; None where that is not known.
@@ -78,7 +76,6 @@ class LiveBody:
     held: dict[int, Finger] = field(default_factory=dict)
     lead: float = 0.0
     done: float = 0.0
-    trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
     recorder: Recorder | None = None
     take: tuple[str, int] | None = None
     shown: tuple[object, ...] | None = None
@@ -144,7 +141,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     from ..core.mesh.surface import input_vertices
     from ..core.session import Session
     from ..core.stroke import Hand
-    from . import bridge, bridge_write, planning, sizing, timeline
+    from . import bridge, bridge_write, final_mesh, planning, sizing, timeline
     from .settings import settings_of
 
     bridge.check(obj)
@@ -152,11 +149,12 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     bridge_write.rescue(sessions)  # a duplicate of a body that is live shows its press
     size = sizing.settle_size(context.scene, obj)
     try:
+        final_mesh.attach(context, obj)
         link, model = yield from bridge.reading_body(context, obj)
         proxy, reason = yield from planning.planning_for(context.scene, obj, model)
-        # may refuse too, so before the mesh is touched
-        session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene))
+        session = yield 0.9, partial(Session, model, proxy=proxy, tick=timeline.tick_s(context.scene))
     except BaseException:
+        final_mesh.detach(obj)
         if size:
             obj.dimple.property_unset("size_mode")
         raise
@@ -167,7 +165,6 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
         link=link, session=session, settings=settings, seen=settings,
         matrix=link.matrix, rest=link.rest, triangles=first[model.mesh.triangles], hand=Hand(),
     )  # fmt: skip
-    bridge_write.borrow(obj)
     obj.dimple.enabled = True
     return body, messages
 
@@ -194,7 +191,8 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     if body is None:
         return []
     set_worlds(())  # made anew of those that are left
-    from . import bridge, bridge_write, cache_files, props
+    from ..core.base import DimpleError
+    from . import bridge, bridge_write, cache_files, final_mesh, props
 
     if not sessions and restore and not undoing:
         props.put_back()
@@ -202,14 +200,18 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
         props.fallen.clear()
     obj = bridge.find(uid, body.name)
     if obj and not restore and bridge_write.is_intact(obj, body.link):
-        local = bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
-        bridge_write.keep(obj, local, body.rest)
+        local = bridge.offsets_of(body.link, body.matrix, body.rest, body.session.positions())
+        bridge_write.keep(bpy.context, obj, body.link, local)
     if obj:
-        bridge_write.give_back(obj)
+        final_mesh.detach(obj)
     bridge_write.rescue(sessions)
     messages = end_recording(body)  # after the mesh: whatever the disk does, that is safe
     if obj and body.take:
-        cache_files.attach_cache(obj, *body.take)
+        try:
+            with cache_files.plain_os_errors("Recording"):
+                cache_files.attach_cache(bpy.context, obj, *body.take, body.link.cuts)
+        except DimpleError as error:
+            messages.append(str(error))
         if not undoing:
             bridge_write.remember("Record")  # else an undo of what came before would take the take along
     return messages

@@ -59,11 +59,11 @@ def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
         body.shown = now
 
 
-def local_of(body: sessions.LiveBody) -> Singles:
-    """Return the coordinates (N, 3) of a session in the space of its object."""
+def offsets_of(body: sessions.LiveBody) -> Singles:
+    """Return how far (N, 3) the vertices of a session are from the shape at rest, in the space of its object."""
     from . import bridge
 
-    return bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
+    return bridge.offsets_of(body.link, body.matrix, body.rest, body.session.positions())
 
 
 def rest_all() -> None:
@@ -77,13 +77,13 @@ def rest_all() -> None:
 
 def show_all() -> None:
     """Show every session again."""
-    from . import bridge, bridge_write, props
+    from . import bridge, bridge_write, final_mesh, props
 
     for world in sessions.worlds:
         props.show(world)
     for uid, body in sessions.sessions.items():
         obj = bridge.find(uid, body.name)
         if obj and bridge_write.is_intact(obj, body.link):
-            bridge_write.borrow(obj)
+            final_mesh.attach(bpy.context, obj, body.link.cuts)
             body.shown = None
             show(obj, body)

@@ -26,8 +26,8 @@ VERSION = 1  # of the layout of this JSON
 def describe(
     context: bpy.types.Context, obj: bpy.types.Object, first: int, last: int, simulated: dict[str, Any] | None
 ) -> dict[str, Any]:
-    """Return what is the same for all files of an object; `files` is still empty."""
-    render, mesh = context.scene.render, obj.data
+    """Return what is the same for all files of an object, which plays; `files` is still empty."""
+    render, mesh = context.scene.render, obj.evaluated_get(context.evaluated_depsgraph_get()).data
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
     return {

@@ -15,7 +15,7 @@ def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> Note | None:
     settings = obj.dimple
     settings.size_mode = "CUSTOM"
     return Note(
-        f'"{obj.name}" is {_as_modelled(scene, obj):.3g} m across as modelled, which does not suit a fingertip of '
+        f'"{obj.name}": {_as_modelled(scene, obj):.3g} m across as modelled does not suit a fingertip of '
         f"{scene.dimple.finger_radius_mm:.3g} mm: it is pressed as an object of {settings.size_mm:.3g} mm. "
         "Physical Size in Physics > Dimple changes that."
     )

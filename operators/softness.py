@@ -53,11 +53,11 @@ class DIMPLE_OT_softness_from_pokes(bpy.types.Operator):
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
-        own = model.mesh.source[: len(link.rest)]
+        own = model.mesh.source[bridge.nearest_final(link)]
         bridge_write.paint(body, GROUP, found.weights[own], INTERVAL, found.interval[own])
         body.dimple.softness_group = GROUP
         say(self, {"INFO"}, found.text)
-        if link.refined:
+        if link.cuts:
             say(self, {"WARNING"}, "The mesh has too few vertices to hold the map. Subdivide it first.")
         if found.outside > PAINTED:
             say(self, {"WARNING"}, (

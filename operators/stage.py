@@ -13,14 +13,14 @@ import bpy
 import numpy as np
 import numpy.typing as npt
 
-from . import stack
+from ..core.recording import PointCache, open_point_cache
+from . import cache_files, offset, stack
 from .clip import KeyedShape
 
 Singles = npt.NDArray[np.float32]
 
 
 UV_MAP = "dimple_vertex"
-_NAME = "Dimple Export"  # of the modifier; it begins as those of a bake do, so none of ours stays behind
 
 
 @contextlib.contextmanager
@@ -64,37 +64,75 @@ def selected(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[None
 
 
 @contextlib.contextmanager
-def playing(context: bpy.types.Context, obj: bpy.types.Object, cache: Path, first: int) -> Iterator[None]:
-    """Let an object play a PC2 file, after the modifiers that shape what is pressed and in place of its own bake."""
-    ours = [modifier for modifier in obj.modifiers if stack.is_cache(modifier)]
-    shown = [(modifier.show_viewport, modifier.show_render) for modifier in ours]
-    for modifier in ours:
-        modifier.show_viewport = modifier.show_render = False
-    modifier = obj.modifiers.new(_NAME, "MESH_CACHE")
-    modifier.cache_format, modifier.filepath, modifier.frame_start = "PC2", str(cache), first
-    obj.modifiers.move(len(obj.modifiers) - 1, stack.place_in_stack(obj))
-    try:
+def playing(
+    context: bpy.types.Context, obj: bpy.types.Object, plays: tuple[Path, float, int] | None
+) -> Iterator[None]:
+    """Select an object that plays a PC2 file of offsets in place of its own bake.
+
+    Args:
+        plays: the file, its first frame, and how often the final mesh is subdivided; None where it plays already.
+    """
+    if plays is None:
         with selected(context, obj):
             yield
-    finally:
-        obj.modifiers.remove(modifier)
-        for each, (viewport, render) in zip(ours, shown, strict=True):
-            each.show_viewport, each.show_render = viewport, render
+        return
+    ours = [modifier for modifier in obj.modifiers if stack.is_cache(modifier)]
+    before = [(modifier, modifier.show_viewport, modifier.show_render) for modifier in ours]
+    with selected(context, obj):
+        try:
+            for modifier in ours:
+                modifier.show_viewport = modifier.show_render = False
+            cache_files.play(context, obj, *plays)
+            yield
+        finally:
+            for modifier in [each for each in obj.modifiers if stack.is_cache(each) and each not in ours]:
+                obj.modifiers.remove(modifier)
+            offset.sweep_data()
+            for modifier, viewport, render in before:
+                modifier.show_viewport, modifier.show_render = viewport, render
+
+
+def seen(
+    context: bpy.types.Context, obj: bpy.types.Object, plays: tuple[Path, float, int] | None, first: int, last: int,
+    path: Path,
+) -> Singles:
+    """Return the coordinates (frames, vertices, 3) that an object shows while it plays; they go to a file.
+
+    Raises:
+        OSError: the disk refuses.
+        DimpleError: it does not show as many vertices in each frame.
+    """
+    with ranged(context.scene, first, last), playing(context, obj, plays), contextlib.ExitStack() as files:
+        cache = None
+        for frame in range(first, last + 1):
+            context.scene.frame_set(frame)
+            mesh = obj.evaluated_get(context.evaluated_depsgraph_get()).data
+            points = np.empty(3 * len(mesh.vertices), np.float32)
+            mesh.vertices.foreach_get("co", points)
+            cache = cache or files.enter_context(PointCache(path, len(mesh.vertices), first))
+            cache.append(points.reshape(-1, 3))
+    _, samples = open_point_cache(path)
+    return samples
 
 
 @contextlib.contextmanager
 def keyed(
-    context: bpy.types.Context, obj: bpy.types.Object, rest: Singles, keys: Sequence[KeyedShape]
+    context: bpy.types.Context, obj: bpy.types.Object, plays: tuple[Path, float, int] | None, rest: Singles,
+    keys: Sequence[KeyedShape],
 ) -> Iterator[None]:
-    """Give an object a mesh of its own with keyframed shape keys, in place of the keys it has.
+    """Give an object its final mesh with keyframed shape keys, in place of its own mesh and its modifiers.
 
     Args:
         rest: (vertices, 3) coordinates of the basis.
     """
-    mesh = obj.data
-    copy, name = mesh.copy(), mesh.name
+    with playing(context, obj, plays):
+        graph = context.evaluated_depsgraph_get()
+        copy = bpy.data.meshes.new_from_object(
+            obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph
+        )
+    mesh, name = obj.data, obj.data.name
     before = obj.active_shape_key_index, obj.show_only_shape_key
-    shaping = [(each, each.show_viewport, each.show_render) for each in stack.shaping(obj)]
+    shaping = [(each, each.show_viewport, each.show_render) for each in obj.modifiers]
     if not mesh.library:  # its name goes into the file
         mesh.name = f"{name[:50]}.dimple"
     copy.name = name
@@ -120,10 +158,11 @@ def keyed(
 
 @contextlib.contextmanager
 def mapped(
-    context: bpy.types.Context, obj: bpy.types.Object, rest: Singles, uv: Singles
+    context: bpy.types.Context, obj: bpy.types.Object, plays: tuple[Path, float, int] | None, rest: Singles,
+    uv: Singles,
 ) -> Iterator[None]:
-    """Give an object a mesh of its own in a shape (vertices, 3), with a last UV map that has a place a vertex."""
-    with keyed(context, obj, rest, []):
+    """Give an object its final mesh in a shape (vertices, 3), with a last UV map that has a place a vertex."""
+    with keyed(context, obj, plays, rest, []):
         obj.shape_key_clear()
         mesh = obj.data
         while len(mesh.uv_layers) > 1:  # ours is to be the second one

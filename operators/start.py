@@ -29,13 +29,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
         from ..core.steps import beside
         from . import live
 
-        before = set(sessions.sessions)
-        try:
-            self._came = yield from beside(live.starting_all(context))
-        except GeneratorExit:
-            for uid in set(sessions.sessions) - before:
-                sessions.stop(uid)
-            raise
+        self._came = yield from beside(live.starting_all(context))
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         _, messages, wrong = self._came

@@ -6,7 +6,7 @@ with the same values; those are translated too, unless they stand in quotes, as 
 
 import functools
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from bpy.app.translations import pgettext_tip
@@ -18,6 +18,7 @@ Lookup = Callable[[str], str]
 _PLACE = "{}"
 _END = re.compile(r"(?<=[.?!])\s+(?!\()|\n")  # of a sentence
 _NAMED = '"{}": '
+_SAMPLE = next(iter(MESSAGES))
 _QUOTES = ('"', "“")
 
 
@@ -25,11 +26,13 @@ class Template(NamedTuple):
     """A message of the catalogue.
 
     text: its key, with places for the values.
+    longest: what of it stands between two places: where that is not, the pattern need not be tried.
     pattern: what recognises it.
     names: whether the value of each place is a name.
     """
 
     text: str
+    longest: str
     pattern: re.Pattern[str]
     names: tuple[bool, ...]
 
@@ -40,13 +43,35 @@ def translated(text: str, lookup: Lookup = pgettext_tip) -> str:
     Args:
         lookup: gives a template of the catalogue in the language of the interface.
     """
-    if not text or (found := lookup(text)) != text:
-        return found if text else ""
-    ends = [end.end() for end in _END.finditer(text)]
-    for at in (len(text), *reversed(ends)):  # a template may be several sentences
+    if not text or not _speaks(lookup):
+        return text
+    if (found := lookup(text)) != text:
+        return found
+    ends = [end.end() for end in _END.finditer(text) if end.end() < len(text)]
+    for at in reversed([*ends, len(text)][: 2 * _sentences()]):  # a template, and what fills its last place
         if found := _filled(text[:at].strip(), lookup):
             return _joined(found, text[:at], translated(text[at:], lookup))
     return _joined(text[: ends[0]].strip(), text[: ends[0]], translated(text[ends[0] :], lookup)) if ends else text
+
+
+def in_a_row(sentences: Iterable[str], lookup: Lookup = pgettext_tip) -> str:
+    """Translate sentences, each by itself, and put them in a row."""
+    row = ""
+    for sentence in sentences:
+        found = translated(sentence, lookup)
+        row += found if not row or row[-1] in "。？" else f" {found}"
+    return row
+
+
+def _speaks(lookup: Lookup) -> bool:
+    """Tell whether the catalogue is in the language of the interface."""
+    return lookup(_SAMPLE) != _SAMPLE
+
+
+@functools.cache
+def _sentences() -> int:
+    """Return how many sentences the longest template has."""
+    return max(1 + len(_END.findall(text)) for text in MESSAGES)
 
 
 def _joined(first: str, before: str, rest: str) -> str:
@@ -65,15 +90,17 @@ def _filled(text: str, lookup: Lookup) -> str:
 
 def _value(value: str, lookup: Lookup) -> str:
     """Return what fills a place: a message of the catalogue, a list of them, or what is the same everywhere."""
+    if whole := _filled(value.strip(), lookup):
+        return whole
     parts = [_filled(part, lookup) for part in value.strip().split(", ")]
-    return "、".join(parts) if all(parts) else _filled(value.strip(), lookup) or value
+    return "、".join(parts) if all(parts) else value
 
 
 @functools.lru_cache(maxsize=500)
 def _match(text: str) -> tuple[Template, tuple[str, ...]] | None:
     """Return the template that a text was made of, and its values: those of several sentences are messages too."""
     for template in _templates():
-        found = template.pattern.fullmatch(text)
+        found = template.longest in text and template.pattern.fullmatch(text)
         if found and all(not _END.search(value) or _match(value.strip()) for value in found.groups()):
             return template, found.groups()
     return None
@@ -91,4 +118,5 @@ def _template(text: str) -> Template:
     pattern = "(.*?)".join(map(re.escape, parts))
     if text.endswith("."):  # a message in the midst of another has none
         pattern += "?"
-    return Template(text, re.compile(pattern, re.DOTALL), tuple(part.endswith(_QUOTES) for part in parts[:-1]))
+    longest = max(parts, key=len).removesuffix(".")
+    return Template(text, longest, re.compile(pattern, re.DOTALL), tuple(part.endswith(_QUOTES) for part in parts[:-1]))

@@ -12,7 +12,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.steps import Parts, at_once, beside
-from . import bridge, bridge_model, planning, sessions, timeline
+from . import bridge, bridge_model, final_mesh, planning, sessions, timeline
 from .names import PAINTING
 from .settings import settings_of
 
@@ -88,8 +88,8 @@ def _changing(
     except DimpleError as error:
         body.refused = f"{error} Until then it goes on as it was."
         return [] if refused_before else [body.refused]
-    if now != body.settings:
-        body.trail.clear()  # the chart is of one material
+    if any(had and not has for had, has in zip(body.settings.materials, now.materials, strict=False)):
+        messages.append(f'"{body.name}": a material is gone: the constants of a new one act in its place.')
     body.settings, body.changed_at = now, body.frame.time
     return messages
 
@@ -105,7 +105,7 @@ def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, n
         proxy, messages = yield from _proxy(body, model, again=again)
         session.change(model, proxy=proxy)
         return messages
-    link, model = bridge.read_body(context, obj, refined=body.link.refined)
+    link, model = bridge.read_body(context, obj, cuts=body.link.cuts)
     proxy, messages = yield from _proxy(body, model, again=again)
     session.change(model, proxy=proxy, scale=link.scale / body.link.scale)
     _define(body, link, model)
@@ -156,20 +156,12 @@ def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: Live
             return []
     body.changed_at, body.around = None, around
     finer = before and around.radius_mm < before.radius_mm
-    coarse = finer and _is_coarse(obj, session.model, around.radius_mm / 1e3)
+    coarse = finer and final_mesh.is_coarse(context, obj)
     try:
         proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy)
         if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
             session.change(session.model, proxy=proxy)
     except DimpleError as error:
         return [str(error)]
-    cut = "The mesh is coarse for this fingertip: it is cut finer when the body is started again."
+    cut = "The mesh is coarse for this fingertip: it is subdivided further when the body is started again."
     return [*([reason] if reason else []), *([cut] if coarse else [])]
-
-
-def _is_coarse(obj: bpy.types.Object, model: Model, radius: float) -> bool:
-    """Tell whether a body would be cut finer for a fingertip of a radius [m] if it were started now."""
-    from ..core.mesh.refine import is_coarse
-
-    auto = obj.dimple.simulated == "AUTO"
-    return auto and is_coarse(model.mesh.rest_positions, model.mesh.triangles, radius)

@@ -31,7 +31,7 @@ def measure_laws() -> dict[str, float]:
 
 
 def _session(
-    points: Floats, faces: Ints, *, pinned: Bools | None = None, gravity: float = -9.81, backend: str = "auto"
+    points: Floats, faces: Ints, *, pinned: Bools | None = None, gravity: float = -9.81, backend: str = "native"
 ) -> Session:
     model = build_model(mesh_from_triangles(points, faces), [SOFT], pinned=pinned, gravity=(0, 0, gravity))
     return Session(model, backend=backend)

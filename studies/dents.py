@@ -1,4 +1,4 @@
-"""`dev.py core dents`: how smooth settled dents are, beside finite elements, and how they converge with the mesh.
+"""`dev.py core dents`: how smooth settled dents are, and how near to those of finite elements.
 
 A dent is smooth to about two radii of the fingertip. Deeper, the places at rest of the skin below the tip lie above the
 tip's centre and pull it back round the tip: at the bottom it is farthest from them. Tension and friction keep it there,
@@ -11,9 +11,8 @@ from __future__ import annotations
 
 import argparse
 import csv
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -29,22 +28,21 @@ from core.session import Finger, Session
 
 from .dent_picture import draw_dents, draw_profiles
 from .dent_shape import Profile, facet_roughness, lean, profile, turned_onto, vertex_roughness
-from .primitives import Shape, box, icosphere, remeshed, rotated, sized
-from .solid_mesh import BALL_RADIUS, BLOCK_EDGE
+from .primitives import Shape, icosphere, rotated, sized
+from .solid_mesh import BALL_RADIUS
 
 MATERIALS = {"default": DEFAULT_MATERIAL, **{preset.name: preset.material for preset in PRESETS}}
 TIP = 0.010  # [m] radius of the fingertip whose dents are drawn
 DEPTHS = (0.005, 0.010, 0.015, 0.020, 0.025)  # [m]
 BALLS = {2562: 4, 10242: 5, 40962: 6, 163842: 7}  # vertices and subdivisions
 PROXIED, PROXIES = (10242, 163842), (600, 1500)  # fine meshes, and vertices of proxies beside the one of a session
-TIPS = (0.010, 0.020)  # [m] radii of those whose forces are compared
+TIPS = (0.010, 0.020)  # [m] radii of those whose dents are compared
 RATE = 500.0  # [1/s] at which a body as light and damped as these settles
 TRAVEL = 0.1  # [m/s] of the fingertip
-SETTLING, LISTENING = 0.06, 0.01  # [s] at each depth; then the mean of the reaction is taken
+SETTLING = 0.07  # [s] at each depth
 FINE = 5  # subdivisions of the ball whose profile is compared
 FRICTIONS = (0.5, 1.0, 2.0)  # of the skin under deep dents
-PARTS = ("roughness", "friction", "profile", "other-tip", "forces", "turning", "steps")
-TURNS = 6  # ways a triangulation is turned under the tip
+PARTS = ("roughness", "friction", "profile", "other-tip")
 KEPT = Path(__file__).parents[1] / "tests" / "studies" / "solid"  # dents by finite elements
 
 
@@ -53,12 +51,10 @@ class Settled:
     """A body at rest under a fingertip.
 
     depth: of the tip below the surface at rest [m].
-    force: on the tip (3,) [N].
     positions: of the vertices of the mesh (n, 3) [m].
     """
 
     depth: float
-    force: Floats
     positions: Floats
 
 
@@ -86,25 +82,13 @@ def settle(
         session.set_fingers([Finger((0.0, 0.0, top + radius - depth), radius)])
         session.step((depth - at) / TRAVEL)
         session.step(SETTLING)
-        frame, at = session.step(LISTENING), depth
-        force = frame.finger_forces[0] if len(frame.finger_forces) else np.full(3, np.nan)
-        yield Settled(depth, force, session.skin())
+        at = depth
+        yield Settled(depth, session.skin())
 
 
 def ball(subdivisions: int) -> Mesh:
     """Return the ball of the finite elements, an icosphere."""
     return sized(*icosphere(subdivisions), 2 * BALL_RADIUS)
-
-
-def of_size(made: Shape, size: float) -> Mesh:
-    return sized(*made, size)
-
-
-def jittered(cells: int, *, shift: float = 0.25, seed: int = 6) -> Shape:
-    """Return a cube whose vertices are shifted within its sides by a share of their spacing."""
-    points, faces = box(cells)
-    way = 2 * shift / cells * np.random.default_rng(seed).uniform(-1, 1, points.shape)
-    return points + np.where(np.abs(points) > 1 - 1e-9, 0.0, way), faces
 
 
 def roughness_rows(
@@ -141,7 +125,8 @@ def friction_rows(names: Sequence[str], sizes: Sequence[int]) -> Iterator[dict[s
                     rough = vertex_roughness(mesh.rest_positions, one.positions, spacing)
                     yield {
                         "friction": friction, "proxy": proxy, "vertices_percent": _percent(rough, one.depth),
-                        **_force_row(name, "ball", len(mesh.rest_positions), TIP, one),
+                        "material": name, "vertices": len(mesh.rest_positions), "tip_mm": 1e3 * TIP,
+                        "depth_mm": 1e3 * one.depth,
                     }  # fmt: skip
 
 
@@ -158,7 +143,7 @@ def roughness(mesh: Mesh, one: Settled, exact: Profile) -> dict[str, object]:
     spacing = mean_spacing(mesh, len(mesh.rest_positions))
     rest, round_one = mesh.rest_positions, turned_onto(exact, mesh.rest_positions)
     return {
-        "depth_mm": 1e3 * one.depth, "force_n": round(float(one.force[2]), 4),
+        "depth_mm": 1e3 * one.depth,
         "vertices_percent": _percent(vertex_roughness(rest, one.positions, spacing), one.depth),
         "vertices_percent_of_round": _percent(vertex_roughness(rest, round_one, spacing), one.depth),
         "lean_percent": _percent(lean(rest, one.positions, spacing), one.depth),
@@ -224,54 +209,11 @@ def profile_rows(subdivisions: int) -> tuple[list[dict[str, object]], dict[tuple
     return rows, shapes
 
 
-BODIES: dict[str, tuple[float, Sequence[tuple[int, Callable[[], Shape]]]]] = {
-    "ball": (2 * BALL_RADIUS, [(10 * 4**k + 2, partial(icosphere, k)) for k in (3, 4, 5, 6)]),
-    "uneven ball": (2 * BALL_RADIUS, [(10 * 4**k + 2, partial(remeshed, k)) for k in (3, 4, 5)]),
-    "cube": (BLOCK_EDGE, [(6 * n * n + 2, partial(box, n)) for n in (10, 20, 41, 82)]),
-    "uneven cube": (BLOCK_EDGE, [(6 * n * n + 2, partial(jittered, n)) for n in (10, 20, 41, 82)]),
-}  # fmt: skip
-
-
-def convergence_rows(names: Sequence[str], *, most: int) -> Iterator[dict[str, object]]:
-    """Yield rows of the force on even and uneven meshes up to a number of vertices; side: that across it."""
-    for name in names:
-        for body, (size, made) in BODIES.items():
-            for vertices, shape in made:
-                if vertices > most:
-                    continue
-                mesh = of_size(shape(), size)
-                for radius in TIPS:
-                    for one in settle(mesh, MATERIALS[name], radius, DEPTHS[:4]):
-                        yield _force_row(name, body, vertices, radius, one)
-
-
-def turning_rows(names: Sequence[str], *, most: int) -> Iterator[dict[str, object]]:
-    """Yield rows of the force on the ball whose triangulation is turned under the tip."""
-    for name in names:
-        for vertices, subdivisions in ((642, 3), *BALLS.items()):
-            if vertices > most:
-                continue
-            for turn in range(TURNS):
-                mesh = _unscaled(rotated(icosphere(subdivisions), seed=turn))
-                for radius in TIPS:
-                    for one in settle(mesh, MATERIALS[name], radius, DEPTHS[1:2]):
-                        yield {**_force_row(name, "ball", vertices, radius, one), "turn": turn}
-
-
 def _unscaled(made: Shape) -> Mesh:
     """Return a ball whose vertices, not its bounding box, are as far from the centre as those of `ball`."""
     from core.mesh.surface import mesh_from_triangles
 
     return mesh_from_triangles(made[0] * BALL_RADIUS / np.linalg.norm(made[0], axis=1).max(), made[1])
-
-
-def _force_row(name: str, body: str, vertices: int, radius: float, one: Settled) -> dict[str, object]:
-    side = float(np.hypot(one.force[0], one.force[1]))
-    return {
-        "material": name, "body": body, "vertices": vertices, "tip_mm": 1e3 * radius,
-        "depth_mm": 1e3 * one.depth, "force_n": round(float(one.force[2]), 4),
-        "side_percent": _percent(side, float(one.force[2])),
-    }  # fmt: skip
 
 
 def add_dents(command: argparse.ArgumentParser) -> None:
@@ -287,7 +229,7 @@ def add_dents(command: argparse.ArgumentParser) -> None:
 
 def run_dents(options: argparse.Namespace) -> int:
     """Measure, print and write each part as CSV, with its pictures beside it."""
-    from . import other_tip, time_steps
+    from . import other_tip
 
     names, sizes = options.materials, [size for size in BALLS if size <= options.most]
     try:
@@ -304,12 +246,6 @@ def run_dents(options: argparse.Namespace) -> int:
             draw_profiles(shapes, options.out / "profile.png")
         if "other-tip" in options.parts:
             write(list(other_tip.rows(min(FINE, BALLS[sizes[-1]]))), options.out / "other_tip.csv")
-        if "forces" in options.parts:
-            write(list(convergence_rows(names, most=options.most)), options.out / "forces.csv")
-        if "turning" in options.parts:
-            write(list(turning_rows(names, most=min(options.most, 10242))), options.out / "turning.csv")
-        if "steps" in options.parts:
-            write(list(time_steps.rows()), options.out / "steps.csv")
     except OSError as error:
         raise DimpleError(f"{options.out} cannot be written: {error.strerror}.") from None
     return 0

@@ -64,7 +64,6 @@ class Point:
     method: name in METHODS, or NATIVE.
     steps: taken.
     error: of the positions, over the motion.
-    force: on the fingertip at the end [N].
     cost: processor time [s].
     unsolved: steps that found no solution.
     """
@@ -73,7 +72,6 @@ class Point:
     method: str
     steps: int
     error: float
-    force: float
     cost: float
     unsolved: int
 
@@ -125,7 +123,7 @@ def exact(case: Case, reference: Reference | None) -> Floats:
     """Return the positions (3, n) at the end: by the reference, or in contact by very small steps of our own."""
     if reference and not case.depth:
         return reference(case.model, copy.deepcopy(case.start), case.seconds)
-    return _advance(case, NATIVE, math.ceil(FINE * _limit_steps(case)))[0].positions
+    return _advance(case, NATIVE, math.ceil(FINE * _limit_steps(case))).positions
 
 
 def run(case: Case, method: str, steps: int, wanted: Floats, *, repeats: int = 1) -> Point:
@@ -134,14 +132,14 @@ def run(case: Case, method: str, steps: int, wanted: Floats, *, repeats: int = 1
     while not costs or len(costs) < repeats and sum(costs) < SHORT:
         started = time.process_time()
         with np.errstate(all="ignore"):
-            state, force = _advance(case, method, steps)
+            state = _advance(case, method, steps)
         costs.append(time.process_time() - started)
     cost = min(costs)
     error = relative_error(state.positions, wanted, case.start.positions)
     taken = math.prod(_ticks(case, steps))
     return Point(
-        case=case.name, method=method, steps=taken, error=error if error < RUINED else math.inf, force=force,
-        cost=cost, unsolved=state.unsolved,
+        case=case.name, method=method, steps=taken, error=error if error < RUINED else math.inf, cost=cost,
+        unsolved=state.unsolved,
     )  # fmt: skip
 
 
@@ -178,22 +176,18 @@ def _ticks(case: Case, steps: int) -> tuple[int, int]:
     return ticks, round(steps / ticks)
 
 
-def _advance(case: Case, method: str, steps: int) -> tuple[State, float]:
-    """Return the state at the end and the mean force [N] on the fingertip over the last quarter."""
+def _advance(case: Case, method: str, steps: int) -> State:
+    """Return the state at the end."""
     state, run_method = copy.deepcopy(case.start), native_method.run if method == NATIVE else METHODS[method].run
     ticks, substeps = _ticks(case, steps)
     tick = case.seconds / ticks
     if not case.depth:
         no_fingers = FingerPath(centres=np.zeros((0, ticks + 1, 3)), radii=np.zeros(0))
         run_method(case.model, state, no_fingers, tick=tick, substeps=substeps)
-        return state, 0.0
+        return state
     down = np.minimum(np.arange(ticks + 1) / ticks * 2, 1) * case.depth
     centres = np.zeros((1, ticks + 1, 3))
     centres[0, :, 2] = case.model.mesh.rest_positions[:, 2].max() + FINGERTIP - down
-    late = ticks - max(1, ticks // 4)
-    radii = np.array([FINGERTIP])
-    run_method(case.model, state, FingerPath(centres=centres[:, : late + 1], radii=radii), tick=tick, substeps=substeps)
-    impulse = run_method(
-        case.model, state, FingerPath(centres=centres[:, late:], radii=radii), tick=tick, substeps=substeps
-    )
-    return state, float(impulse[0, 2]) / ((ticks - late) * tick)
+    path = FingerPath(centres=centres, radii=np.array([FINGERTIP]))
+    run_method(case.model, state, path, tick=tick, substeps=substeps)
+    return state

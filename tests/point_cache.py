@@ -2,11 +2,19 @@
 
 import struct
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 HEADER = struct.Struct("<12siiffi")
+
+
+def cache_of(obj: Any) -> Any:
+    """Return the Mesh Cache by which a baked object plays its offsets in the viewport."""
+    group = next(each.node_group for each in obj.modifiers if each.name.startswith("Dimple"))
+    infos = sorted((each for each in group.nodes if each.type == "OBJECT_INFO"), key=lambda each: each.name)
+    return infos[0].inputs["Object"].default_value.modifiers[0]
 
 
 def read_point_cache(path: str | Path) -> tuple[float, float, npt.NDArray[np.float32]]:

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from core.reduction.processor_time import BUDGET
 from studies import conservation, cost, literal_against_consistent, space, stiff_nylon
 from studies.methods.registry import METHODS
-from studies.stiff_nylon import FORCE_TOLERANCE, TOLERANCE, Outcome
+from studies.stiff_nylon import TOLERANCE, Outcome
 
 from .drawing import LABELS, MARKERS, STYLES, save, table, write_csv
 
@@ -106,12 +106,12 @@ def draw_cost(out: Path, quick: bool) -> None:
 
 
 def draw_space(out: Path, quick: bool) -> None:
-    """Draw F(x) on finer and finer meshes."""
+    """Draw dents on finer and finer meshes."""
     sizes = {"poke_ball": (2, 3, 4, 5), "poke_cube": (5, 10, 20, 41)}
-    found = {scene: list(space.forces(scene, some[:-1] if quick else some)) for scene, some in sizes.items()}
+    found = {scene: list(space.dents(scene, some[:-1] if quick else some)) for scene, some in sizes.items()}
     write_csv(
-        out / "space.csv", ("scene", "vertices", "depth_m", "force_n", "volume_over_rest"),
-        ((f.scene, f.vertices, f.depth, f.force, f.volume_ratio) for some in found.values() for f in some),
+        out / "space.csv", ("scene", "vertices", "beside_m", "depth_m", "volume_over_rest"),
+        ((f.scene, f.vertices, f.beside, f.depth, f.volume_ratio) for some in found.values() for f in some),
     )  # fmt: skip
     figure, panels = plt.subplots(1, 3, figsize=(13, 4.4))
     shown = {"poke_ball": "liquid ball", "poke_cube": "cube of vinyl and water"}
@@ -119,8 +119,9 @@ def draw_space(out: Path, quick: bool) -> None:
         counts = sorted({f.vertices for f in some})
         for n, shade in zip(counts, np.linspace(0.75, 0, len(counts)), strict=True):
             mine = [f for f in some if f.vertices == n]
-            axes.plot([1e3 * f.depth for f in mine], [f.force for f in mine], color=str(shade), label=f"{n:,} vertices")
-        axes.set(xlabel="depth [mm]", ylabel="force on the fingertip [N]", title=f"F(x), {shown[scene]}")
+            beside, height = [1e3 * f.beside for f in mine], [-1e3 * f.depth for f in mine]
+            axes.plot(beside, height, color=str(shade), label=f"{n:,} vertices")
+        axes.set(xlabel="beside the middle [mm]", ylabel="height over rest [mm]", title=f"dent, {shown[scene]}")
         axes.legend(frameon=False, fontsize=8)
         far = [100 * space.difference(some, n, counts[-1]) for n in counts[:-1]]
         panels[2].loglog(counts[:-1], far, "o-", label=f"{shown[scene]}, from {counts[-1]:,} vertices")
@@ -130,7 +131,7 @@ def draw_space(out: Path, quick: bool) -> None:
     ticks = (150, 300, 600) if quick else (150, 600, 2400)
     panels[2].set_xticks(ticks, [f"{n:,}" for n in ticks])
     panels[2].minorticks_off()
-    panels[2].set(xlabel="vertices", ylabel="difference of F(x) [% of the largest]", title="convergence in space")
+    panels[2].set(xlabel="vertices", ylabel="difference of the dent [% of its depth]", title="convergence in space")
     panels[2].legend(frameon=False, fontsize=8, loc="lower left")
     save(figure, out / "space")
 
@@ -144,21 +145,19 @@ def draw_stiff_nylon(out: Path, quick: bool) -> None:
     }
     write_csv(
         out / "stiff_nylon.csv",
-        ("skin", "variant", "method", "backend", "vertices", "dt_s", "surface_error_m", "farthest_m", "force_error",
-         "cpu_s_per_s", "unsolved_steps", "within_tolerance", "live"),
-        ((label, p.variant, p.method, p.backend, p.vertices, p.dt, p.surface, p.farthest, p.force, p.cost, p.unsolved,
-          p.within, p.live) for label, some in found.items() for p in some),
+        ("skin", "variant", "method", "backend", "vertices", "dt_s", "surface_error_m", "farthest_m", "cpu_s_per_s",
+         "unsolved_steps", "within_tolerance", "live"),
+        ((label, p.variant, p.method, p.backend, p.vertices, p.dt, p.surface, p.farthest, p.cost, p.unsolved, p.within,
+          p.live) for label, some in found.items() for p in some),
     )  # fmt: skip
     print_stiff_nylon(found)
-    figure, rows = plt.subplots(len(found), 2, figsize=(11, 4.4 * len(found)), squeeze=False, sharex=True)
-    for (label, some), row in zip(found.items(), rows, strict=True):
-        mesh = f"{label}; {max(p.vertices for p in some):,} vertices"
-        draw_variants(row[0], some, [1e3 * p.surface for p in some], 1e3 * TOLERANCE)
-        draw_variants(row[1], some, [100 * p.force for p in some], 100 * FORCE_TOLERANCE)
-        row[0].set(ylabel="error between the surfaces [mm]", title=mesh)
-        row[1].set(ylabel="error of the force [%]", title=mesh)
-    for axes in rows[-1]:
-        axes.set_xlabel("processor time per simulated second [s]")
+    figure, panels = plt.subplots(1, len(found), figsize=(5.5 * len(found), 4.8), squeeze=False)
+    for (label, some), axes in zip(found.items(), panels[0], strict=True):
+        draw_variants(axes, some)
+        axes.set(
+            xlabel="processor time per simulated second [s]", ylabel="error between the surfaces [mm]",
+            title=f"{label}; {max(p.vertices for p in some):,} vertices",
+        )  # fmt: skip
     figure.suptitle(
         "The stiff cube pressed 10 mm. Green: live and within the tolerance. Hollow: proxies, by their vertices. "
         "Star: what the planner chooses.\nDotted: what halving the steps of the reference changes; smaller errors "
@@ -167,8 +166,9 @@ def draw_stiff_nylon(out: Path, quick: bool) -> None:
     save(figure, out / "stiff_nylon")
 
 
-def draw_variants(axes: Axes, some: Sequence[Outcome], values: Sequence[float], tolerance: float) -> None:
-    for p, value in zip(some, values, strict=True):
+def draw_variants(axes: Axes, some: Sequence[Outcome]) -> None:
+    for p in some:
+        value = 1e3 * p.surface
         if p.variant == "reference":
             axes.axhline(value, color="0.5", lw=1, ls=":")
             continue
@@ -186,16 +186,16 @@ def draw_variants(axes: Axes, some: Sequence[Outcome], values: Sequence[float], 
         )  # fmt: skip
     axes.margins(x=0.15, y=0.12)
     low, bottom = axes.get_xlim()[0], axes.get_ylim()[0]
-    axes.fill_between([low, BUDGET], bottom, tolerance, color="#4c9f70", alpha=0.15, lw=0)
+    axes.fill_between([low, BUDGET], bottom, 1e3 * TOLERANCE, color="#4c9f70", alpha=0.15, lw=0)
     axes.set(xlim=(low, None), ylim=(bottom, None))
 
 
 def print_stiff_nylon(found: dict[str, list[Outcome]]) -> None:
-    lines = [("skin", "variant", "method", "vertices", "step", "surface", "force", "CPU s/s", "live, within")]
+    lines = [("skin", "variant", "method", "vertices", "step", "surface", "CPU s/s", "live, within")]
     for label, some in found.items():
         lines += [
             (label, p.variant, f"{p.method}, {p.backend}", f"{p.vertices:,}", f"{1e3 * p.dt:.3g} ms",
-             f"{1e3 * p.surface:.2g} mm", f"{p.force:.1%}", f"{p.cost:.2g}", f"{p.live}, {p.within}")
+             f"{1e3 * p.surface:.2g} mm", f"{p.cost:.2g}", f"{p.live}, {p.within}")
             for p in some
         ]  # fmt: skip
     print("\nThe stiff cube pressed 10 mm\n" + table(lines) + "\n", flush=True)

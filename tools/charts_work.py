@@ -42,8 +42,8 @@ def draw_work_precision(out: Path, quick: bool) -> None:
         print(f"  {case.name}: {time.perf_counter() - started:.1f} s", flush=True)
     write_csv(
         out / "work_precision.csv",
-        ("scene", "method", "steps", "relative_error", "finger_force_n", "cpu_s", "unsolved_steps"),
-        ((p.case, p.method, p.steps, p.error, p.force, p.cost, p.unsolved) for some in points.values() for p in some),
+        ("scene", "method", "steps", "relative_error", "cpu_s", "unsolved_steps"),
+        ((p.case, p.method, p.steps, p.error, p.cost, p.unsolved) for some in points.values() for p in some),
     )
     best = {scene: {b: p for b, p in work_precision.front(some).items() if p} for scene, some in points.items()}
     write_csv(

@@ -1,10 +1,10 @@
 """Japanese of calibration and the virtual measurement."""
 
-OPERATORS = {
+BUTTONS = {
     "Calibrate": "キャリブレーション",
     "Calibrate from File...": "ファイルからキャリブレーション...",
-    "Softness from Pokes": "押した記録から柔らかさ",
-    "Softness from Pokes...": "押した記録から柔らかさ...",
+    "Softness from Pokes": "押し込み記録から柔らかさを塗る",
+    "Softness from Pokes...": "押し込み記録から柔らかさを塗る...",
     "Calibrate Together": "まとめてキャリブレーション",
     "Calibrate from Several Files...": "複数のファイルからキャリブレーション...",
     "Apply to Material": "マテリアルに適用",
@@ -28,7 +28,7 @@ FILES = {
     "Radius of what pressed the object": "物体を押したものの半径",
     "Point": "点",
     "Something small that touches at a point, as in the paper": "論文と同じく、一点で触れる小さなもの",
-    "Flat Punch": "平らなパンチ",
+    "Flat Punch": "平面圧子",
     "A flat, round face that goes in as one": "平らで丸い面がそのまま入ります",
     "Ball": "球",
     "A round tip, like a fingertip": "指先のような丸い先端",
@@ -80,7 +80,6 @@ FILES = {
     "Depth reading at first touch; detected unless set": "最初に触れたときの深さの読み。設定しなければ自動で検出します",
     "Question": "質問",
     "What the file does not say": "ファイルだけでは決まらないこと",
-    "Answer": "答え",
     "Answer to what the file does not say": "ファイルだけでは決まらないことへの答え",
     "Drop a force-depth file (CSV, text) into the viewport.": (
         "力と深さのファイル (CSV、テキスト) をビューポートにドロップしてください。"
@@ -110,13 +109,12 @@ RESULT = {
         "押した記録の表 (x, y, z, 深さ, 力) から柔らかさを塗ります。場所は今ある物体の上の位置です"
     ),
     "Table of pokes: CSV or text": "押した記録の表。CSV またはテキスト",
-    "Folder": "フォルダー",
     "Where the files are": "ファイルのある場所",
     "Of files that are dropped together": "まとめてドロップされたファイルのフォルダー",
     "Files": "ファイル",
     "Largest Error from Points": "測定点からの最大誤差",
     "{} of full scale": "フルスケールの {}",
-    "Just-Noticeable Difference": "丁度可知差異",
+    "Just-Noticeable Difference": "弁別閾 (JND)",
     "The constants were edited after the measurement.": "定数は測定の後で編集されています。",
     "Give the active material the calibrated constants and their source, and the body its measured size": (
         "アクティブマテリアルにキャリブレーションした定数とその出典を、物体に測定時の大きさを与えます"
@@ -139,12 +137,14 @@ VIRTUAL = {
     "Where the tip presses": "先端が入る場所",
     "Top": "上面",
     "Straight down on the middle": "中央を真上から押します",
-    "3D Cursor": "3D カーソル",
+    "3D Cursor": "3Dカーソル",
     "Straight into the surface, where the 3D cursor is nearest to it": "3D カーソルに最も近い表面をまっすぐ押します",
     "Object": "対象",
     "Vertices": "頂点数",
     "Law": "法則",
-    "Pressed": "押した軌跡",
+    "Predicted for {} mm": "{} mm での予測",
+    "As Painted": "塗った値",
+    "Fingertip": "指先",
     "Press the active object with a round tip, virtually, and write force against depth as a CSV file": (
         "アクティブオブジェクトを丸い先端で仮想的に押し、深さに対する力を CSV ファイルに書き出します"
     ),
@@ -160,4 +160,4 @@ VIRTUAL = {
     "Measuring: Esc cancels": "測定しています。Esc で中止します",
 }
 
-WORDS = {**FILES, **RESULT, **VIRTUAL}
+WORDS = {**BUTTONS, **FILES, **RESULT, **VIRTUAL}

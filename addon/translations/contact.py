@@ -1,7 +1,5 @@
 """Japanese of what bodies meet."""
 
-OPERATORS: dict[str, str] = {}
-
 WORDS = {
     "Contact": "接触",
     "Dimple Collider": "Dimple コライダー",

@@ -1,20 +1,16 @@
 """Japanese of the haptic device."""
 
-OPERATORS = {
+WORDS = {
     "Connect": "接続",
     "Arm": "力をオン",
     "Disarm": "力をオフ",
     "Calibrate Origin": "原点を合わせる",
-}
-
-WORDS = {
     "Connect or disconnect the haptic device. It exerts no force until it is armed": (
         "力覚デバイスを接続、または切断します。力をオンにするまで力は出ません"
     ),
     "Allow force while Shift or the device's own button is held. Esc disarms": (
         "Shift またはデバイスのボタンを押している間だけ力を出します。Esc で力をオフにします"
     ),
-    "Hold (s)": "保持 (s)",
     "For scripts: how long the dead-man key counts as held": "スクリプト用: デッドマンキーを押しているとみなす時間",
     "End all force of the device at once": "デバイスの力をすぐにすべて切ります",
     "Place the middle of the fingertips, as you hold them now, at the 3D cursor": (
@@ -48,7 +44,6 @@ WORDS = {
     "Connecting": "接続中",
     "Lost": "切れました",
     "Refused": "拒否されました",
-    "State": "状態",
     "Round Trip": "往復時間",
     "Lost Frames": "失われたフレーム",
     "full": "上限",

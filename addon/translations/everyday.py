@@ -1,12 +1,11 @@
 """Japanese of the presets of everyday objects and where their numbers come from."""
 
-OPERATORS: dict[str, str] = {}
 _RUBBER = (
     "Data sheet of Smooth-On: stress at 100 % strain {psi} psi; K = 8 a E / 3 for a flat punch of 5 mm, {low} to "
     "{high} N/mm if E may be 20 % off (our guess)"
 )
 _RUBBER_JA = (
-    "Smooth-On のデータシート：100 % 伸びの応力 {psi} psi。半径 5 mm の平らな圧子で K = 8 a E / 3。"
+    "Smooth-On のデータシート：100 % 伸びの応力 {psi} psi。半径 5 mm の平面圧子で K = 8 a E / 3。"
     "E の誤差を 20 % とみて {low}〜{high} N/mm（当方の推定）"
 )
 _FOAM = (

@@ -1,14 +1,11 @@
 """Japanese of the sensory comparison."""
 
-OPERATORS = {
+WORDS = {
     "Open Experiment": "実験を開く",
     "I Agree, Begin": "同意して始める",
     "Present": "提示",
     "Answer": "回答",
     "Stop": "中止",
-}
-
-WORDS = {
     "Sensory Comparison": "感覚の比較",
     "Begin an experiment on the active object, or go on with it: answers are kept beside its file": (
         "アクティブな物体で実験を始めるか続けます。回答は実験ファイルの隣に保存されます"

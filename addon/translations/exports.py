@@ -1,7 +1,5 @@
 """Japanese of the export of animations."""
 
-OPERATORS: dict[str, str] = {}
-
 WORDS = {
     "Export the press of the selected bodies, with a table of forces and a JSON that describes the files": (
         "選択した物体の動きを、力の表とファイルを説明する JSON を添えてエクスポートします"
@@ -53,10 +51,10 @@ WORDS = {
     "Key Error (%)": "キーの誤差 (%)",
     "In formats with shape keys, few with which no vertex is off by more of the object's size. "
     "0 makes one every n frames": (
-        "シェイプキーを使う形式で、どの頂点のずれもオブジェクトの大きさのこの割合以下になる少数のキーを使います。"
+        "シェイプキーを使う形式で、頂点のずれがオブジェクトの大きさのこの割合を超えない範囲で、キーを減らします。"
         "0 なら n フレームごとに一つ作ります"
     ),
-    "Normals": "法線",
+    "Normals": "ノーマル",
     "Write the normals that shade the surface; files are larger": "表面の陰影も書き出します。ファイルは大きくなります",
     "Overwrite": "上書き",
     "Replace files that are there already": "すでにあるファイルを置き換えます",

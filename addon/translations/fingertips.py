@@ -1,10 +1,8 @@
 """Japanese of fingertips that are animated."""
 
-OPERATORS = {
+WORDS = {
     "Add Fingertip": "指先を追加",
     "Key This Press": "この押し方をキーフレームに",
-}
-WORDS = {
     "Add a fingertip to animate: on top of the active body, or at the 3D cursor if that is on its surface. "
     "Drag its arrow, or move it like any object, and press I over the viewport to keyframe it": (
         "アニメーションさせる指先を追加します。アクティブな物体の頂上か、3D カーソルが表面にあればその位置に置きます。"

@@ -1,7 +1,6 @@
 """Japanese of every subject that has no file of its own."""
 
-# the label of an operator and of its button is looked up in a context of its own
-OPERATORS = {
+BUTTONS = {
     "Get Ready": "準備",
     "Poke": "押す",
     "Play": "再生",
@@ -31,7 +30,7 @@ MATERIAL = {
     "Depth at which the slope changes from K1 to K2": "傾きが K1 から K2 に変わる深さ",
     "Surface k (N/mm)": "表面の k (N/mm)",
     "Stiffness of the surface against stretching: the stiffer, the farther a dent reaches": (
-        "表面の伸びに対する硬さ。硬いほど、くぼみは遠くまで広がります"
+        "表面の伸びに対する硬さ。硬いほど、へこみは遠くまで広がります"
     ),
     "Mass From": "質量の与え方",
     "How the mass of the body is given": "物体の質量をどのように与えるか",
@@ -178,7 +177,7 @@ PANELS = {
     "Time": "時間",
     "Rate": "計算速度",
     "Steps per Tick": "刻みあたりのステップ",
-    "Real Time": "実時間比",
+    "Real Time": "リアルタイム比",
 }
 
 VERBS = {
@@ -228,7 +227,7 @@ VERBS = {
     "As in a live press, a proxy is simulated where the mesh is too heavy. "
     "Full Mesh in Physics > Dimple bakes every vertex": (
         "キーフレームの付いた指先オブジェクトで押しながら、選択した物体を指定のフレーム範囲で計算します。"
-        "ライブで押すときと同じく、メッシュが重すぎる場合は代理メッシュを計算します。"
+        "リアルタイムで押すときと同じく、メッシュが重すぎる場合はプロキシを計算します。"
         "物理演算 > Dimple の「元のメッシュ」を選ぶと、すべての頂点をベイクします"
     ),
     "Target": "ベイク先",
@@ -241,10 +240,10 @@ VERBS = {
     "Keyframed shape keys, which every exporter understands": (
         "キーフレームの付いたシェイプキー。どの書き出し形式でも使えます"
     ),
-    "First Frame": "最初のフレーム",
-    "By default the scene's first frame": "既定はシーンの最初のフレーム",
-    "Last Frame": "最後のフレーム",
-    "By default the scene's last frame": "既定はシーンの最後のフレーム",
+    "First Frame": "開始フレーム",
+    "By default the scene's first frame": "既定はシーンの開始フレーム",
+    "Last Frame": "最終フレーム",
+    "By default the scene's last frame": "既定はシーンの最終フレーム",
     "Remove bakes and recordings from the selected objects; their files stay on the disk": (
         "選択したオブジェクトからベイクと記録を外します。ファイルはディスクに残ります"
     ),
@@ -258,4 +257,4 @@ VERBS = {
     "Baking: Esc cancels": "ベイク中です。Esc で中止します",
 }
 
-WORDS = {**MATERIAL, **BODY, **SESSION, **PANELS, **VERBS}
+WORDS = {**BUTTONS, **MATERIAL, **BODY, **SESSION, **PANELS, **VERBS}

@@ -1,6 +1,5 @@
 """Japanese of why an operator cannot be used now: the tooltip of a greyed-out button."""
 
-OPERATORS: dict[str, str] = {}
 WORDS = {
     "A bake or a virtual press is running; Esc cancels it": (
         "ベイクまたは仮想の押し込みを実行中です。Esc で中止できます"
@@ -21,6 +20,9 @@ WORDS = {
     "Present the object first; in a comparison, both": "先に対象を提示してください。比較では両方を提示します",
     "No haptic device is ready": "使える力覚デバイスがありません",
     "Poke or play first: there is nothing to record": "先に押すか再生してください。記録するものがありません",
+    "Settings of a library override would not be saved: make the object local first": (
+        "ライブラリオーバーライドの設定は保存されません。先にローカル化してください"
+    ),
     "Select a mesh first": "先にメッシュを選択してください",
     "Select the mesh to press": "押すメッシュを選択してください",
     "Select the mesh to press, in Object Mode": "オブジェクトモードで、押すメッシュを選択してください",

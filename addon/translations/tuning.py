@@ -1,11 +1,9 @@
 """Japanese of what is tuned by eye: press by force, and what the status bar says."""
 
-OPERATORS = {
+WORDS = {
     "Make Soft": "柔らかくする",
     "Compare Materials": "マテリアルを比べる",
     "Use This Material": "このマテリアルを使う",
-}
-WORDS = {
     "Pressure (kPa)": "圧力 (kPa)",
     "How much higher the pressure inside is than outside before the body gives way: above 0 it swells, below 0 it "
     "shrinks. The constants are those without": (
@@ -15,7 +13,7 @@ WORDS = {
     "Spread (mm)": "広がり (mm)",
     "Spread from k (mm)": "k による広がり (mm)",
     "How far a dent reaches beyond the fingertip; 0: as far as the surface k carries it": (
-        "くぼみが指先の外へどこまで広がるか。0 なら表面の k が運ぶところまで"
+        "へこみが指先の外へどこまで広がるか。0 なら表面の k が運ぶところまで"
     ),
     "Press By": "押し方",
     "Whether a press, Ctrl + wheel and pen pressure set a depth or a force": (
@@ -68,8 +66,8 @@ WORDS = {
     "Make the selected meshes soft bodies, ready to be pressed: material, real size, pins, and what is simulated": (
         "選択したメッシュを、すぐに押せる柔らかい物体にします。マテリアル、実物の大きさ、固定、計算の対象を決めます"
     ),
-    "Object whose constants are given to a mesh without a material": (
-        "マテリアルのないメッシュに定数を与える、既知の物体"
+    "Object whose constants the material gets; unchosen, only a mesh without one gets it": (
+        "マテリアルにその定数を与える、既知の物体。選ばなければ、マテリアルのないメッシュだけに与えます"
     ),
     "Repair": "修復",
     "Material": "マテリアル",
@@ -77,14 +75,6 @@ WORDS = {
         "重複した頂点を結合し、孤立した頂点を削除し、面を外側に向けます。メッシュ自体が変わります"
     ),
     "Faults": "不備",
-    "Subdivide": "細分化",
-    "Cut edges that are longer than the fingertip is wide, which changes the mesh": (
-        "指先の幅より長い辺を分割します。メッシュが変わります"
-    ),
-    "The mesh is coarse for the fingertip.": "メッシュが指先に対して粗くなっています。",
-    "A bake shows the dent only where the mesh is cut finer.": (
-        "メッシュを細かく分割しないと、ベイクにはへこみが現れません。"
-    ),
     "Colors": "色",
     "Color the surface of what is pressed, with a scale": "押している物体の面を、目盛り付きの色で塗る",
     "Contact Pressure": "接触圧",
@@ -101,7 +91,7 @@ WORDS = {
         "柔らかい部分の深さ。塗った値を含みます (mm)"
     ),
     "How far a dent reaches beyond the fingertip, with what is painted (mm)": (
-        "くぼみが指先の外へどこまで広がるか。塗った値を含みます (mm)"
+        "へこみが指先の外へどこまで広がるか。塗った値を含みます (mm)"
     ),
     "Thickness": "厚さ",
     "How thick the surface is, with what is painted; 100 is as measured (%)": (
@@ -112,7 +102,7 @@ WORDS = {
     "Shape at Rest": "元の形",
     "Draw the edges of the shape at rest where the body has left it": "物体が離れたところに、元の形の辺を描く",
     "Profile": "断面",
-    "Draw a cut through the dent of the deepest fingertip": "最も深い指先のくぼみの断面を描く",
+    "Draw a cut through the dent of the deepest fingertip": "最も深い指先のへこみの断面を描く",
     "Softness Group": "柔らかさのグループ",
     "Knee Group": "折れ点のグループ",
     "Spread Group": "広がりのグループ",
@@ -124,24 +114,24 @@ WORDS = {
     "Vertex group or float attribute that paints how deep the soft part reaches: 0.5 is x0, 1 twice and 0.25 half of "
     "it": "柔らかい部分の深さを塗る頂点グループまたは浮動小数点属性。0.5 は x0、1 はその 2 倍、0.25 は半分です",
     "Vertex group or float attribute that paints how far a dent reaches: 0.5 is the spread, 1 twice and 0.25 half of "
-    "it": "くぼみの広がりを塗る頂点グループまたは浮動小数点属性。0.5 は元の広がり、1 はその 2 倍、0.25 は半分です",
+    "it": "へこみの広がりを塗る頂点グループまたは浮動小数点属性。0.5 は元の広がり、1 はその 2 倍、0.25 は半分です",
     "Vertex group or float attribute that paints how thick the surface is: 0.5 is the mass, 1 twice and 0.25 half of "
     "it": "面の厚さを塗る頂点グループまたは浮動小数点属性。0.5 は元の質量、1 はその 2 倍、0.25 は半分です",
     "Put a twin with a copy of the material beside the object; one press presses both, so that two can be compared": (
-        "マテリアルを複製した双子を隣に置きます。一度の押しで両方を押すので、二つを比べられます"
+        "マテリアルも複製した、比較用の複製を隣に置きます。一度の押しで両方を押すので、二つを比べられます"
     ),
     "Keep the material of the selected one of two twins, and remove the copy": (
-        "双子のうち選択した方のマテリアルを残し、複製を取り除きます"
+        "選択した方のマテリアルを残し、比較用の複製を取り除きます"
     ),
     "Make the object soft first": "先にオブジェクトを柔らかくしてください",
     "The object has a twin already: use one of the two materials first": (
-        "オブジェクトにはすでに双子があります。先にどちらかのマテリアルを使ってください"
+        "オブジェクトにはすでに比較用の複製があります。先にどちらかのマテリアルを使ってください"
     ),
     "Something is being pressed: end that first, with Esc or Reset": (
         "押している最中です。先に Esc か「元の形に戻す」で終えてください"
     ),
-    "The object has no twin: Compare Materials makes one": "双子がありません。「マテリアルを比べる」で作れます",
-    "{} is its twin: select it and change its material": "{} が双子です。選択してマテリアルを変えてください",
-    "Twin Of": "双子の元",
-    "The object that this is a twin of, with another material": "別のマテリアルを持つ双子の、元のオブジェクト",
+    "The object has no twin: Compare Materials makes one": "比較用の複製がありません。「マテリアルを比べる」で作れます",
+    "{} is its twin: select it and change its material": "{} が比較用の複製です。選択してマテリアルを変えてください",
+    "Twin Of": "比較用の複製の元",
+    "The object that this is a twin of, with another material": "別のマテリアルを持つ比較用の複製の、元のオブジェクト",
 }

@@ -58,7 +58,7 @@ def bed_area(indenter: Indenter, size: float, spread: float, depth: float) -> tu
     for _ in range(60):
         a = (low + high) / 2
         rise = math.sqrt(radius**2 - a**2)
-        if spread**2 * a > falloff(a, spread) * rise * (depth - radius + rise):
+        if depth < radius - rise or spread**2 * a > falloff(a, spread) * rise * (depth - radius + rise):
             high = a
         else:
             low = a

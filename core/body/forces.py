@@ -14,8 +14,6 @@ def forces(model: Model, state: State) -> Floats:
     """Return the force (3, n) [N] on every vertex: the right-hand side of every method. Source: Eq. (5)."""
     x, v = state.positions, state.velocities
     f, state.volume, state.pressure = law_forces(model, x, state.pose, v, state.pose_rate)
-    if state.load is not None:
-        f += state.load
     return f + model.mass * model.gravity[:, None]
 
 

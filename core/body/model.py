@@ -92,12 +92,6 @@ class Model:
         pinned = self.mesh.rest_positions[self.pinned & ~self.mesh.loose]
         return not self.rigged and not spans_a_plane(pinned, self.mesh.size)
 
-    @cached_property
-    def face_mass(self) -> float:
-        """Return the mass [kg] with which the heaviest face that can move resists a push at its middle."""
-        give = self.inverse_mass[self.mesh.triangles].sum(axis=1)
-        return float(9 / give[give > 0].min(initial=np.inf))
-
     def substeps(self, tick: float) -> int:
         """Return how many steps of an explicit method a tick [s] needs.
 
@@ -131,9 +125,7 @@ class State:
     volume: [m3] at the last evaluation of the forces.
     pressure: [Pa] at the last evaluation.
     unsolved: implicit steps so far that found no solution.
-    load: (3, n) what else pushes each vertex [N], None where nothing does.
     kept: (3, vertices and faces) what each fingertip did in the last step: `contact.Touch`.
-    pushes: (k, 3) forces on the fingertips in the last step [N].
     """
 
     positions: Floats
@@ -143,9 +135,7 @@ class State:
     volume: float = 0.0
     pressure: float = 0.0
     unsolved: int = 0
-    load: Floats | None = None
     kept: dict[int, Floats] = field(default_factory=dict)
-    pushes: Floats = field(default_factory=lambda: np.zeros((0, 3)))
 
 
 def build_model(

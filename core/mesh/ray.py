@@ -1,6 +1,6 @@
 """A ray against a surface: what the pointer is on.
 
-Testing every triangle costs a millisecond or two for 40,000. A tree of boxes would be out of date after each step, and
+Looking at every triangle costs a millisecond for 40,000. A tree of boxes would be out of date after each step, and
 trimesh's own rays need rtree, which Blender has not.
 """
 
@@ -32,10 +32,14 @@ def ray_hit(
     across = np.eye(3)[np.abs(d).argmin()]
     across = np.cross(d, across) / np.linalg.norm(np.cross(d, across))
     flat = (positions - o) @ np.stack([across, np.cross(d, across)], axis=1)
-    x, y = (np.ascontiguousarray(flat[:, i])[triangles.T] for i in range(2))
+    # nearly all have their corners on one side of it, along one of the two axes: a byte a corner tells
+    sides = np.packbits(np.concatenate([flat > 0, flat < 0], axis=1), axis=1)[:, 0]
+    a, b, c = (sides[triangles[:, corner]] for corner in range(3))
+    near = triangles[(a & b & c) == 0]
+    x, y = flat[near].transpose(2, 1, 0)
     side = x * np.roll(y, -1, axis=0) - np.roll(x, -1, axis=0) * y
-    inside = np.flatnonzero((side >= 0).all(axis=0) | (side <= 0).all(axis=0))
-    a, b, c = np.asarray(positions, np.float64)[triangles[inside]].transpose(1, 0, 2)
+    inside = (side >= 0).all(axis=0) | (side <= 0).all(axis=0)
+    a, b, c = np.asarray(positions, np.float64)[near[inside]].transpose(1, 0, 2)
     normals = np.cross(b - a, c - a)
     toward = normals @ d
     with np.errstate(divide="ignore", invalid="ignore"):

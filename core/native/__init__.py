@@ -35,7 +35,7 @@ from .first_use import check
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 24
+ABI = 25
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 BITS = {"native": 32, "native64": 64}  # of the state, by the name of a backend
 
@@ -48,6 +48,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_get_state": (c_void_p, c_void_p, c_void_p),
     "dm_step": None,  # its arguments are made once, and quicker to hand over unchecked
     "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p, c_int64),
+    "dm_get_law": (c_void_p, c_int64, c_void_p, c_double, c_int64, c_void_p, c_void_p),
     "dm_carry": (POINTER(CBinding), c_void_p, c_void_p, c_void_p),
     "dm_carry_moved": (POINTER(CBinding), c_void_p, POINTER(CKept), c_void_p),
     "dm_grow_cells": (POINTER(CCells), c_void_p, c_void_p),

@@ -303,6 +303,12 @@ int32_t dm_get_state(const dm_body *body, double *positions, double *velocities)
     return DM_OK;
 }
 
+static int32_t dm_check_factors(const dm_body *body, const double *factors, double end) {
+    if (!factors) return DM_OK;
+    DM_CHECK(dm_check_numbers(body->materials * DM_FACTORS, factors, 1));
+    return end > 0 && end < INFINITY ? DM_OK : DM_NUMBER;
+}
+
 int32_t dm_check_step(const dm_body *body, const dm_motion *m) {
     if (!body || !m) return DM_SIZE;
     if (m->ticks < 0 || m->ticks > DM_MAX_STEPS) return DM_SIZE;
@@ -311,11 +317,9 @@ int32_t dm_check_step(const dm_body *body, const dm_motion *m) {
     for (const dm_fingertip *f = m->fingertips; f < m->fingertips + DM_MAX_FINGERTIPS; f++) {
         if (!f->down) continue;
         DM_CHECK(dm_check_numbers(3, f->from, 0) | dm_check_numbers(3, f->first, 0) | dm_check_numbers(3, f->last, 0));
-        if (!(f->radius > 0 && f->radius < INFINITY)) return DM_NUMBER;
+        if (!(f->radius > 0 && isnormal(f->radius))) return DM_NUMBER; /* one that is flushed to 0 never grows */
         DM_CHECK(dm_check_numbers(1, &f->force, 1) | dm_check_numbers(3, f->inward, 0));
-        if (!f->factors) continue;
-        DM_CHECK(dm_check_numbers(body->materials * DM_FACTORS, f->factors, 1));
-        if (!(f->factors_end > 0 && f->factors_end < INFINITY)) return DM_NUMBER;
+        DM_CHECK(dm_check_factors(body, f->factors, f->factors_end));
     }
     if (m->pins_from || m->pins_to) {
         int64_t count = 3 * body->does->pinned(body->state);
@@ -340,6 +344,16 @@ int32_t dm_step(dm_body *body, const dm_motion *m, dm_frame *frame) {
     if (!frame) return DM_SIZE;
     DM_CHECK(dm_check_step(body, m));
     dm_run_checked(body, m, 0, m->ticks, frame);
+    return DM_OK;
+}
+
+int32_t dm_get_law(const dm_body *body, int64_t fingertip, const double *factors, double factors_end, int64_t count,
+                   const double *depths, double *forces) {
+    if (!body) return DM_SIZE;
+    DM_CHECK(DM_COUNT(count) | DM_ARRAY(count, depths) | DM_ARRAY(count, forces));
+    DM_CHECK(dm_check_indices(1, &fingertip, 0, DM_MAX_FINGERTIPS) | dm_check_numbers(count, depths, 0));
+    DM_CHECK(dm_check_factors(body, factors, factors_end));
+    body->does->get_law(body->state, fingertip, factors, factors_end, count, depths, forces);
     return DM_OK;
 }
 

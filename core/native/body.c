@@ -170,7 +170,7 @@ static void dm_state_place(dm_state *b, const double *positions, const double *v
     memcpy(b->turned, b->pose, sizeof b->turned);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) dm_forget_impulses(b, k), dm_lift(b->fingers + k);
-    b->led = b->carried = b->moving = 0;
+    b->led = b->carried = b->moving = 0, b->comes_back = 0;
     dm_change(b);
     b->pressure = 0;
     dm_place_pose(b);

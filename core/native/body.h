@@ -26,12 +26,12 @@
 #define DM_SUNK 0.16
 #define DM_NEAR 0.0625
 #define DM_LIST_MARGIN 0.125 /* of the radius: the more, the longer a list holds, and the longer it is */
-#define DM_SKIN_TRAVEL 0.5 /* as in core/base.py, with the four below */
+#define DM_SKIN_TRAVEL 0.5 /* as in studies/reference, with what is below */
 #define DM_FINGER_TRAVEL 0.25
 #define DM_LARGEST_GROWTH 100.0
 #define DM_FASTEST 1e6
 #define DM_PIN_BEHIND 1e-4 /* of the size: a pin that is farther from its place was held back */
-#define DM_REST_SPEED 1e-3 /* as in core/base.py, with the three below */
+#define DM_REST_SPEED 1e-3
 #define DM_REST_TIME 0.25
 #define DM_REST_WAY 1e-6
 #define DM_REST_CLEAR 0.05
@@ -117,13 +117,14 @@ typedef struct { /* a fingertip; vectors but centre and force are in the space o
     double way;                      /* [m] that a force has pushed it */
     const double *factors;           /* of the force of another tip, null where it is the measuring one, */
     double factors_end;              /* at depths up to this [m] */
-    int met, felt, slides, beside;   /* it lies on the surface at rest; touches the skin; slides over it; others did when */
+    int met, felt, beside;           /* it lies on the surface at rest; touches the skin; others did when */
     double deep, depth, zero, height; /* it began. How far it is from its foot; its x [m], from `zero` on; where the skin is */
     double foot[3], anchor[3];       /* spheres on that surface: above it; where friction holds it */
     double outward[3], local[3];     /* unit; its centre when it was evaluated last */
     int64_t facet, material;         /* of the place below its foot, with */
     double weight[3], stiffer, deeper, thickness, thick_at[3]; /* what is painted there, and the thickness [m] at a place */
     double law, slope, stick;        /* [N], [N/m]; of the spring sideways [N/m] */
+    double slides;                   /* share of the friction that is used up: with 1 it slides */
     double force[3];                 /* on it [N] */
     int rests;                       /* it was near when the body fell asleep, */
     double rests_at[3], rests_radius; /* there */
@@ -157,7 +158,8 @@ struct dm_state {
 
     int32_t fill;
     double rest_volume, rest_area, size, gravity[3], ground, volume, pressure, rest_pressure;
-    int pins_met;  /* something held a pin back */
+    double comes_back; /* [s] for so long its skin does, since nothing touches it: about */
+    int pins_met;      /* something held a pin back */
     double jumped; /* [m] the farthest that a pin was put after the last tick, to be where it was sent to the digit */
     int free, led, carried; /* the shape at rest follows the body; pins were led; and carry the shape at rest */
     int rigged, moving;     /* the shape at rest stays where it is laid; it changes in the next motion, */

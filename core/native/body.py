@@ -33,7 +33,7 @@ class Fingertip(Structure):
     """Where one fingertip goes during a call: dm_fingertip."""
 
     _fields_ = fields(
-        first="d3", last="d3", radius="d", force="d", inward="d3", factors="n", factors_end="d", down="n", fresh="n"
+        first="d3", last="d3", radius="d", force="d", inward="d3", factors="p", factors_end="d", down="n", fresh="n"
     )
     _fields_.insert(0, ("from_", c_double * 3))
 
@@ -197,6 +197,22 @@ class Body:
         if code:
             raise NativeError(f"dm_step: {self.library.dm_message(code).decode()}", code)
         return self.unpack(motion, self._frame)
+
+    def law(self, fingertip: int, depths: Floats, factors: tuple[Floats, float] | None = None) -> Floats:
+        """Return the forces (d,) [N] of the law on a fingertip where it is down, if it were at depths (d,) [m] there.
+
+        Args:
+            factors: as of its motion.
+
+        Raises:
+            NativeError: no such fingertip, or a number that is none.
+        """
+        table, end = factors or (None, 0.0)
+        with Arrays() as arrays:
+            at, forces = arrays.double(depths), np.empty(len(depths))
+            row = arrays.double(table)
+            self._call("dm_get_law", self._handle, fingertip, row, end, len(depths), at, forces.ctypes.data)
+        return forces
 
     @property
     def handle(self) -> c_void_p:

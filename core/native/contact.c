@@ -84,10 +84,10 @@ static int64_t dm_list_contact(dm_state *b, const dm_near *t, dm_quad from, uint
     *h = (dm_contact){.number = number, .corners = corners, .radius = radius, .part = part, .weight = weight};
     memcpy(h->corner, corner, (size_t)corners * sizeof *corner);
     h->held = b->fingers[t->finger].kept[number];
-    int slides = b->fingers[t->finger].slides; /* as the fingertip does on the surface */
+    dm_real holds = 1 - (dm_real)b->fingers[t->finger].slides; /* as the fingertip on the surface */
     h->normal = at_centre ? dm_inward_normal(b, corner) : at / apart;
     for (int j = 0; j < corners; j++) {
-        h->friction += slides ? 0 : weight[j] * b->friction[corner[j]];
+        h->friction += holds * weight[j] * b->friction[corner[j]];
         h->yields += weight[j] * b->compliance[corner[j]];
     }
     if (h->yields > 0) gap = dm_give_way(b, t, h, at, apart);

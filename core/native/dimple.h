@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 24 /* changes with anything below */
+#define DM_ABI 25 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -178,6 +178,10 @@ DM_API int32_t dm_get_state(const dm_body *body, double *positions, double *velo
 
 /* Run the ticks of a motion. */
 DM_API int32_t dm_step(dm_body *body, const dm_motion *motion, dm_frame *frame);
+/* Set the forces (count,) [N] of the law on a fingertip where it is down, if it were at depths (count,) [m] there.
+ * factors, factors_end: as of its motion. */
+DM_API int32_t dm_get_law(const dm_body *body, int64_t fingertip, const double *factors, double factors_end,
+                          int64_t count, const double *depths, double *forces);
 /* Run a motion of each of several bodies, on so many threads; the bits are those of dm_step. Where one is refused,
  * none is run. */
 DM_API int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *const *motions,

@@ -1,4 +1,5 @@
-/* The contact of a fingertip: the measured law at its depth, Eq. (1), and Coulomb friction.
+/* The contact of a fingertip: the measured law at its depth, Eq. (1), and Coulomb friction. In numpy:
+ * studies/reference/fingertip.py.
  *
  * On the surface at rest, as the body carries it, lies a sphere of the fingertip's radius which the surface keeps out
  * (the virtual proxy of Ruspini 1997). Where it would lie straight above the fingertip is its foot: the way from the
@@ -17,6 +18,7 @@ enum { DM_SETTLING = 24, DM_CONE_SWEEPS = 32, DM_FOOT_STEPS = 4 };
 #define DM_HELD 2e-4       /* of the radius: what is as near to a sphere holds it */
 #define DM_STRAIGHT 1e-3   /* of the radius: a foot that is so little aside is straight above */
 #define DM_SAME_WAY 0.9998 /* cosine: normals as near are one */
+#define DM_INSIDE 0.75     /* of all directions: half way between a sheet and a closed body */
 #define DM_STICK (2 / 3.0) /* of the normal stiffness, what is soft and keeps its volume has sideways. Mindlin 1949 */
 #define DM_PUSH_TIME 0.02  /* [s] in which a force brings a fingertip to its depth: a tenth of a press */
 #define DM_BACK_TIME 0.2   /* [s] in which depth is counted from the surface at rest again, when another contact that had
@@ -199,7 +201,7 @@ static double dm_skin_height(const dm_state *b, const dm_tip *f, const double *p
     return high;
 }
 
-/* Does anything else touch the body? */
+/* Does anything touch the body, other than this fingertip? */
 static int dm_is_beside_others(const dm_state *b, int finger) {
     int others = b->meets;
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) others |= k != finger && b->fingers[k].felt;
@@ -252,9 +254,12 @@ static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_rou
     }
     for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
     if (!(dm_along_normals(round, way, along, aside) > 0)) return 0;
-    double deep = sqrt(dm_inner3(way, way));
+    /* what a foot that is straight above is still aside would tilt the force of a shallow press */
+    int straight = sqrt(dm_inner3(aside, aside)) <= DM_STRAIGHT * f->radius;
+    const double *up = straight ? along : way;
+    double deep = sqrt(dm_inner3(up, up));
     if (!(deep > 1e-9 * f->radius)) return 0; /* it has no direction */
-    for (int c = 0; c < 3; c++) f->outward[c] = way[c] / deep;
+    for (int c = 0; c < 3; c++) f->outward[c] = up[c] / deep;
     return deep;
 }
 
@@ -278,10 +283,10 @@ static void dm_place_tip(dm_state *b, int finger, const double *pose, const doub
     dm_round round;
     double along[3], place[3], deep = f->met ? dm_find_foot(b, f, x, &round) : 0;
     double most = f->deep + dm_gone(before, x);
-    f->met = deep > 0, deep = deep < most ? deep : most;
+    f->met = deep > 0, deep = deep > most ? most : deep;
     if (!f->met) deep = dm_find_gap(b, f, x, &round), f->met = deep > 0;
     if (round.facet) dm_take_place(b, f, &round);
-    if (!f->felt) f->zero = -f->height, f->beside = dm_is_beside_others(b, finger), f->stick = 0;
+    if (!f->felt) f->zero = -f->height, f->stick = 0, f->beside = b->comes_back > 0 || dm_is_beside_others(b, finger);
     f->deep = deep, f->depth = deep - f->zero;
     int felt = f->depth > 0;
     if (!f->felt) memcpy(f->anchor, f->foot, sizeof f->anchor);
@@ -312,11 +317,12 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
     f->law = f->slope = f->slides = 0;
     if (!f->felt) return;
     double law = dm_force_at(b, f, f->depth), step = 1e-4 * f->depth + 1e-9 * f->radius;
-    f->slope = (law - dm_force_at(b, f, f->depth - step)) / step, f->law = law;
+    double slope = (law - dm_force_at(b, f, f->depth - step)) / step;
+    f->slope = slope > 0 ? slope : 0, f->law = law;
     double stick = DM_STICK * law / f->depth, friction = b->laws[f->material][DM_FRICTION];
     double far = sqrt(dm_inner3(aside, aside)), most = stick > 0 ? friction * law / stick : 0, left = far;
     if (was && stick > f->stick && f->stick > 0) left *= f->stick / stick;
-    f->slides = left > most, left = f->slides ? most : left, f->stick = stick;
+    left = left < most ? left : most, f->slides = most > 0 ? left / most : 1, f->stick = stick;
     if (left < (1 - 1e-9) * far) { /* the anchor comes nearer */
         dm_round round;
         for (int c = 0; c < 3; c++) aside[c] *= left / far;
@@ -334,7 +340,9 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
         for (int c = 0; c < 3; c++) force[c] *= size > limit ? limit / size : 1;
     }
     for (int c = 0; c < 3; c++) force[c] += push * f->outward[c];
-    for (int c = 0; c < 3; c++) f->force[c] = dm_inner3(pose + 3 * c, force);
+    if (dm_inner3(force, force) + f->slope < INFINITY)
+        for (int c = 0; c < 3; c++) f->force[c] = dm_inner3(pose + 3 * c, force);
+    else f->law = f->slope = f->slides = 0, f->felt = 0; /* what is beyond all measure is no force */
 }
 
 /* Let the depth be counted from the surface at rest again, where what had moved the skin has gone. */
@@ -367,9 +375,27 @@ static void dm_push_on(const dm_state *b, dm_tip *f, const dm_fingertip *to, dou
 }
 
 static void dm_lift(dm_tip *f) {
-    f->met = f->felt = f->slides = 0;
+    f->met = f->felt = 0, f->slides = 0;
     f->way = f->zero = f->height = f->law = f->slope = f->stick = f->thickness = 0;
     memset(f->force, 0, sizeof f->force);
+}
+
+/* Is a place inside the body? Behind a sheet the facets are half of what is to be seen, inside a body with a hole most.
+ * Source: the generalised winding number, Jacobson and others 2013. */
+static int dm_is_inside(const dm_state *b, const double *x) {
+    double seen = 0;
+    for (const dm_facet *f = b->facets; f < b->facets + b->facet_count; f++) {
+        double way[3][3], far[3], normal[3];
+        for (int p = 0; p < 3; p++) {
+            for (int c = 0; c < 3; c++) way[p][c] = f->corner[p][c] - x[c];
+            far[p] = sqrt(dm_inner3(way[p], way[p]));
+        }
+        dm_cross3(way[1], way[2], normal);
+        double beside = far[0] * far[1] * far[2] + dm_inner3(way[0], way[1]) * far[2];
+        beside += dm_inner3(way[1], way[2]) * far[0] + dm_inner3(way[2], way[0]) * far[1];
+        seen += atan2(dm_inner3(way[0], normal), beside);
+    }
+    return seen > DM_INSIDE * 2 * acos(-1);
 }
 
 /* Put a fingertip down where a motion begins. Where its centre is inside the body it comes from outside, or the skin would
@@ -382,13 +408,14 @@ static void dm_put_down(dm_state *b, dm_tip *f) {
     for (int c = 0; c < 3; c++) x[c] = pose[c] * from[0] + pose[3 + c] * from[1] + pose[6 + c] * from[2];
     dm_look_round(b, 0, x, f->radius, &round);
     if (!round.facet) return;
-    if (dm_inner3(round.offset, round.facet->normal) < 0 && round.near > 0) {
+    if (round.near > 0 && dm_is_inside(b, x)) {
         for (int c = 0; c < 3; c++) x[c] -= (1 + f->radius / round.near) * round.offset[c];
         for (int c = 0; c < 3; c++) f->centre[c] = dm_inner3(pose + 3 * c, x) + pose[9 + c];
     }
     memcpy(f->local, x, sizeof x);
     f->facet = round.facet - b->facets;
-    f->deep = f->depth = dm_find_gap(b, f, x, &round);
+    f->deep = f->depth = dm_find_gap(b, f, x, &round), f->met = f->depth > 0;
+    memcpy(f->anchor, f->foot, sizeof f->anchor);
     dm_take_place(b, f, &round);
     for (int c = 0; c < 3; c++) place[c] = f->foot[c] - f->radius * f->outward[c];
     f->height = dm_skin_height(b, f, pose, place);
@@ -454,10 +481,19 @@ static void dm_show_fingertips(dm_state *b, const dm_motion *m, dm_frame *frame)
     }
 }
 
+/* Evaluate the law where a fingertip is down, at depths. */
+static void dm_state_get_law(const dm_state *b, int64_t finger, const double *factors, double end, int64_t count,
+                             const double *depths, double *forces) {
+    dm_tip f = b->fingers[finger];
+    f.factors = factors, f.factors_end = end;
+    for (int64_t k = 0; k < count; k++) forces[k] = f.stiffer > 0 ? dm_force_at(b, &f, depths[k]) : 0;
+}
+
 /* Let the vertices of a free body take, as one, what is missing to the reaction on the fingertips: the skin's contact gave
  * them other impulses. */
 static void dm_react(dm_state *b) {
-    double push[6] = {0}, pose[12];
+    double push[6] = {0}, pose[12], sums[DM_MOMENTS];
+    dm_inertia now; /* not as the substep began: nothing of the momentum may be lost */
     dm_fitted_pose(b, pose);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         const dm_tip *f = b->fingers + k;
@@ -468,11 +504,12 @@ static void dm_react(dm_state *b) {
         for (int c = 0; c < 3; c++) push[c] -= b->dt * f->force[c], push[3 + c] -= b->dt * turn[c];
     }
     for (int c = 0; c < 6; c++) push[c] -= b->skin_push[c];
-    dm_rigid more = dm_rigid_part(b, &b->moments, push, push + 3);
-    dm_lanes dt = dm_splat((dm_real)b->dt);
+    if (!(dm_inner3(push, push) + dm_inner3(push + 3, push + 3) > 0)) return;
+    dm_sum_moments(b, sums), dm_find_inertia(b, sums, &now);
+    dm_rigid more = dm_rigid_part(b, &now, push, push + 3);
     dm_vec3 linear = dm_splat3(more.linear), angular = dm_splat3(more.angular);
     for (int64_t g = 0; g < b->groups; g++) {
-        dm_vec3 x = b->state[g].x, v = b->state[g].v, spin = dm_cross(angular, (dm_vec3){x.x - dt * v.x, x.y - dt * v.y, x.z - dt * v.z});
+        dm_vec3 x = b->state[g].x, v = b->state[g].v, spin = dm_cross(angular, x);
         dm_mask moves = (dm_mask)(b->matter[g].inverse_mass > dm_splat(0));
         v.x += dm_blend(moves, linear.x + spin.x, dm_splat(0)), v.y += dm_blend(moves, linear.y + spin.y, dm_splat(0));
         v.z += dm_blend(moves, linear.z + spin.z, dm_splat(0));

@@ -127,16 +127,21 @@ static void dm_fit_pose(dm_state *b, const double *sums) {
     for (int c = 0; c < 3; c++) b->translation[c] = sums[DM_K_X + c] / b->k1_total;
 }
 
-/* Find the rigid part of the velocities, and the moments of the mass. */
-static void dm_fit_motion(dm_state *b, const double *sums) {
+/* Find the moments of the mass. */
+static void dm_find_inertia(const dm_state *b, const double *sums, dm_inertia *at) {
     const double *s = sums + DM_M_X, *xx = sums + DM_M_XX;
-    double *o = b->moments.centre;
+    double *o = at->centre;
     for (int c = 0; c < 3; c++) o[c] = s[c] / b->mass_total;
     double x2 = xx[0] - o[0] * s[0], y2 = xx[1] - o[1] * s[1], z2 = xx[2] - o[2] * s[2];
     double xy = xx[3] - o[0] * s[1], yz = xx[4] - o[1] * s[2], zx = xx[5] - o[2] * s[0];
     double tensor[9] = {y2 + z2, -xy, -zx, -xy, x2 + z2, -yz, -zx, -yz, x2 + y2};
-    memcpy(b->moments.tensor, tensor, sizeof tensor);
-    dm_invert3x3(tensor, b->moments.inverse);
+    memcpy(at->tensor, tensor, sizeof tensor);
+    dm_invert3x3(tensor, at->inverse);
+}
+
+/* Find the rigid part of the velocities, and the moments of the mass. */
+static void dm_fit_motion(dm_state *b, const double *sums) {
+    dm_find_inertia(b, sums, &b->moments);
     b->drift = dm_rigid_part(b, &b->moments, sums + DM_M_V, sums + DM_M_XV);
     memcpy(b->moments.spin, b->drift.angular, sizeof b->moments.spin);
 }

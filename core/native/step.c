@@ -231,6 +231,7 @@ static void dm_end_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *fr
     double centre[3];
     frame->ticks = t + 1;
     if (!b->free || b->asleep) dm_press_held(b, m->tick, frame);
+    b->comes_back = dm_is_beside_others(b, -1) ? DM_BACK_TIME : b->comes_back - m->tick;
     if (b->asleep) return;
     frame->finite = dm_is_finite(b, m->tick, centre);
     if (!frame->finite) return;

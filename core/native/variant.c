@@ -52,7 +52,7 @@ extern const dm_methods DM_NAME(DM_SET, DM_BITS);
 const dm_methods DM_NAME(DM_SET, DM_BITS) = {
     dm_state_create, dm_state_destroy, dm_state_set_constants, dm_state_set_rest, dm_change,
     dm_state_rest_volume, dm_state_place, dm_state_read, dm_state_pinned, dm_state_asleep, dm_state_step,
-    dm_carry_surface,
+    dm_state_get_law, dm_carry_surface,
     dm_scene_state_create, dm_scene_state_destroy, dm_scene_state_find, dm_scene_state_place, dm_scene_state_read,
     dm_scene_state_step,
 };

@@ -124,33 +124,33 @@ MESSAGES = {
         "{} のサンプルは {} フレームごとで、1 フレームごとではありません。もう一度ベイクしてください。"
     ),
     "The full mesh is too stiff to simulate": "元のメッシュは硬すぎて計算できません",
-    "The full mesh runs live: {}.": "元のメッシュのまま実時間で動きます（{}）。",
-    "The full mesh would run at {} real time ({})": "元のメッシュでは実時間の {} の速さです（{}）",
+    "The full mesh runs live: {}.": "元のメッシュのままリアルタイムで動きます（{}）。",
+    "The full mesh would run at {} real time ({})": "元のメッシュではリアルタイムの {} の速さです（{}）",
     "{}. It is simulated anyway: {}.": "{}。それでもそのまま計算します。{}。",
-    "{}, the full mesh: {}, at {} real time.": "{}。元のメッシュ（{}）、実時間の {} の速さです。",
+    "{}, the full mesh: {}, at {} real time.": "{}。元のメッシュ（{}）、リアルタイムの {} の速さです。",
     "For self contact": "自己接触があります",
     'Its proxy would intersect "{}" at the start, so the full mesh is simulated.': (
-        "代理メッシュが開始時に「{}」と交わるため、元のメッシュを計算します。"
+        "プロキシが開始時に「{}」と交わるため、元のメッシュを計算します。"
     ),
     "For its rig": "リグで動きます",
-    "runs at {} real time": "は実時間の {} の速さで動き",
-    "runs live": "は実時間で動き",
+    "runs at {} real time": "はリアルタイムの {} の速さで動き",
+    "runs live": "はリアルタイムで動き",
     "As chosen": "選択どおりです",
     "{}. A proxy of {} vertices {}; its dents are within {} mm of the mesh's.": (
-        "{}。{} 頂点の代理メッシュ{}、くぼみの形は元のメッシュと {} mm 以内で一致します。"
+        "{}。{} 頂点のプロキシ{}、へこみの形は元のメッシュと {} mm 以内で一致します。"
     ),
     "{} vertices at {} steps per millisecond": "{} 頂点、1 ミリ秒に {} ステップ",
     "a proxy of this mesh has from {} to {} vertices, not {}": (
-        "このメッシュの代理メッシュは {} から {} 頂点で、{} にはできません"
+        "このメッシュのプロキシは {} から {} 頂点で、{} にはできません"
     ),
-    "its pieces are too small for a proxy": "部分が小さすぎて代理メッシュを作れません",
+    "its pieces are too small for a proxy": "部分が小さすぎてプロキシを作れません",
     "its surface is too crumpled for a proxy of this size": (
-        "表面の凹凸が激しく、この大きさの代理メッシュを作れません"
+        "表面の凹凸が激しく、この大きさのプロキシを作れません"
     ),
-    "a proxy of this size would have holes": "この大きさの代理メッシュには穴が空きます",
-    "a proxy of this size would lose too much of the volume": "この大きさの代理メッシュでは体積が失われすぎます",
+    "a proxy of this size would have holes": "この大きさのプロキシには穴が空きます",
+    "a proxy of this size would lose too much of the volume": "この大きさのプロキシでは体積が失われすぎます",
     "its pins are too few for a proxy of this size": (
-        "固定された頂点が少なすぎて、この大きさの代理メッシュを作れません"
+        "固定された頂点が少なすぎて、この大きさのプロキシを作れません"
     ),
     "A tick must be longer than 0 s (it is {}).": "刻みは 0 s より長くしてください（現在 {}）。",
     "There are at most {} fingertips.": "指先は {} 個までです。",

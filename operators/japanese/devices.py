@@ -57,8 +57,8 @@ MESSAGES = {
     ),
     "The emulated device did not start ({}).": "エミュレートしたデバイスが起動しませんでした（{}）。",
     "it takes three tips, and a stiffness and a damping of at least 0": "3 つの先端と、0 以上の剛性と減衰が必要です",
-    "The hand {} cannot be read: {}.": "手 {} を読めません: {}。",
-    "{} is not a hand ({}).": "{} は手ではありません（{}）。",
+    "The hand {} cannot be read: {}.": "手の動きのファイル {} を読めません: {}。",
+    "{} is not a hand ({}).": "{} は手の動きのファイルではありません（{}）。",
     "a tip has no keyframes, or one that is not made of numbers": (
         "先端にキーフレームがないか、数でないものがあります"
     ),

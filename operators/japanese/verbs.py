@@ -2,15 +2,14 @@
 
 MESSAGES = {
     '"{}": {}': '"{}": {}',
-    "{}: {}": "{}: {}",
-    'The modifier "{}" moves the surface after the press: aim at the mesh before it.': (
-        'モディファイアー "{}" が押したあとで表面を動かします。その前のメッシュを狙ってください。'
+    "{} bodies: {}": "{} 個の物体: {}",
+    "{} meshes are soft. Press them with the left mouse button.": (
+        "{} 個のメッシュを柔らかくしました。左マウスボタンで押せます。"
     ),
+    "{}: {}": "{}: {}",
     "A rig holds it: its shape at rest goes where that goes.": "リグに付いています。元の形はリグの動きに従います。",
-    "The mesh has only {} vertices, too few for this fingertip: {} are simulated, in the same shape. A bake needs the "
-    "mesh itself as fine: subdivide it, or tick Subdivide in Make Soft.": (
-        "元の {} 頂点では指先に対して少なすぎるため、同じ形の {} 頂点で計算します。ベイクするには、メッシュそのものを"
-        "細かく分割するか、「柔らかくする」の「細分化」をオンにしてください。"
+    "The mesh is coarse for the fingertip: it is pressed with {} vertices.": (
+        "指先に対してメッシュが粗いため、{} 頂点に細分化して押します。"
     ),
     "The body is {} m across, over 100 times the radius of the fingertip. Set Physical Size to Custom Size in "
     "Physics > Dimple.": (
@@ -18,12 +17,12 @@ MESSAGES = {
         "きさ」にしてください。"
     ),
     "The edges of the mesh are {} mm long, the fingertip {} mm wide: subdivide the mesh or use a larger fingertip, "
-    "for a visible dent and a reliable force.": (
-        "メッシュの辺は {} mm、指先の幅は {} mm です。へこみが見え、力が確かになるように、メッシュを細分化するか、"
-        "もっと大きい指先を使ってください。"
+    "for a visible dent.": (
+        "メッシュの辺は {} mm、指先の幅は {} mm です。へこみが見えるように、メッシュを細分化するか、もっと大きい指先を"
+        "使ってください。"
     ),
-    "The mesh is coarse for this fingertip: it is cut finer when the body is started again.": (
-        "この指先にはメッシュが粗すぎます。物体をもう一度開始すると細かく分割されます。"
+    "The mesh is coarse for this fingertip: it is subdivided further when the body is started again.": (
+        "この指先にはメッシュが粗すぎます。物体をもう一度開始するとさらに細分化されます。"
     ),
     "A pressure needs an inside: close the mesh.": "圧力には内側が必要です。メッシュを閉じてください。",
     "Its materials differ in fill or pressure: {}, {} kPa acts, on the most area.": (
@@ -37,7 +36,7 @@ MESSAGES = {
     "Baked objects: {}": "ベイクしたオブジェクト: {} 個",
     "There was no bake on the selected objects": "選択したオブジェクトにベイクがありません",
     "The last frame ({}) must come after the first ({}).": (
-        "終了フレーム ({}) は開始フレーム ({}) よりあとにしてください。"
+        "最終フレーム ({}) は開始フレーム ({}) よりあとにしてください。"
     ),
     '"{}" is linked from another file. Make it local first: Object > Relations.': (
         '"{}" は別のファイルからリンクされています。先に「オブジェクト > 関係」でローカル化してください。'
@@ -45,16 +44,34 @@ MESSAGES = {
     '"{}" has a mesh of another file. Make it local first: Object > Relations.': (
         '"{}" のメッシュは別のファイルのものです。先に「オブジェクト > 関係」でローカル化してください。'
     ),
+    'The material of "{}" is linked from another file. Make it local first.': (
+        '"{}" のマテリアルは別のファイルからリンクされています。先にローカル化してください。'
+    ),
+    '"{}": a material is gone: the constants of a new one act in its place.': (
+        '"{}": マテリアルがなくなったため、代わりに新しいマテリアルの定数を使います。'
+    ),
+    "Wind and other force fields of the scene do not act on it.": (
+        "シーンの風などのフォースフィールドは、この物体に働きません。"
+    ),
+    'The file that "{}" plays is gone: bake again.': (
+        '"{}" が再生するファイルがありません。ベイクし直してください。'
+    ),
+    'The fingertip "{}" is disabled in the viewport, so it does not move.': (
+        '指先 "{}" はビューポートで無効になっているため、動きません。'
+    ),
     '"{}" has absolute shape keys. Switch its shape keys to Relative first.': (
         '"{}" のシェイプキーは絶対です。先に「相対」に切り替えてください。'
     ),
     '"{}" shows one shape key only. Switch Solo Active Shape Key off first.': (
-        '"{}" はシェイプキーを一つだけ表示しています。先に「アクティブシェイプキーのみ表示」をオフにしてください。'
+        '"{}" はシェイプキーを一つだけ表示しています。先に「アクティブシェイプキーをソロ化」をオフにしてください。'
     ),
-    '"{}": the modifier "{}" comes after shape keys and would move them once more. Bake to a Mesh Cache, which '
-    "goes after it.": (
-        '"{}": モディファイアー "{}" はシェイプキーのあとに働き、もう一度動かしてしまいます。そのあとに入るメッシュ'
-        "キャッシュにベイクしてください。"
+    '"{}" shows what its modifier "{}" makes of its mesh, and shape keys move the mesh before that. Bake to a Mesh '
+    "Cache, or export.": (
+        '"{}" にはモディファイアー "{}" の結果が見えていて、シェイプキーはその前のメッシュを動かします。'
+        "メッシュキャッシュにベイクするか、書き出してください。"
+    ),
+    '"{}" is too coarse for shape keys. Subdivide it, bake to a Mesh Cache, or export.': (
+        '"{}" はシェイプキーには粗すぎます。細分化するか、メッシュキャッシュにベイクするか、書き出してください。'
     ),
     '"{}" shares its mesh with other objects: its shape keys go on a copy of its own.': (
         '"{}" はメッシュをほかのオブジェクトと共有しているため、シェイプキーは専用のコピーに付けます。'
@@ -142,7 +159,7 @@ MESSAGES = {
         "式を選んでください。"
     ),
     "The last frame ({}) must not come before the first ({}).": (
-        "終了フレーム ({}) は開始フレーム ({}) より前にできません。"
+        "最終フレーム ({}) は開始フレーム ({}) より前にできません。"
     ),
     "The simulation begins at frame {}, after the first ({}).": (
         "計算の開始がフレーム {} で、開始フレーム ({}) よりあとです。"
@@ -156,14 +173,11 @@ MESSAGES = {
         "Blender のエクスポーターが {} を書き終えられませんでした。ディスクがいっぱいか、フォルダーが読み取り専用で"
         "はありませんか？"
     ),
-    '"{}": {} holds the mesh before its modifiers ({}).': (
-        '"{}": {} に入るのはモディファイアー ({}) を適用する前のメッシュです。'
-    ),
     "Choose a port, or type its path.": "ポートを選ぶか、パスを入力してください。",
     '"{}" is a device to try.': '"{}" は試しに使えるデバイスです。',
     "Blender draws only {} frames a second, so the dead-man key lapses and there is no force. Simulate a proxy, or "
     "draw less.": (
-        "Blender の描画が毎秒 {} フレームしかないため、デッドマンキーが切れて力が出ません。代理メッシュで計算するか"
+        "Blender の描画が毎秒 {} フレームしかないため、デッドマンキーが切れて力が出ません。プロキシで計算するか"
         "、表示を軽くしてください。"
     ),
     "What is under a fingertip has changed. Lift it and arm the device again.": (
@@ -177,9 +191,6 @@ MESSAGES = {
     ),
     "Nothing is selected. Select a mesh to press it.": "何も選択されていません。押すメッシュを選択してください。",
     '"{}" is being pressed already.': '"{}" はすでに押しているところです。',
-    '"{}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.': (
-        '"{}" にはシェイプキーがあるか、メッシュを共有しているため、細かく分割しません。自分で細分化してください。'
-    ),
     '"{}" is soft: "{}". It is prepared when you press it first.': (
         '"{}" は柔らかくなりました: "{}"。最初に押すときに準備されます。'
     ),
@@ -235,7 +246,7 @@ MESSAGES = {
     'The press on "{}" is keyframed from frame {} to {}.': (
         '"{}" を押した動きを、フレーム {} から {} までのキーフレームにしました。'
     ),
-    "That is beyond the scene's last frame {}.": "シーンの終了フレーム {} を超えています。",
+    "That is beyond the scene's last frame {}.": "シーンの最終フレーム {} を超えています。",
     'Recorded {} frames of "{}" to {}: when its session has ended, it plays them from frame {} to {}.': (
         '"{1}" の {0} フレームを {2} に記録しました。押し終えると、フレーム {3} から {4} まで再生します。'
     ),
@@ -245,22 +256,25 @@ MESSAGES = {
     "The recovery copy could not be written, so save the file yourself: {}": (
         "復旧用のコピーを書き込めませんでした。自分でファイルを保存してください: {}"
     ),
-    'The modifier "{}" reorders vertices, so the shape at rest is that of this frame. To let it follow the rig, '
-    "switch that modifier off in the viewport.": (
-        'モディファイアー "{}" が頂点の順序を変えるため、元の形はこのフレームのものになります。リグに従わせるには、'
-        "ビューポートでそのモディファイアーをオフにしてください。"
+    '"{}" is not in this view layer, so it has no shape now. Put it there first.': (
+        '"{}" はこのビューレイヤーにないため、いまの形がありません。先にビューレイヤーに入れてください。'
+    ),
+    '"{}": its modifiers give {} vertices now, and gave {}. What is pressed must keep its vertices: apply the modifier '
+    "that changes them, or switch it off.": (
+        '"{}": モディファイアーの出力がいま {} 頂点で、始めは {} 頂点でした。押すものの頂点は変わってはいけません。'
+        "頂点を変えるモディファイアーを適用するか、オフにしてください。"
     ),
     '"{}" is gone, so its session has ended.': '"{}" がなくなったため、終了しました。',
     '"{}" was edited while it was pressed, so its session has ended. The edit is kept.': (
         '"{}" が押している間に編集されたため、終了しました。編集は残っています。'
     ),
-    '"{}" is {} m across as modelled, which does not suit a fingertip of {} mm: it is pressed as an object of {} '
+    '"{}": {} m across as modelled does not suit a fingertip of {} mm: it is pressed as an object of {} '
     "mm. Physical Size in Physics > Dimple changes that.": (
-        '"{}" は {} m で作られていて {} mm の指先に合わないため、{} mm の物体として押します。物理演算 > Dimple の「'
+        '"{}": {} m で作られていて {} mm の指先に合わないため、{} mm の物体として押します。物理演算 > Dimple の「'
         "実物の大きさ」で変えられます。"
     ),
     "The mesh has too few vertices to hold the map. Subdivide it first.": (
-        "マップを持つには頂点が少なすぎます。先にメッシュを細かく分割してください。"
+        "マップを持つには頂点が少なすぎます。先にメッシュを細分化してください。"
     ),
     "{} of the vertices are over four times softer or stiffer than the material, beyond what a map can say: change "
     "K1 and K2.": (

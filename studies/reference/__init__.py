@@ -1,8 +1,8 @@
 """The reference: what the native core does, in numpy, to be read and tested against.
 
-twin (a body) and twin_scene (bodies that meet) step by semi_implicit; ticks, path and rest, contact and facets are of
-the fingertip, touching, proximity, bounds, crossing, islands and rolling of what meets, falling and twin_props of
-props, cells and carry of proxies. The laws are those of `core.body`.
+twin (a body) and twin_scene (bodies that meet) step by semi_implicit; fingertip is its force, ticks, path and rest,
+contact and facets are of the skin under it, touching, proximity, bounds, crossing, islands and rolling of what meets,
+falling and twin_props of props, cells and carry of proxies. The laws are those of `core.body`.
 
 A method is `run(model, state, path, *, tick, substeps) -> impulses`; those that lost are in studies/methods.
 """

@@ -62,6 +62,7 @@ class Touch:
     faces: (t,) which of the mesh they are.
     kept: (3, vertices and faces of the mesh) the impulses of the last step [N s], None where there was none; replaced
         by those of the next.
+    slides: share of the friction that the fingertip uses up on the surface: of the skin's, so much does not hold.
     """
 
     centre: Floats
@@ -72,6 +73,7 @@ class Touch:
     radii: Floats
     faces: Ints | None = None
     kept: Floats | None = None
+    slides: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +122,7 @@ def resolve(x: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: Skin
         step: that brought them there.
 
     Returns:
-        the impulse (3,) [N s] on the fingertip.
+        the impulse on the fingertip [N s], and its moment about the origin [N m s], (2, 3).
     """
     before = x - v * step.slip(np.sqrt((v**2).sum(axis=0)))
     met = _find(before, v, touch, inverse_mass, skin, step.dt)
@@ -140,7 +142,7 @@ def resolve(x: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: Skin
         touch.kept[:] = 0
         moving = (inverse_mass[met.members] > 0).all(axis=1)  # what cannot give way would add up
         touch.kept[:, met.numbers[moving]] = met.held[:, moving]
-    return np.asarray(-met.held.sum(axis=1))
+    return -np.stack([met.held.sum(axis=1), np.cross(met.points(before), met.held, axis=0).sum(axis=1)])
 
 
 def rest_on_ground(x: Floats, v: Floats, height: float, inverse_mass: Floats, friction: Floats, dt: float) -> None:
@@ -235,6 +237,7 @@ def _find(before: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: S
     here, share = members[met], weights[met]
     compliance, friction = ((each[here] * share).sum(axis=1) for each in (skin.compliance, skin.friction))
     yields = np.where(is_face[met], FACE_YIELDS, VERTEX_YIELDS) * compliance / dt**2
+    friction = (1 - touch.slides) * friction
     part = np.where(was_held[met] & (yields == 0), HELD_PART, 1.0)  # what yields comes out by its impulse alone
     gap, normal = (apart - radius)[met], normal[:, met]
     gives = (yields > 0) & (gap < 0)

@@ -71,7 +71,7 @@ def run(model: Model, state: Literal, path: FingerPath, *, tick: float, substeps
             slow_down(before, state.positions, limit)
             now = moved_back(met, (substeps - 1 - i) * dt)
             state.contact = touched(state.positions, now)
-            total += meet(model, state, now, Step(dt, limit))
+            total += meet(model, state, now, Step(dt, limit))[:, 0]
     return total
 
 

@@ -2,7 +2,7 @@
 
 A body falls asleep when for REST_TIME it has been slower than REST_SPEED and no vertex is farther than REST_WAY from
 where it was when that began. Its velocities stay as they are, so neither position nor velocity jumps when it wakes.
-Under a fingertip that stands still it sleeps too, and presses on it as in the last tick.
+Under a fingertip that stands still it sleeps too.
 """
 
 from __future__ import annotations
@@ -28,7 +28,6 @@ class Rest:
     rested: it may sleep.
     asleep: it is not stepped.
     under: fingertips that were near when it fell asleep: where (3,) [m] and their radius [m].
-    held: (k, 3) forces on the fingertips in the last substep [N].
     """
 
     quiet: float = 0.0
@@ -36,7 +35,6 @@ class Rest:
     rested: bool = False
     asleep: bool = False
     under: dict[int, tuple[Floats, float]] = field(default_factory=dict)
-    held: Floats = field(default_factory=lambda: np.zeros((0, 3)))
 
     def watch(
         self, x: Floats, v: Floats, size: float, tick: float, *, led: bool, sag: float = 0.0, held: bool = False
@@ -65,7 +63,6 @@ class Rest:
     def _stays(self, x: Floats, size: float) -> bool:
         way = x - (x if self.still is None else self.still)
         return bool(np.sqrt((way * way).sum(axis=0).max(initial=0)) <= REST_WAY * size)
-
 
     def lies_under(self, finger: int, centre: Floats, radius: float) -> bool:
         """Tell whether a fingertip is where it was when the body fell asleep."""

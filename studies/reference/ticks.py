@@ -43,7 +43,7 @@ def run_ticks(advance: Advance, model: Model, state: State, path: FingerPath, *,
             if near:
                 slow_down(before, state.positions, limit)
             now = moved_back(touches, (substeps - 1 - i) * tick / substeps)
-            total += meet(model, state, now, Step(tick / substeps, limit))
+            total += meet(model, state, now, Step(tick / substeps, limit))[:, 0]
     return total
 
 
@@ -100,12 +100,14 @@ def reach(
 
 
 def meet(model: Model, state: State, touches: Sequence[Touch], step: Step) -> Floats:
-    """Resolve the contacts of a step in place and return the impulses (k, 3) [N s] on the fingertips."""
+    """Resolve the contacts of a step in place.
+
+    Returns:
+        the impulses on the fingertips [N s] and their moments about the origin [N m s], (k, 2, 3).
+    """
     x, v = state.positions, state.velocities
     skin = contact.Skin(model.friction, model.compliance)
     impulses = [contact.resolve(x, v, touch, model.inverse_mass, skin, step) for touch in touches]
     if model.ground is not None:
         contact.rest_on_ground(x, v, model.ground, model.inverse_mass, model.friction, step.dt)
-    given = np.array(impulses).reshape(-1, 3)
-    state.pushes = given / step.dt
-    return given
+    return np.array(impulses).reshape(-1, 2, 3)

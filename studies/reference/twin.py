@@ -13,12 +13,22 @@ from core.body.model import Model, State, initial_state
 from core.body.moved_rest import on_its_way, with_rest
 from core.body.shape_matching import Pose, carried_pose, fit_pose
 from core.material import law_force
-from core.solver.motion import FingertipMotion, Frame, Motion, PinMotion, Touch, Vector
+from core.solver.motion import FingertipMotion, Frame, Motion, PinMotion, Touch
 
-from . import semi_implicit
-from .depth import RestSurface, Touching, rest_surface, touching
+from . import fingertip, semi_implicit
+from .contact import Step
+from .contact import Touch as Near
+from .fingertip import Around, RestSurface, Tip, rest_surface
 from .path import FingerPath
 from .rest import Rest, reaches
+from .rolling import Turning
+from .ticks import SKIN_TRAVEL, each_tick, meet, moved_back, slow_down
+
+LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
+FASTEST = 1e6  # sizes a tick: and so has one as fast
+
+LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
+FASTEST = 1e6  # sizes in a tick: so has one as fast
 
 
 @dataclass(slots=True, kw_only=True)
@@ -28,7 +38,7 @@ class Call:
     motion: what happens.
     down: which fingertips are down.
     here: where each of them is (3,) [m].
-    impulses: (k, 3) on the fingertips so far [N s].
+    impulses: (3, 3) on the fingertips so far [N s].
     ticks: done.
     finite: False where the body has blown up.
     moved: it was not asleep all the time.
@@ -50,8 +60,10 @@ class Twin:
 
     def __init__(self, model: Model, *, surface: Model | None = None) -> None:
         self.model, self._fine = model, surface or model
-        self._surface: RestSurface = rest_surface(self._fine.mesh)
-        self._sides: list[Floats | None] = [None] * 3
+        self._tips = [Tip() for _ in range(3)]
+        self._surface: RestSurface = self._lay_surface()
+        self._fitted: Pose = np.eye(3), np.zeros(3)  # as the substep began
+        self.meets = False  # it is in a scene
         self._moved: Floats | None = None  # the shape at rest, where it is not the model's
         self._rest_rate: Floats | None = None  # in the next motion
         self.sag = 0.0  # [m/s] that gravity gives in a substep, and contact takes back: in a scene
@@ -72,7 +84,13 @@ class Twin:
         self._fine = surface or (model if self._fine is old else self._fine)
         self.model, self._rest = model, Rest()
         if self._moved is not None:
-            self.set_rest(self._moved)
+            self.model = self._fine = with_rest(model, self._moved)
+        self._surface = self._lay_surface(self._surface.order)
+
+    def _lay_surface(self, order: Ints | None = None) -> RestSurface:
+        fine, maps = self._fine, self._fine.maps
+        painted = maps and np.column_stack([maps.stiffer, maps.deeper])
+        return rest_surface(fine.mesh, fine.laws, painted, float(self.model.matching.mass.sum()), order)
 
     def set_rest(self, rest: Floats, rate: Floats | None = None) -> None:
         """Give the living body another shape at rest (3, n) [m]: at a rate (3, n) [m/s] in the next motion, or at once.
@@ -87,11 +105,9 @@ class Twin:
             k1 = self.model.matching.k1
             self._rest_rate = rate - (rate @ k1 / max(k1.sum(), 1e-300))[:, None]
         self.model = self._fine = with_rest(self.model, self._moved)
-        self._surface = rest_surface(self._fine.mesh)
-
-    def set_load(self, load: Floats | None) -> None:
-        """Push each vertex by a force (3, n) [N] from now on, None by none."""
-        self._state.load, self._rest = load, Rest()
+        before, self._surface = self._surface, self._lay_surface(self._surface.order)
+        for tip in self._tips:
+            fingertip.go_along(tip, before, self._surface)
 
     @property
     def rest_volume(self) -> float:
@@ -105,6 +121,9 @@ class Twin:
         state.positions[:] = positions
         state.velocities[:] = 0.0 if velocities is None else velocities
         self._led, self._rest = False, Rest()
+        self._comes_back = 0.0  # [s] for so long its skin does, since nothing touches it: about
+        for tip in self._tips:
+            fingertip.lift(tip)
 
     def positions(self) -> Floats:
         """Return where the vertices are, (3, n) [m]."""
@@ -116,14 +135,11 @@ class Twin:
 
     def step(self, motion: Motion) -> Frame:
         """Run the ticks of a motion."""
-        call, self.sag = self.begin(motion), 0.0
+        call, self.sag, self.meets = self.begin(motion), 0.0, False
         while call.ticks < motion.ticks and call.finite:
-            path = self.begin_tick(call)
-            with np.errstate(all="ignore"):  # the frame says when it has blown up
-                if not self._rest.asleep:
-                    call.impulses[call.down] += semi_implicit.run(
-                        self.model, self._state, path, tick=motion.tick, substeps=motion.substeps
-                    )
+            touches = self.begin_tick(call)
+            for left in reversed(range(motion.substeps)) if not self._rest.asleep else ():
+                self.substep(call, touches, left)
             self.end_tick(call)
             if self._rest.rested:
                 self.fall_asleep(call)
@@ -139,10 +155,11 @@ class Twin:
         """Return how long it has been at rest, and whether it sleeps."""
         return self._rest
 
-    def wake(self, call: Call) -> None:
-        """Let the body move again within a tick."""
+    def wake(self, call: Call | None = None) -> None:
+        """Let the body move again, where there is a call within its tick."""
         self._rest = Rest()
-        self._enter_tick(call)
+        if call:
+            self._enter_tick(call)
 
     def fall_asleep(self, call: Call) -> None:
         """Let the body sleep, unless a fingertip or a pin would wake it."""
@@ -153,24 +170,28 @@ class Twin:
     def begin(self, motion: Motion) -> Call:
         """Begin a motion; its ticks follow one by one."""
         tips = motion.fingertips
-        for i, tip in enumerate((*tips, None, None, None)[:3]):
-            if tip is None or tip.fresh:
-                self._sides[i] = None
+        for i, to in enumerate((*tips, None, None, None)[:3]):
+            if to is None or to.fresh:
                 self._state.kept.pop(i, None)
+            fingertip.take(self._around(i), self._tips[i], to)
         if motion.pins is None and self._led and motion.ticks:
             self._rest_pins(self.model.pinned)
         down = [i for i, tip in enumerate(tips) if tip is not None]
-        here = {i: np.array(tips[i].start) for i in down}  # type: ignore[union-attr]
-        return Call(motion=motion, down=down, here=here, impulses=np.zeros((len(tips), 3)))
+        here = {i: self._tips[i].centre.copy() for i in down}
+        return Call(motion=motion, down=down, here=here, impulses=np.zeros((3, 3)))
 
-    def begin_tick(self, call: Call) -> FingerPath:
-        """Lead the pins of a tick and return where the fingertips go in it."""
+    def begin_tick(self, call: Call) -> list[Near]:
+        """Lead the pins of a tick and return what the fingertips may touch in it."""
         motion, tips = call.motion, call.motion.fingertips
         share = call.ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
         centres = np.empty((len(call.down), 2, 3))
         for row, i in enumerate(call.down):
+            to, tip = tips[i], self._tips[i]
+            assert to
+            if to.force > 0:
+                fingertip.push_on(self._surface, self._pose(), tip, to, motion.tick)
             centres[row, 0] = call.here[i]
-            centres[row, 1] = call.here[i] = _moved(call.here[i], tips[i], share)
+            centres[row, 1] = tip.centre = call.here[i] = _moved(call.here[i], to, share, tip.way)
         radii = np.array([tips[i].radius for i in call.down])  # type: ignore[union-attr]
         path = FingerPath(centres=centres, radii=radii, fingers=tuple(call.down))
         call.path = path
@@ -178,11 +199,91 @@ class Twin:
             self._rest = Rest()
         if not self._rest.asleep:
             self._enter_tick(call)
-        return path
+        return self.near(call)
+
+    def near(self, call: Call) -> list[Near]:
+        """Return what the fingertips may touch in the tick under way."""
+        return next(each_tick(self.model, self._state, call.path, call.motion.tick))
+
+    def substep(self, call: Call, touches: list[Near], left: int, turning: Turning | None = None) -> None:
+        """Advance the body by a substep after which so many come in the tick, fingertips included."""
+        try:
+            with np.errstate(all="ignore"):  # the frame says when it has blown up
+                self._advance(call, touches, left, turning)
+        except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
+            self._state.positions[:] = np.nan
+
+    def _advance(self, call: Call, touches: list[Near], left: int, turning: Turning | None) -> None:
+        model, state, dt = self.model, self._state, call.motion.tick / call.motion.substeps
+        before = state.positions.copy()
+        near = [h for h in touches if len(h.vertices) or len(h.triangles)]
+        limit = min((h.radius for h in near), default=np.inf) * SKIN_TRAVEL
+        if model.free:
+            self._fitted = self._pose()
+            self._press_free(call, touches, left + 1, dt)
+        if turning:
+            turning.measure(model.mass, before, state.velocities)
+        semi_implicit.advance(model, state, dt)
+        if turning:
+            by = dt * turning.acceleration(before)
+            state.velocities -= by
+            state.positions -= dt * by
+        if near:
+            slow_down(before, state.positions, limit)
+        now = [replace(h, slides=self._tips[i].slides) for i, h in zip(call.down, touches, strict=True)]
+        given = meet(model, state, moved_back(now, left * dt), Step(dt, limit))
+        if model.free and call.down:
+            self._react(given.sum(axis=0), dt)
+
+    def _press_free(self, call: Call, touches: list[Near], left: int, dt: float) -> None:
+        """Evaluate the contacts of a free body, as a substep begins after which the tick has so many less one."""
+        for i, near in zip(call.down, touches, strict=True):
+            fingertip.press(self._around(i), self._tips[i], near.centre - left * dt * near.velocity, dt)
+            fingertip.count_anew(self._tips[i], dt, others=self._is_beside_others(i))
+            call.impulses[i] += dt * self._tips[i].force
+
+    def _press_held(self, call: Call) -> None:
+        """Evaluate the contacts of a body that is held, or sleeps, at the end of a tick."""
+        (rotation, translation), rate, tick = self._pose(), self._state.pose_rate, call.motion.tick
+        if rate is not None and not self._rest.asleep:  # the body stands where its substeps began on average
+            share = tick - (tick - tick / call.motion.substeps) / 2
+            rotation, translation = rotation + share * rate[0], translation + share * rate[1]
+        for i in call.down:
+            fingertip.press(self._around(i, (rotation, translation)), self._tips[i], call.here[i])
+            fingertip.count_anew(self._tips[i], tick, others=self._is_beside_others(i))
+            call.impulses[i] += tick * self._tips[i].force
+
+    def _react(self, given: Floats, dt: float) -> None:
+        """Let the vertices take, as one, what is missing to the reaction on the fingertips.
+
+        Args:
+            given: impulse on the fingertips by the skin's contact, and its moment (2, 3) [N s], [N m s].
+        """
+        model, state, (rotation, translation) = self.model, self._state, self._fitted
+        push, turn = given.copy()
+        for tip in self._tips:
+            place = rotation @ (tip.foot - tip.radius * tip.outward) + translation
+            push -= dt * tip.force
+            turn -= dt * np.cross(place, tip.force)
+        now = Turning(model.mesh.size)
+        now.measure(model.matching.mass, state.positions, state.velocities)
+        now.moment = turn - np.cross(now.centre, push)
+        more = (push / model.matching.mass.sum())[:, None] + now.acceleration(state.positions)
+        state.velocities += np.where(model.inverse_mass > 0, more, 0.0)
+
+    def _around(self, finger: int, pose: Pose | None = None) -> Around:
+        own, kept = self._fine.mesh is self.model.mesh, self._state.kept.get(finger)
+        return Around(
+            surface=self._surface, pose=pose or self._pose(), skin=self._state.positions,
+            rest=None if own else self.model.mesh.rest_positions.T, pushes=kept is not None and bool(kept.any()),
+            others=self._comes_back > 0 or self._is_beside_others(finger),
+        )  # fmt: skip
+
+    def _is_beside_others(self, finger: int | None) -> bool:
+        return self.meets or any(tip.felt for k, tip in enumerate(self._tips) if k != finger)
 
     def _enter_tick(self, call: Call) -> None:
         motion, call.moved = call.motion, True
-        self._state.pushes = np.zeros((len(call.down), 3))
         if self._rest_rate is not None:
             left = motion.ticks - call.ticks - (1 - 1 / motion.substeps) / 2
             self.model = on_its_way(self.model, self._rest_rate, left * motion.tick)
@@ -193,25 +294,19 @@ class Twin:
     def end_tick(self, call: Call) -> None:
         """Count a tick, and see whether the body is still whole, or has come to rest."""
         call.ticks += 1
+        if not self.model.free or self._rest.asleep:
+            self._press_held(call)
+        back = self._comes_back - call.motion.tick
+        self._comes_back = fingertip.BACK_TIME if self._is_beside_others(None) else back
         if self._rest.asleep:
-            for i in self._rest.under:
-                call.impulses[i] += self._rest.held[i] * call.motion.tick
             return
         state, tick, path = self._state, call.motion.tick, call.path
-        self._rest.held = np.zeros_like(call.impulses)
-        self._rest.held[call.down] = state.pushes
         with np.errstate(all="ignore"):
             call.finite = self._is_finite(tick)
         if call.finite:
             size, led = self.model.mesh.size, call.motion.pins is not None or self._rest_rate is not None
             held = len(path.radii) > 0 and bool((path.centres[:, 0] == path.centres[:, 1]).all())
             self._rest.watch(state.positions, state.velocities, size, tick, led=led, sag=self.sag, held=held)
-
-    def _force(self, finger: int) -> Vector:
-        """Return the force on a fingertip in the last substep (3,) [N]."""
-        rest = self._rest
-        presses = finger < len(rest.held) and (not rest.asleep or finger in rest.under)
-        return _three(rest.held[finger] if presses else np.zeros(3))
 
     def end(self, call: Call) -> Frame:
         """End a motion and return what it came to."""
@@ -221,18 +316,25 @@ class Twin:
             self.model = self._fine = replace(self.model, matching=replace(self.model.matching, rate=None))
         if motion.pins and call.moved:
             self._arrive(motion.pins)
-        found: list[Touch | None] = [None] * len(tips)
-        for i in down if call.finite else ():
-            touch = self._touching(tips, i, call.here[i])
-            found[i] = Touch(
-                _three(call.impulses[i]), _three(call.here[i]), touch.depth, _three(touch.outward), self._law(touch),
-                touch.triangle, self._force(i),
-            )  # fmt: skip
-        pose = self._pose() if call.finite and down else (np.zeros((3, 3)), np.zeros(3))
+        for i in down if not motion.ticks else ():
+            fingertip.press(self._around(i), self._tips[i], call.here[i])
         return Frame(
-            touches=tuple(found), pose=(*pose[0].ravel().tolist(), *pose[1].tolist()),
+            touches=tuple(self._touch(i, call) if i in down else None for i in range(len(tips))),
             volume=self._volume(call.ticks) if call.finite else 0.0, pressure=state.pressure, ticks=call.ticks,
             finite=call.finite, moved=call.moved,
+        )  # fmt: skip
+
+    def _touch(self, i: int, call: Call) -> Touch:
+        """Return how a fingertip meets the body at the end of a call."""
+        tip, impulse, none = self._tips[i], _three(call.impulses[i]), (0.0, 0.0, 0.0)
+        if not call.finite:
+            return Touch(impulse, none, 0.0, none, none, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), -1)
+        k1, k2, x0, power, friction, *_ = self._surface.laws[self._surface.materials[tip.facet]].tolist()
+        plain = law_force(tip.depth, k1, k2, x0 * tip.deeper, power)
+        times = tip.law / plain if tip.law > 0 and plain > 0 else tip.stiffer
+        return Touch(
+            impulse, _three(tip.centre), tip.depth, _three(self._pose()[0] @ tip.outward), _three(tip.force), tip.slope,
+            friction, (times * k1, times * k2, x0 * tip.deeper, power), int(self._surface.order[tip.facet]),
         )  # fmt: skip
 
     def _is_woken(self, call: Call) -> bool:
@@ -261,18 +363,6 @@ class Twin:
         matching = self.model.matching
         weight = matching.k1 if matching.k1.any() else matching.mass
         return self._state.pose or fit_pose(matching.rest, self._state.positions, weight, matching.pull)
-
-    def _touching(self, tips: tuple[FingertipMotion | None, ...], i: int, centre: Floats) -> Touching:
-        """Return how a fingertip meets the surface at rest, and remember by which side it came in."""
-        radius = tips[i].radius  # type: ignore[union-attr]
-        touch = touching(self._surface, self._pose(), centre, radius, self._sides[i])
-        if touch.depth < radius:  # its centre is still outside
-            self._sides[i] = self._surface.normals[:, touch.triangle] if touch.depth > 0 else None
-        return touch
-
-    def _law(self, touch: Touching) -> float:
-        material = int(self._fine.mesh.triangle_material[touch.triangle])
-        return law_force(touch.depth, *self._fine.laws[material])
 
     def _lead_pins(self, motion: Motion, pins: PinMotion, share: float) -> None:
         """Give the pins of a tick the velocity that brings them to their place, and the shape at rest with them."""
@@ -315,11 +405,16 @@ class Twin:
         return bool(np.ptp(used, axis=1).max() < LARGEST_GROWTH * mesh.size)
 
 
-def _moved(here: Floats, tip: FingertipMotion | None, share: float) -> Floats:
-    """Return where a fingertip is a tick later, no farther than it may go without skipping a skin."""
-    assert tip is not None
+def _moved(here: Floats, tip: FingertipMotion, share: float, pushed: float) -> Floats:
+    """Return where a fingertip is a tick later, no farther than it may go without skipping a skin.
+
+    Args:
+        pushed: how far a force has pushed it [m].
+    """
     first = np.array(tip.first)
     way = first + share * (np.array(tip.last) - first) - here
+    if tip.force > 0:
+        way += pushed * np.array(tip.inward)
     most = FINGER_TRAVEL * tip.radius
     return here + way * min(1.0, most / max(math.hypot(*way), 1e-30))
 

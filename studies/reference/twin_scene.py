@@ -10,14 +10,12 @@ from core.base import Bools, Floats, Ints
 from core.solver.motion import Motion
 from core.solver.scene import LEAVES_OUT, OFFSET, Collider, ColliderMotion, Crossings, SceneFrame, Way
 
-from . import semi_implicit, touching
+from . import touching
 from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed
-from .contact import Step, Touch
 from .crossing import crossing_vertices, find_crossings
 from .islands import let_sleep, woken
 from .proximity import CLOSEST, Pairs, find_pairs, join_surfaces, touching_distance
 from .rolling import Turning, resist
-from .ticks import SKIN_TRAVEL, each_tick, meet, moved_back, slow_down
 from .twin import Call, Twin
 from .twin_props import Props, move
 
@@ -104,6 +102,8 @@ class TwinScene:
         self._gap, self._impulses = np.inf, np.zeros((len(self._part), 6))
         self._due |= self._props.take(ways, self._here, self._rates)
         calls = [body.begin(motion) for body, motion in zip(self._bodies, motions, strict=True)]
+        for body in self._bodies:
+            body.meets = True
         count, done = motions[0].ticks, 0
         while done < count and all(call.finite for call in calls):
             share = first + (done / (count - 1) * (last - first) if count > 1 else 0.0)
@@ -118,10 +118,8 @@ class TwinScene:
         )  # fmt: skip
 
     def _run_tick(self, calls: Sequence[Call], ways: Sequence[Way], share: float) -> None:
-        substeps, touches = calls[0].motion.substeps, []
-        for body, call in zip(self._bodies, calls, strict=True):
-            body.begin_tick(call)
-            touches.append(next(each_tick(body.model, body.state, call.path, self._tick)))
+        substeps = calls[0].motion.substeps
+        touches = [body.begin_tick(call) for body, call in zip(self._bodies, calls, strict=True)]
         self._aims = [
             way.start + share * (way.end - way.start) if isinstance(way, ColliderMotion) else None for way in ways
         ]
@@ -141,13 +139,13 @@ class TwinScene:
                     prop.asleep, prop.quiet = False, 0.0
                     continue
                 self._bodies[i].wake(calls[i])
-                touches[i] = next(each_tick(self._bodies[i].model, self._bodies[i].state, calls[i].path, self._tick))
+                touches[i] = self._bodies[i].near(calls[i])
             self._wakes = False
             self._props.begin(self._last, self._dt)
+            for body, call, near, turning in zip(self._bodies, calls, touches, self._turning, strict=False):
+                if not body.rest.asleep:
+                    body.substep(call, near, substeps - 1 - step, turning)
             with np.errstate(all="ignore"):  # the frame says when it has blown up
-                for body, call, near, turning in zip(self._bodies, calls, touches, self._turning, strict=False):
-                    if not body.rest.asleep:
-                        self._step_body(body, call, moved_back(near, (substeps - 1 - step) * self._dt), turning)
                 self._move_colliders(1 / (substeps - step))
                 self._move_props()
                 self._resolve()
@@ -183,27 +181,6 @@ class TwinScene:
         """Return the surfaces (m, 2) of all that may touch."""
         standing = np.array([support.surfaces for support in self._props.supports], np.int64).reshape(-1, 2)
         return np.concatenate([self._surfaces.of_vertex[self._meetings.at[:, [0, 3]]], standing])
-
-    def _step_body(self, body: Twin, call: Call, touches: Sequence[Touch], turning: Turning | None) -> None:
-        """Advance a body by a substep, fingertips included."""
-        model, state = body.model, body.state
-        near = [h for h in touches if len(h.vertices) or len(h.triangles)]
-        limit = min((h.radius for h in near), default=np.inf) * SKIN_TRAVEL
-        before = state.positions.copy()
-        try:
-            if turning:
-                turning.measure(model.mass, before, state.velocities)
-            semi_implicit.advance(model, state, self._dt)
-            if turning:
-                by = self._dt * turning.acceleration(before)
-                state.velocities -= by
-                state.positions -= self._dt * by
-        except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
-            state.positions[:] = np.nan
-            return
-        if near:
-            slow_down(before, state.positions, limit)
-        call.impulses[call.down] += meet(model, state, touches, Step(self._dt, limit))
 
     def _positions(self) -> Floats:
         parts = [body.state.positions.T for body in self._bodies] + [x.T for x in self._here]

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.blender.test_panels import draw
@@ -56,17 +57,16 @@ def entry(bpy: ModuleType) -> Any:
 
     material = PRESETS[1].material
     frame = SimpleNamespace(
-        finger_forces=[(0.0, 0.0, 7.4)], law_forces=[7.32], depths=[0.012], materials=(0,), pressure=812.0,
+        finger_forces=[(0.0, 0.0, 7.4)], pushes=[7.4], depths=[0.012], materials=(0,), pressure=812.0,
         time=1.25, volume=0.0044, rest_volume=0.0045, substeps=12, steps=33, cost=0.011, note="",
     )  # fmt: skip
-    trail = [(i * 1e-3, material.law(i * 1e-3) * 1.02) for i in range(13)]
-    law = (material.K1, material.K2, material.x0, material.power)
     return SimpleNamespace(
-        link=SimpleNamespace(slots=(0,)), frame=frame, trail=trail, refused="", recorder=None,
+        link=SimpleNamespace(slots=(0,)), frame=frame, refused="", recorder=None,
         fingers=(Finger((0.0, 0.0, 0.05), 0.01), None, None),
         session=SimpleNamespace(
-            clock=SimpleNamespace(tick=1e-3), contact_note="",
-            model=SimpleNamespace(materials=(material,), laws=[law], notes=("An open mesh.",))
+            clock=SimpleNamespace(tick=1e-3), contact_note="", fingers=(Finger((0.0, 0.0, 0.05), 0.02),),
+            law=lambda index, depths: [1.5 * material.law(depth) for depth in depths],
+            model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))
         ),
         to_world=lambda point: tuple(12 * c for c in point),
     )  # fmt: skip
@@ -85,7 +85,7 @@ def test_the_read_out_carries_every_number_with_its_unit(entry: Any) -> None:
     from bl_ext.user_default.dimple.addon import readout
 
     assert readout.rows(entry.frame, 1e-3) == [
-        ("Force 1", "7.40 N"), ("Depth 1", "12.00 mm"), ("Law 1", "7.32 N"), ("Pressure", "0.812 kPa"),
+        ("Force 1", "7.40 N"), ("Depth 1", "12.00 mm"), ("Pressure", "0.812 kPa"),
         ("Volume", "4400.0 cm³"), ("Change of Volume", "-2.22%"), ("Time", "1.250 s"), ("Rate", "3000 Hz"),
         ("Steps per Tick", "12"), ("Real Time", "100%"),
     ]  # fmt: skip
@@ -94,7 +94,7 @@ def test_the_read_out_carries_every_number_with_its_unit(entry: Any) -> None:
 def test_the_viewport_is_covered_by_what_presses_alone(entry: Any) -> None:
     from bl_ext.user_default.dimple.addon import readout
 
-    labels = ["Force 1", "Depth 1", "Law 1", "Pressure", "Change of Volume"]
+    labels = ["Force 1", "Depth 1", "Pressure", "Change of Volume"]
     assert [label for label, _ in readout.short_rows(entry.frame, 1e-3)] == labels
     slow = SimpleNamespace(**{**vars(entry.frame), "steps": 3})
     assert readout.short_rows(slow, 1e-3)[-1] == ("Real Time", "27%")
@@ -252,7 +252,36 @@ def test_the_chart_shows_the_law_and_the_measurement_of_the_material_that_is_pre
         entry.session.step(0.002)
         curves = overlay.force_chart.pressed_curves(halves, entry)
         assert curves.law[0] == K1 and curves.measured == [(0.001, force)]
-        assert entry.frame.law_forces[1] == pytest.approx(K1 * entry.frame.depths[1])
+        depth, push = curves.fingertip
+        assert push == pytest.approx(K1 * depth) and depth > 0.001 and not curves.here, "it is on the law"
+
+
+def test_the_chart_draws_what_acts_here_and_calls_another_tips_curve_a_prediction(
+    bpy: ModuleType, overlay: ModuleType, halves: Any
+) -> None:
+    from bl_ext.user_default.dimple.core.session import Finger
+    from bl_ext.user_default.dimple.operators import sessions, tuning
+
+    (entry,) = sessions.sessions.values()
+    halves.vertex_groups.new(name="Hard").add(range(8), 0.0, "REPLACE")
+    for radius, painted, name, times in ((0.010, False, "", 1), (0.020, False, "Predicted for 20 mm", None),
+                                         (0.010, True, "As Painted", 4)):  # fmt: skip
+        halves.dimple.softness_group = "Hard" if painted else ""
+        tuning.follow(bpy.context, halves, entry)
+        entry.session.set_fingers([])
+        entry.session.step(1.0)  # for the dent of the one before to come back
+        entry.session.set_fingers([Finger((0.0, 0.0, 0.0825 + radius - 0.002), radius)])
+        entry.session.step(0.002)
+        curves = overlay.force_chart.pressed_curves(halves, entry)
+        assert curves.name == name and bool(curves.here) == bool(name)
+        depth, push = curves.fingertip
+        if name:
+            predicted = np.interp(depth, *zip(*curves.here, strict=True))
+            assert push == pytest.approx(predicted, rel=0.01), "the fingertip is on it"
+        if times:
+            assert push == pytest.approx(times * 2000 * depth, rel=1e-3)
+        else:
+            assert push > 1.02 * 2000 * depth, "it is the wider"
 
 
 def test_the_key_over_a_chart_names_what_is_in_it_and_nothing_else(
@@ -270,8 +299,8 @@ def test_the_key_over_a_chart_names_what_is_in_it_and_nothing_else(
     chart = overlay.force_chart
     curves = chart.pressed_curves(SimpleNamespace(material_slots=()), entry)
     end = chart.draw_curves(curves, (0.0, 0.0), SCREEN)
-    assert end > chart.SIZE[1] and written["Law"] == chart.LAW and written["Pressed"] == overlay.FORCE
-    assert "Measured" not in written
+    assert end > chart.SIZE[1] and written["Law"] == chart.LAW and written["Fingertip"] == overlay.FINGERTIP
+    assert written["Predicted for 20 mm"] == chart.HERE and "Measured" not in written
 
 
 def test_a_body_that_is_renamed_while_pressed_is_called_by_its_new_name(
@@ -368,7 +397,6 @@ def on_screen(
 ) -> Any:
     """Draw into a picture (height, width, 4) of bytes: in the scene, then on top of it in pixels."""
     import gpu
-    import numpy as np
     from mathutils import Matrix
 
     target = gpu.types.GPUOffScreen(*SIZE)

@@ -230,4 +230,5 @@ def test_sentences_are_broken_where_a_sidebar_ends(bpy: ModuleType) -> None:
     assert wrapped("The body is held by its rim", 12) == ["The body is", "held by its", "rim"]
     assert wrapped("A residual of 63 N at 20 mm", 16) == ["A residual of", "63 N at 20 mm"]
     assert wrapped("押したいメッシュ", 8) == ["押したい", "メッシュ"]
+    assert wrapped("左で押します。Enter で残す", 12) == ["左で押しま", "す。Enter で", "残す"]
     assert wrapped("", 8) == [""]

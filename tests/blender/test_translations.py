@@ -64,14 +64,22 @@ def properties(bpy: ModuleType, cls: type) -> Any:
     return getattr(getattr(bpy.ops, module), name).get_rna_type().properties
 
 
+def context_of(operator: type) -> str:
+    """Return the context in which Blender looks up an operator's label, and the text= of its buttons."""
+    import bpy
+
+    module, _, name = operator.bl_idname.partition(".")
+    return getattr(getattr(bpy.ops, module), name).get_rna_type().translation_context
+
+
 def texts(bpy: ModuleType) -> Iterator[tuple[str, str]]:
     """Yield context and text of every label and description that Blender knows from our classes."""
     for cls in classes(bpy):
         if issubclass(cls, bpy.types.Operator):
-            yield "Operator", cls.bl_label
+            yield context_of(cls), cls.bl_label
             yield "*", getattr(cls, "bl_description", None) or cls.__doc__ or ""
         elif hasattr(cls, "bl_label"):
-            yield "*", cls.bl_label
+            yield cls.bl_translation_context, cls.bl_label
         own = {name for parent in cls.__mro__ for name in parent.__dict__.get("__annotations__", {})}
         for each in properties(bpy, cls):
             if each.identifier in own - BLENDERS_OWN:
@@ -162,6 +170,27 @@ def test_every_label_and_description_is_there_in_japanese(bpy: ModuleType, japan
     assert sorted(wanted - japanese.keys()) == []
 
 
+def test_words_of_ours_are_looked_up_where_blender_has_none_of_its_own(bpy: ModuleType) -> None:
+    """Its "Reset" is no rest shape, its "Measure" a ruler; a button's text= is looked up as its operator is."""
+    from bl_ext.user_default.dimple.addon.translations import CONTEXT
+
+    for cls in classes(bpy):
+        own = {name for parent in cls.__mro__ for name in parent.__dict__.get("__annotations__", {})} - BLENDERS_OWN
+        used = {each.translation_context for each in properties(bpy, cls) if each.identifier in own}
+        assert used <= ({CONTEXT, "*"} if cls.__name__ == "DIMPLE_OT_export_animation" else {CONTEXT}), cls
+        if issubclass(cls, bpy.types.Operator):
+            assert context_of(cls) == CONTEXT, cls
+        elif issubclass(cls, bpy.types.Panel):
+            assert cls.bl_rna.translation_context == CONTEXT, cls
+
+
+def test_nothing_is_translated_twice() -> None:
+    from bl_ext.user_default.dimple.addon.translations import SUBJECTS
+
+    words = [english for subject in SUBJECTS for english in subject.WORDS]
+    assert sorted({each for each in words if words.count(each) > 1}) == []
+
+
 def test_every_word_that_the_panels_write_is_there_in_japanese(bpy: ModuleType, japanese: dict) -> None:
     wanted = {text for text in [*drawn_texts(), *measured(bpy)] if text}
     assert {"Measured Objects", "Pause", "Force {}", "Baking: Esc cancels", "Select a mesh first"} <= wanted
@@ -202,6 +231,11 @@ def test_a_message_with_numbers_is_recognised_and_filled_in_japanese(bpy: Module
         (
             '"Cube" is soft: "Vinyl cube, air, 165 mm", 165 mm across. Press it with the left mouse button.',
             '"Cube" を柔らかくしました: "Vinyl cube, air, 165 mm"、大きさ 165 mm。左マウスボタンで押せます。',
+        ),
+        (
+            "The fill must be one of air, liquid, solid, none (it is jelly). Change it in Material > Dimple.",
+            "中身は 空気、液体、固体、なし のいずれかにしてください（現在 jelly）。マテリアル > Dimple で変更して"
+            "ください。",
         ),
         (
             "The mass must be greater than 0 kg (it is -1). Change it in Material > Dimple.",
@@ -265,3 +299,14 @@ def test_a_translation_keeps_numbers_units_and_places(japanese: dict) -> None:
         assert text == text.strip() and text
         words = set(re.findall(r"[A-Za-z]{2,}", english)) - {"mm", "Dimple"}  # the rest is numbers, places and units
         assert not words or any(ord(character) > 0x2E7F for character in text), english
+
+
+def test_no_line_of_japanese_begins_with_what_closes_or_ends_with_what_opens(bpy: ModuleType, japanese: dict) -> None:
+    from bl_ext.user_default.dimple.operators.messages import wrapped
+
+    for text in japanese.values():
+        for width in (30, 44, 60):
+            lines = wrapped(text, width)
+            assert "".join("".join(lines).split()) == "".join(text.split())
+            assert not any(line[0] in "、。）」』！？ーっゃゅょッャュョ" for line in lines[1:]), lines
+            assert not any(line[-1] in "「『（" for line in lines[:-1]), lines

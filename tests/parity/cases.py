@@ -139,13 +139,13 @@ def build(case: Case) -> tuple[Model, Floats, Motion]:
 
 
 def _fingertips(mesh: Mesh, case: Case) -> tuple[FingertipMotion, ...]:
-    """Return fingertips that start at the skin and go 0.2 mm a tick inward, from above and from two sides."""
+    """Return fingertips that go inward by 0.2 mm a tick from 0.01 mm above the skin, from above and from two sides."""
     radius, tips = 0.1 * SIZE, []
     used = mesh.rest_positions[~mesh.loose]
     for outward in np.array([[0.1, 0, 1.0], [0.9, 0.3, 0.3], [-0.9, 0.3, 0.3]])[: case.fingers]:
         outward = outward / np.linalg.norm(outward)
         at = used[(used @ outward).argmax()]
-        start, end = (at + (radius - depth) * outward for depth in (0.0, 2e-4 * case.ticks))
+        start, end = (at + (radius - depth) * outward for depth in (-1e-5, 2e-4 * case.ticks - 1e-5))
         tips.append(FingertipMotion.straight(start.tolist(), end.tolist(), ticks=case.ticks, radius=radius, fresh=True))
     return tuple(tips)
 

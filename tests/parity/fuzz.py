@@ -122,6 +122,13 @@ class Fuzzer:
         return made
 
 
+def check(frame: CFrame) -> None:
+    """Fail where a number that is none has come into a force."""
+    for touch in frame.touches:
+        numbers = [*touch.force, *touch.impulse, touch.slope]
+        assert np.isfinite(numbers).all(), numbers
+
+
 class Scenes:
     """Scenes of living bodies: each of its bodies lives until it is freed, and is in no other one."""
 
@@ -181,7 +188,10 @@ class Scenes:
                 self.fuzzer.fill(prop, 1)
                 way.prop = ctypes.addressof(prop)
         frames, first, last = (CFrame * len(bodies))(), *rng.uniform(0, 1, 2).tolist()
-        return int(library.dm_scene_step(handle, motions, ways, first, last, frames, address(CSceneFrame())))
+        code = int(library.dm_scene_step(handle, motions, ways, first, last, frames, address(CSceneFrame())))
+        for frame in frames:
+            check(frame)
+        return code
 
 
 def main(seed: int) -> None:
@@ -226,7 +236,8 @@ def main(seed: int) -> None:
             code = library.dm_follow_cells(surface, cells, width, around, *lists)
             code = max(code, library.dm_grow_cells(surface, cells, joined))
         elif name == "step":
-            code = library.dm_step(body, address(fuzzer.motion()), address(CFrame()))
+            code = library.dm_step(body, address(fuzzer.motion()), address(frame := CFrame()))
+            check(frame)
         else:
             x, v = (fuzzer.array(a, 8) for a in ("positions", "velocities"))
             code = getattr(library, f"dm_{name}")(body, x, v)

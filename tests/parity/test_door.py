@@ -24,6 +24,7 @@ from core.native.carry import CBinding, CKept
 from core.native.cells import CCells
 from core.native.definition import Arrays, BodyDef, Constants, define
 from core.native.scene import CColliderMotion, ColliderDef, CProp
+from core.other_tip import COUNT as FACTORS
 from core.reduction import binding
 from core.session import MAX_FINGERS, Session
 from core.solver import motion, scene
@@ -32,9 +33,9 @@ from studies.reference import (
     bounds,
     carry,
     contact,
-    depth,
     facets,
     falling,
+    fingertip,
     proximity,
     rest,
     rolling,
@@ -96,7 +97,7 @@ def test_python_and_c_lay_a_structure_out_alike(name: str) -> None:
 # where C's constants have their twins, and those that are called otherwise there
 TWINS = (
     base, contact, facets, proximity, touching, bounds, motion, rolling, falling, scene, twin_scene,
-    twin_props, binding, depth, rest, ticks, twin,
+    twin_props, binding, fingertip, rest, ticks, twin,
 )  # fmt: skip
 RENAMED = {
     "ABI": native.ABI, "PINNED_GIVE": contact.PINNED_GIVE, "SWEEPS": bounds.SWEEPS,
@@ -106,20 +107,20 @@ RENAMED = {
 # what only C has: how much it takes, how it searches and lays things out, and what numpy writes into a formula
 OF_C = set(
     """BIN_POINTS BLOCK DEEPEST DIGIT DIGITS FACET_BLOCK K_X K_XQ LANES LEAF LIST_MARGIN MAX_BODIES
-    MAX_COUNT MAX_NEIGHBOURS MAX_SURFACES MAX_VERTICES MAX_WORKERS MOMENTS MOST_BINS M_V M_X M_XV M_XX NEARBY
-    NEARBY_SHARE PINS_AHEAD PIN_BEHIND RUN WAITING WIDE WINDOW X86""".split()
+    MAX_COUNT MAX_NEIGHBOURS MAX_SURFACES MAX_VERTICES MAX_WORKERS MOMENTS MOST_BINS M_V M_X M_XV M_XX PINS_AHEAD
+    PIN_BEHIND RUN WAITING WIDE WINDOW X86""".split()
 )
 
 
 def test_the_constants_of_c_are_those_of_python() -> None:
     code = "\n".join(path.read_text() for path in sorted(SOURCES.glob("*.[ch]")))
     code = re.sub(r"/\*.*?\*/", "", code, flags=re.DOTALL)
-    found = re.findall(r"(?:#define|enum \{|,|double) DM_(\w+)(?: = | +)\(?([-\d.]+(?:e-?\d+)?)", code)
+    found = re.findall(r"(?:#define|enum \{|,|double) DM_(\w+)(?: = | +)\(?([-\d.]+(?:e-?\d+)?)(?: / ([\d.]+))?", code)
     known = {name: value for module in TWINS for name, value in vars(module).items()} | RENAMED
-    assert {name: known.get(name) for name, _ in found if name not in OF_C} == {
-        name: float(value) for name, value in found if name not in OF_C
+    assert {name: known.get(name) for name, *_ in found if name not in OF_C} == {
+        name: float(value) / float(over or 1) for name, value, over in found if name not in OF_C
     }
-    assert {name for name, _ in found} >= OF_C
+    assert {name for name, *_ in found} >= OF_C
 
 
 def code_of(call: Callable[[], Any]) -> int:
@@ -185,7 +186,7 @@ def test_constants_that_are_none_are_refused(body: native.Body, wrong: float) ->
     assert code_of(lambda: body.set_constants(changed)) == NUMBER
     for power in (wrong, 0.5):  # a law begins with the power 1 at the least
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(Model, "laws", [(*law[:3], power) for law in body.model.laws])
+            patch.setattr(Model, "laws", [(*law[:3], power, *law[4:]) for law in body.model.laws])
             assert code_of(lambda: body.set_constants(body.model)) == NUMBER
 
 
@@ -198,8 +199,11 @@ def test_a_state_and_a_motion_with_numbers_that_are_none_are_refused(body: nativ
     assert code_of(lambda: body.set_state(x, broken)) == NUMBER
     assert code_of(lambda: body.step(Motion(1, 1, bad))) == NUMBER
     tip = FingertipMotion.straight((0.0, 0.0, 1.0), (0.0, 0.0, 0.9), ticks=1, radius=0.1)
-    wrong = tip._replace(start=(0.0, bad, 0.0)), tip._replace(last=(bad, 0.0, 0.0)), tip._replace(radius=bad)
-    for broken_tip in wrong:
+    for broken_tip in (
+        tip._replace(start=(0.0, bad, 0.0)), tip._replace(last=(bad, 0.0, 0.0)), tip._replace(radius=bad),
+        tip._replace(radius=1e-310), tip._replace(force=bad), tip._replace(inward=(bad, 0.0, 0.0)),
+        tip._replace(factors=(np.full((1, FACTORS), bad), 1.0)), tip._replace(factors=(np.ones((1, FACTORS)), bad)),
+    ):  # fmt: skip
         assert code_of(lambda: body.step(Motion(1, 1, TICK, (broken_tip,)))) == NUMBER  # noqa: B023
     assert body.step(Motion(1, 1, TICK)).finite, "what was refused has done nothing"
 
@@ -220,6 +224,13 @@ def test_steps_beyond_all_measure_are_refused(body: native.Body) -> None:
         assert code_of(lambda: body.step(Motion(count, substeps, 1e-3))) == SIZE  # noqa: B023
 
 
+def test_the_law_is_asked_for_at_depths_and_fingertips_that_are(body: native.Body) -> None:
+    depths = np.array([0.0, 0.001])
+    assert (body.law(0, depths) == 0).all(), "none is down"
+    assert code_of(lambda: body.law(3, depths)) == INDEX
+    assert code_of(lambda: body.law(0, np.array([np.nan]))) == NUMBER
+
+
 def test_an_unknown_precision_or_fill_is_refused() -> None:
     assert created(lambda definition: None, bits=16) == OPTION
     assert created(lambda definition: None, instruction_set=9) == OPTION
@@ -231,6 +242,7 @@ def test_a_null_body_is_refused_by_every_call() -> None:
     assert library.dm_step(None, ctypes.byref(CMotion()), ctypes.byref(CFrame())) == SIZE
     assert library.dm_set_state(None, x.ctypes.data, None) == SIZE
     assert library.dm_get_state(None, x.ctypes.data, None) == SIZE
+    assert library.dm_get_law(None, 0, None, 0.0, 1, x.ctypes.data, x.ctypes.data) == SIZE
     assert library.dm_set_constants(None, ctypes.byref(Constants())) == SIZE
     library.dm_destroy(None)
 

@@ -27,15 +27,15 @@ from studies.reference import create
 from tests.parity.cases import CASES, build
 
 GOLDEN = {
-    ("liquid", 32, "SSE2"): "26c9574a2347afc168cf63c6ad1cb2e0f90d056b80bd9fbcd5820098d49772b4",
-    ("liquid", 32, "AVX2"): "58203590192eda21d3a79be0bdd0276285ec4f0a750ccb585ab21a79807537d7",
-    ("liquid", 64, ""): "8a1c66ea904013faa4fd3208545cfc4a437128ab62a083a575fc04ba92c92ccf",
-    ("free on the ground", 32, "SSE2"): "added647bd77ff86b9a36026b5204eef023adff06cef5d98e5bdc155f1e70e1f",
-    ("free on the ground", 32, "AVX2"): "997b5be59d31a16da61b046542d06305e2827826803f19268ee007c377b459cb",
-    ("free on the ground", 64, ""): "92a121c337d90968309bc7e97b55dfd2bfa831c71aadd1ea9c71275f032f912c",
+    ("liquid", 32, "SSE2"): "b78c3b87a4e7a7988d361e68ef0eb0c061c02c8a971c17639f67f42d45e3a3e3",
+    ("liquid", 32, "AVX2"): "788ea3ddfd9b0bc252836bb182a834687a3b14a261d58ffceb69372fcae818b3",
+    ("liquid", 64, ""): "c6af458bdab071f979532f609001884fe10101373c050171bf05ded62e215a4b",
+    ("free on the ground", 32, "SSE2"): "77ca6f06a843ac4db3dae486702ff9ad0a4780a00372defe81df65d4e9cfc6ee",
+    ("free on the ground", 32, "AVX2"): "734c1f3a983659d2177b4300f9098fecc042ea7882f48ead33cb65d6d26bdc91",
+    ("free on the ground", 64, ""): "5bb349c390a237d3d55fb628125067f4ffe8f455a0da5624a82074da4f04be00",
 }
 NUMPY = {
-    "liquid": "40d72b266debb544149aeb152ac7ffa9c3cc7bfa007033f771c802e1e5a34f85",
+    "liquid": "0f3a7d3df11d6fc67708aab536301f614c72050019deb413f995663b958c0329",
 }
 
 

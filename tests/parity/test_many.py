@@ -76,6 +76,6 @@ def test_where_one_motion_is_refused_none_is_run() -> None:
     with pytest.raises(NativeError):
         step_many([*made[:-1], made[0]], motions, workers=2)  # one twice
     with pytest.raises(NativeError):
-        step_many(made, motions, workers=0)
+        step_many(made, motions, workers=-1)
     assert all(np.array_equal(body.positions(), x) for body, x in zip(made, before, strict=True))
     assert step_many([], [], workers=2) == []

@@ -59,6 +59,8 @@ def test_a_body_whose_shape_at_rest_moves_goes_where_that_of_numpy_goes(name: st
         assert frame.pressure == pytest.approx(other.pressure, rel=1e-2, abs=1 if backend == "native" else 1e-3)
         for touch, same in zip(frame.touches, other.touches, strict=True):
             assert touch and same and touch.depth == pytest.approx(same.depth, abs=10 * AGREE[backend] * SIZE)
+            most = 10 * AGREE[backend] * SIZE * SOFT.K2 + 1e-3 * AGREE[backend]
+            assert touch.force == pytest.approx(same.force, rel=100 * AGREE[backend], abs=most)
 
 
 @cache
@@ -74,30 +76,6 @@ def moved(name: str, backend: str) -> tuple[Floats, float, list[Any]]:
     body.set_rest(rest)
     frames.append(body.step(motion._replace(pins=None)))
     return body.positions(), body.rest_volume, frames
-
-
-@pytest.mark.parametrize("name", MODELS)
-@pytest.mark.parametrize("backend", ["native", "native64"])
-def test_a_load_pushes_the_same_in_both_and_ends(backend: str, name: str) -> None:
-    model, found, twin = MODELS[name], loaded(name, backend), loaded(name, "numpy")
-    assert np.abs(found[0] - model.matching.rest).max() > 1e-5 * SIZE
-    assert np.abs(np.subtract(found, twin)).max() < AGREE[backend] * model.mesh.size
-    with pytest.raises(NativeError):
-        native.Body(model, native.library()).set_load(np.full_like(found[0], np.nan))
-
-
-@cache
-def loaded(name: str, backend: str) -> list[Floats]:
-    """Push a body and let go; return where it was after each."""
-    model = MODELS[name]
-    load = 0.1 * np.random.default_rng(5).normal(size=model.matching.rest.shape)
-    body, motion = create(model, backend=backend), motion_of(model, 6)._replace(fingertips=())
-    seen = []
-    for pushed in (load, None):
-        body.set_load(pushed)
-        body.step(motion)
-        seen.append(body.positions())
-    return seen
 
 
 @pytest.mark.parametrize("backend", ["native", "numpy"])

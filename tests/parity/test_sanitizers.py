@@ -42,7 +42,7 @@ def test_address_and_undefined_behaviour_sanitizers_find_nothing(tmp_path: Path)
         pytest.skip("gcc has no sanitizers here")
     done = subprocess.run(
         [
-            sys.executable, "-m", "pytest", "-q", "-x", "-k", "not numpy]",
+            sys.executable, "-m", "pytest", "-q", "-s", "-x", "-k", "not numpy]",
             "-o", f"cache_dir={tmp_path / 'cache'}", Path(__file__).parent,
         ],
         env={

@@ -55,11 +55,13 @@ def test_the_impulse_on_the_fingertip_is_minus_that_on_the_skin(seed: int, radiu
     touch = Touch(
         centre=centre, velocity=towards, radius=radius, vertices=vertices, triangles=mesh.triangles[faces], radii=radii
     )  # fmt: skip
-    before = v.copy()
-    impulse = resolve(x, v, touch, 1 / mass, hard(42, friction), Step(1e-4))
+    before, place = v.copy(), x - 1e-4 * v
+    impulse, moment = resolve(x, v, touch, 1 / mass, hard(42, friction), Step(1e-4))
     gained = (mass * (v - before)).sum(axis=1)
     assert np.linalg.norm(gained) > 0
     np.testing.assert_allclose(impulse, -gained, atol=1e-13 * np.abs(mass * (v - before)).sum())
+    spun = np.cross(place, mass * (v - before), axis=0).sum(axis=1)
+    np.testing.assert_allclose(moment, -spun, atol=1e-13 * np.abs(mass * (v - before)).sum())
 
 
 @pytest.mark.parametrize("where", [(1, 1, 1), (0, 1, 1), (0, 0, 1)], ids=["face", "edge", "vertex"])
@@ -78,29 +80,11 @@ def test_a_fingertip_with_its_centre_on_the_skin_pushes_it_inward_as_one_just_ou
             centre=centre, velocity=-outward, radius=0.1, vertices=vertices, triangles=mesh.triangles[faces],
             radii=radii,
         )  # fmt: skip
-        pushed.append((resolve(x, v, touch, np.ones(42), hard(42, 0.0), Step(1e-4)), x - mesh.rest_positions.T))
+        pushed.append((resolve(x, v, touch, np.ones(42), hard(42, 0.0), Step(1e-4))[0], x - mesh.rest_positions.T))
     for impulse, moved in pushed[:2]:
         assert impulse @ outward > 0 and (weights @ moved.T[mesh.triangles[7]]) @ outward < -0.08
         np.testing.assert_allclose(impulse, pushed[2][0], rtol=0, atol=0.15 * np.linalg.norm(pushed[2][0]))
         np.testing.assert_allclose(moved, pushed[2][1], rtol=0, atol=0.015)  # faces share a vertex otherwise
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_a_free_body_takes_the_momentum_that_the_fingertips_give(backend: str) -> None:
-    model = build_model(mesh_from_triangles(*ball(1, 0.08)), [replace(SOFT, friction=0.8)])
-    session = Session(model, backend=backend)
-    start = [np.array([0.0, 0.01, 0.1]), np.array([-0.1, 0.0, 0.02])]
-    session.set_fingers([Finger(tuple(p), 0.02) for p in start])
-    given = np.zeros(3)
-    for i in range(1, 31):
-        way = 0.002 * i
-        session.set_fingers(
-            [Finger(tuple(p), 0.02) for p in (start[0] + [way / 2, 0, -way], start[1] + [way, way / 3, 0])]
-        )
-        given -= session.step(0.002).finger_forces.sum(axis=0) * 0.002
-    momentum = (model.mass * session.body.velocities()).sum(axis=1)
-    assert np.linalg.norm(momentum) > 0.05
-    np.testing.assert_allclose(momentum, given, atol=(1e-12 if backend != "native" else 1e-4) * np.linalg.norm(given))
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda p: p.name)
@@ -153,7 +137,7 @@ def test_the_bulge_is_how_far_the_middle_of_a_facet_with_its_corners_on_a_sphere
 def test_a_fingertip_in_the_middle_of_a_facet_meets_its_corners_first(backend: str) -> None:
     """Of a flat facet with edges of some 11 mm, a fingertip of 20 mm: 1 mm deep it still touches nothing."""
     mesh = mesh_from_triangles(*ball(3, 0.08))
-    model = build_model(mesh, [replace(SOFT, fill="none")])
+    model = build_model(mesh, [replace(SOFT, fill="none")], pinned=base_vertices(mesh))
     corners, radius = mesh.rest_positions[mesh.triangles[7]], 0.02
     middle = corners.mean(axis=0)
     distance = float(np.linalg.norm(middle))

@@ -31,7 +31,7 @@ def test_friction_holds_inside_the_cone_and_slides_outside_it(slide: float, held
         radii=np.full(1, 0.1),
     )
     weights = nearest_on_triangles((x - 1e-4 * v)[:, touch.triangles], touch.centre)[0]  # where it was met
-    impulse = resolve(x, v, touch, np.ones(3), hard(3, 0.5), Step(1e-4))
+    impulse, _ = resolve(x, v, touch, np.ones(3), hard(3, 0.5), Step(1e-4))
     after = v @ weights
     assert after[2] == pytest.approx(0, abs=1e-12)
     assert after[0] == pytest.approx(0 if held else slide - 0.5)
@@ -109,7 +109,7 @@ def test_it_does_not_creep_in_ten_seconds_either_when_it_is_kept_awake(angle: fl
     session = Session(on_a_slope(angle, cells))
     settled = after(session, 2.0)
     for _ in range(100):
-        session.body.set_load(None)
+        session.wake()
         session.step(0.1)
         assert np.abs(session.body.velocities()).max() > 0, "it sleeps"
     assert np.abs(session.positions().mean(axis=0) - settled.mean(axis=0)).max() < 1e-5
@@ -168,20 +168,9 @@ def dragged(radius: float, depth: float, speed: float, way: float, lead: float) 
 
 @pytest.mark.parametrize("speed", [1e-4, pytest.param(1e-3, marks=SLOW), 1e-2, pytest.param(0.1, marks=SLOW), 1.0])
 def test_a_sliding_fingertip_meets_coulombs_friction_at_any_speed(speed: float) -> None:
-    """A flat face, a nearly flat press: from a tenth of a millimetre to a metre a second, within 2 percent.
-
-    A dent that moves is steeper before the fingertip than behind it, which adds to the drag: at 1 m/s 2.1 percent with
-    a fingertip of half this radius, in short steps as in long ones.
-    """
-    share, push = dragged(0.4, 0.001, speed, 0.001 if speed < 1e-3 else 0.005 if speed < 1e-2 else 0.03, 0.01)
-    assert push > 0.5 and share == pytest.approx(FRICTION, rel=0.02)
-
-
-@pytest.mark.parametrize("speed", [0.001, 0.01, 0.1])
-def test_a_fingertip_that_sinks_in_ploughs_a_little(speed: float) -> None:
-    """What heaps up before it adds to the drag, as the side of a dent is steeper there."""
-    share, push = dragged(0.04, 0.002, speed, min(0.05, 20 * speed), 0.0)
-    assert push > 0.2 and FRICTION < share < 1.05 * FRICTION
+    """A flat face: from a tenth of a millimetre to a metre a second."""
+    share, push = dragged(0.04, 0.002, speed, 0.001 if speed < 1e-3 else 0.005 if speed < 1e-2 else 0.03, 0.01)
+    assert push > 0.5 and share == pytest.approx(FRICTION, rel=1e-3)
 
 
 def grasped(friction: float, squeeze: float, *, cells: int = 4 if len(BACKENDS) > 1 else 2) -> tuple[Session, float]:
@@ -218,7 +207,7 @@ def test_three_fingers_lift_a_free_cube_against_gravity() -> None:
 def test_a_grip_holds_as_well_on_a_finer_mesh(cells: int) -> None:
     """866, 3,458 and 9,602 vertices: lifted as high, and in a second it slips by about a tenth of a millimetre."""
     session, height = grasped(0.5, 0.005, cells=cells)
-    assert height == pytest.approx(0.095, abs=0.002)
+    assert height == pytest.approx(0.1, abs=0.002)
     session.step(1.0)
     assert height - height_of(session) < 1.2e-4
     across, along = session.frame.finger_forces[:, 1:], session.frame.finger_forces[:, 0]

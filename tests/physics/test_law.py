@@ -290,7 +290,7 @@ def test_three_fingertips_lift_a_cube_and_hold_it_as_long_as_friction_carries_it
 def test_over_an_edge_and_round_an_ear_the_force_does_not_jump(body: str, manner: str) -> None:
     """Dragged at 100 mm/s it changes by no more than a tenth from tick to tick, and is the law's all along.
 
-    In the crease below the ear, narrower than the fingertip, one tick in twenty may: it meets walls one after the other.
+    In the crease below the ear, narrower than the fingertip, one tick in twenty may: it meets wall after wall.
     """
     mesh = cube(4, SIZE) if body == "cube" else eared()
     session, surface = standing(mesh), Surface(mesh)

@@ -93,17 +93,6 @@ def test_it_sleeps_on_while_what_holds_it_is_led_nowhere(backend: str) -> None:
 
 
 @pytest.mark.parametrize("backend", EVERY)
-def test_a_fingertip_that_rests_is_pressed_as_before(backend: str) -> None:
-    session = Session(model(), backend=backend)
-    for place in ((0.0, 0.0, TOP + 0.02), (0.0, 0.0, TOP + 0.0198)):
-        session.set_fingers([Finger(place, 0.02)])
-        session.step(1.0)
-    before = session.step(0.5).finger_forces[0, 2]
-    session.step(1.0)
-    assert session.frame.finger_forces[0, 2] == pytest.approx(before, rel=1e-3) and before > 0.01
-
-
-@pytest.mark.parametrize("backend", EVERY)
 def test_what_falls_or_drifts_does_not_sleep(backend: str) -> None:
     mesh = scenes.ball(0)
     for gravity, speed in ((-1e-3, 0.0), (0.0, 1e-4)):  # [m/s2], [m/s]: slower than REST_SPEED for all of the time

@@ -1,6 +1,5 @@
 """A solid: its skin gives way under a fingertip, shows on it, and comes back; beside it nothing changes."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +12,7 @@ from core.mesh.surface import base_vertices
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
 from studies.primitives import icosphere, sized
-from studies.scenes import cube, reassembled
+from studies.scenes import cube
 from tests.bodies import after
 
 BACKENDS = ["native64", "native"]
@@ -45,15 +44,12 @@ def inside(points: Floats, tip: Finger) -> float:
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_the_skin_gives_way_and_shows_on_the_fingertip(backend: str) -> None:
     session = Session(ball(SOLID, 4), backend=backend)
-    tip, force = pressed(session)
+    tip, _ = pressed(session)
     body, shown = session.body.positions().T, session.positions().astype(float)
     assert 0.1 * TIP < inside(body, tip) < 0.5 * TIP
     assert abs(inside(shown, tip)) < 1e-6
     moved = np.linalg.norm(shown - body, axis=1) > 1e-7
     assert np.array_equal(moved, np.linalg.norm(body - np.array(tip.position), axis=1) < TIP - 1e-7)
-    soft = ball(SOLID, 4)
-    hard = Session(reassembled(soft, compliance=0 * soft.compliance))
-    assert 0 < force < pressed(hard)[1]
 
 
 def test_no_other_fill_has_a_skin_that_gives_way() -> None:
@@ -80,28 +76,17 @@ def test_no_fingertip_passes_it_however_deep(radius: float) -> None:
     assert np.all(np.diff(forces) > 0)
 
 
-def test_a_change_of_the_fill_comes_in_gently() -> None:
-    for old, forces, _ in changes_of_the_fill(friction=0.5):
-        assert abs(forces[0] / old - 1) < 0.01
-        assert np.abs(np.diff(forces)).max() < 0.1 * old
-
-
 def test_after_a_change_of_the_fill_it_is_as_if_it_had_always_been_so() -> None:
-    """Without friction, which remembers the way: 3 % of the force with it."""
-    for _, forces, fresh in changes_of_the_fill(friction=0.0):
-        assert forces[-1] == pytest.approx(fresh, rel=1e-3)
-
-
-def changes_of_the_fill(friction: float) -> Iterator[tuple[float, list[float], float]]:
-    """Yield the force [N] before a change between solid and liquid, of each frame after it, and of a fresh body."""
-    solid = replace(SOLID, friction=friction)
+    """Without friction, which remembers the way."""
+    solid = replace(SOLID, friction=0.0)
     before = ball(replace(solid, fill="liquid"), 4)
     after = build_model(before.mesh, [solid], pinned=base_vertices(before.mesh))
     for first, then in ((before, after), (after, before)):
-        session = Session(first)
-        _, old = pressed(session)
-        session.change(then, glide=True)
-        yield old, [float(session.step(1 / 60).finger_forces[0][2]) for _ in range(90)], pressed(Session(then))[1]
+        session, fresh = Session(first), Session(then)
+        pressed(session), pressed(fresh)
+        session.change(then)
+        session.step(1.0)
+        assert np.abs(session.positions() - fresh.positions()).max() < 0.01 * DEPTH
 
 
 def test_the_force_does_not_depend_on_the_step() -> None:

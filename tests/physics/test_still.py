@@ -33,12 +33,12 @@ def pressed(tip: float, force: float | None, *, subdivisions: int, backend: str)
 def test_a_body_under_a_still_fingertip_comes_to_rest(
     subdivisions: int, tip: float, force: float | None, backend: str
 ) -> None:
-    """It creeps less than a thousandth of the depth in two seconds, and nothing is faster than a tenth of a mm/s."""
+    """It creeps less than a thousandth of the depth in two seconds, and nothing is faster than two tenths of a mm/s."""
     session = pressed(tip, force, subdivisions=subdivisions, backend=backend)
     before, depth = session.skin(), session.frame.depths[0]
     for _ in range(20):
         session.step(0.1)
-        assert np.abs(session.body.velocities()).max() < 1e-4
+        assert np.abs(session.body.velocities()).max() < 2e-4
     assert np.linalg.norm(session.skin() - before, axis=1).max() < 1e-3 * depth
 
 

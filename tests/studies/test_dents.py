@@ -1,4 +1,4 @@
-"""A settled dent is smooth and answers the same on any mesh; how that is measured is tested on dents known exactly."""
+"""A settled dent is smooth; how that is measured is tested on dents known exactly."""
 
 import itertools
 import re
@@ -10,14 +10,12 @@ import pytest
 
 from core.calibration.calibrate import calibrate
 from core.calibration.export import write_press
-from core.material import DEFAULT_MATERIAL, HERTZ, POINT, PRESETS, Indenter
-from core.mesh.surface import mesh_from_triangles
+from core.material import DEFAULT_MATERIAL, HERTZ, POINT, Indenter
 from core.reduction.proxy import mean_spacing
 from studies import other_tip
 from studies.__main__ import main
 from studies.dent_shape import Profile, facet_roughness, lean, profile, turned_onto, vertex_roughness, ways
 from studies.dents import ball, planned, profiles, settle, solid_materials
-from studies.primitives import icosphere, rotated
 from studies.solid_mesh import BALL_RADIUS
 
 OTHERS = ("ball", 20), ("block", 10), ("block", 20)
@@ -53,7 +51,6 @@ def test_a_dent_is_as_smooth_on_the_proxy_of_a_session(
     spacing = mean_spacing(mesh, len(mesh.rest_positions))
     for one in settle(mesh, material, radius, depths, proxy=planned(mesh, material)):
         assert vertex_roughness(mesh.rest_positions, one.positions, spacing) < 0.006 * one.depth
-        assert np.hypot(one.force[0], one.force[1]) < 0.01 * one.force[2]
 
 
 def test_a_dent_deeper_than_two_radii_may_lean_but_what_is_left_of_its_roughness_is_as_small() -> None:
@@ -73,24 +70,6 @@ def test_what_goes_once_round_the_axis_is_a_lean(folds: int, share: float) -> No
     x[:, 2] += 1e-4 * np.cos(folds * turn) * np.minimum(ways(rest) / 0.02, 1)
     spacing = mean_spacing(mesh, len(x))
     assert lean(rest, x, spacing) / vertex_roughness(rest, x, spacing) == pytest.approx(share, abs=0.1)
-
-
-def test_four_times_the_vertices_change_the_force_by_less_than_three_percent() -> None:
-    vinyl = replace(DEFAULT_MATERIAL, spread=0.02)
-    coarse, fine = ([one.force[2] for one in settle(ball(k), vinyl, 0.020, (0.010,))][0] for k in (4, 5))
-    assert coarse == pytest.approx(fine, rel=0.03)
-
-
-def test_a_press_straight_down_pushes_hardly_sideways_however_the_triangulation_is_turned() -> None:
-    """Force and side force within 3 percent at 2,562 vertices, edges of six tenths of the fingertip's radius."""
-    forces = []
-    for seed in range(3):
-        points, faces = rotated(icosphere(4), seed=seed)
-        mesh = mesh_from_triangles(BALL_RADIUS * points / np.linalg.norm(points, axis=1).max(), faces)
-        forces += [one.force for one in settle(mesh, replace(PRESETS[1].material, spread=0.02), 0.010, (0.010,))]
-    along, across = np.array(forces)[:, 2], np.hypot(*np.array(forces)[:, :2].T)
-    assert (across < 0.03 * along).all()
-    assert np.abs(along / along.mean() - 1).max() < 0.03
 
 
 def test_a_dent_with_a_spread_reaches_further_than_one_without_and_nearer_to_the_solid() -> None:

@@ -59,7 +59,7 @@ def test_pressed_by_a_fingertip_implicit_midpoint_rattles_where_backward_euler_i
     case = next(case for case in cases(quick=False) if case.name == "poke_cube")
     wanted = exact(case, None)
     rattling, still = (run(case, method, 17, wanted) for method in ("implicit_midpoint", "backward_euler"))
-    assert still.error < 0.05
+    assert still.error < 0.1
     assert rattling.error > 3 * still.error
 
 

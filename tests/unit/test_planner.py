@@ -65,10 +65,7 @@ def test_a_head_too_fine_to_run_live_gets_a_proxy_that_the_budget_pays_for_whate
     assert small.error == pytest.approx(4 * wide.error), "a small fingertip's dent is curved more"
 
 
-def test_where_no_proxy_can_be_made_the_full_mesh_runs_slowly(round_model: Model) -> None:
-    paper = build_model(round_model.mesh, [BALL], law_set="paper")
-    chosen = plan(paper, budget=NEVER_LIVE)
-    assert chosen.proxy is None and "It is simulated anyway: the paper's equations" in chosen.reason
+def test_where_no_proxy_can_be_made_the_full_mesh_runs_slowly() -> None:
     few = build_model(cube(4, 0.05), [BALL], pinned=base_vertices(cube(4, 0.05)))
     assert plan(few, budget=1e-9).proxy is None, "98 vertices have no proxy"
 

@@ -116,32 +116,6 @@ def test_however_fast_a_drag_is_the_fingertip_goes_round_the_body_and_not_throug
     assert legs.max() < 0.01, "no leg of its way is longer than its radius"
 
 
-@pytest.mark.parametrize("by_force", [False, True], ids=["depth", "force"])
-def test_a_fingertip_slides_no_deeper_than_it_glides_and_sinks_in_again_when_it_rests(by_force: bool) -> None:
-    def deepest(state: PokeState) -> float:
-        tip = fingers(state, 7)[0]
-        return tip.deepest if by_force else 0.11 - tip.position[2]
-
-    def at(x: float) -> PokeEvent:
-        return PokeEvent(kind=Kind.MOVE, hit=replace(TOP, point=(x, 0.0, 0.1)))
-
-    pressed, _ = run(replace(START, by_force=by_force), press(), *ticks(0.3))
-    trembling, _ = run(pressed, *[event for k in range(200) for event in (at(4e-4 * (k % 2)), *ticks(0.01))])
-    dragged, _ = run(pressed, *[event for k in range(50) for event in (at(1e-3 * k), *ticks(0.01))])
-    assert deepest(pressed) >= 0.02 - 1e-12 and deepest(trembling) >= 0.02 - 1e-12
-    assert deepest(dragged) == pytest.approx(0.0075, rel=0.02)
-    rested, _ = run(dragged, *ticks(1.2))
-    assert deepest(rested) >= 0.02 - 1e-12
-
-
-def test_a_fingertip_that_presses_aslant_slides_as_deep_below_the_surface() -> None:
-    view = (0.8, 0.0, -0.6)
-    moves = [PokeEvent(kind=Kind.MOVE, hit=replace(TOP, point=(1e-3 * k, 0.0, 0.1)), view=view) for k in range(50)]
-    start, _ = run(START, PokeEvent(kind=Kind.PRESS, hit=TOP, view=view), *ticks(0.3))
-    dragged, _ = run(start, *[event for move in moves for event in (move, *ticks(0.01))])
-    assert fingers(dragged, 7)[0].position[2] == pytest.approx(0.11 - 0.0075, rel=2e-3)
-
-
 def test_where_the_pointer_leaps_to_a_part_behind_the_fingertip_is_lifted_and_comes_down_there() -> None:
     pressed, _ = run(START, press(), *ticks(0.3))
     behind = PokeEvent(kind=Kind.MOVE, hit=replace(TOP, point=(0.002, 0.0, 0.05)))

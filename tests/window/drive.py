@@ -20,6 +20,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import animating
 import calibrating
 import clicking
+import closing
 import device
 import exporting
 import judging
@@ -164,6 +165,7 @@ def play() -> robot.Waits:
     names = [name for name in bpy.context.preferences.addons.keys() if name.startswith("bl_ext.")]
     check("Blender's own installer takes the zip and enables it", len(names) == 1, ", ".join(names))
     own = {
+        "closing": lambda: closing.close(check),
         "opening": lambda: opening.open_samples(OUT, check, REPORT["measured"]),
         "meeting": lambda: meeting.meet(OUT, check, REPORT["measured"]),
     }
@@ -334,9 +336,18 @@ def show_panels() -> robot.Waits:
 
 
 def in_japanese() -> robot.Waits:
-    """Photograph the sidebar in Japanese, and ask why a button is grey."""
+    """Photograph the sidebar in Japanese, look every word of ours up as a button does, and ask why one is grey."""
     view, said = bpy.context.preferences.view, ""
     view.language = "ja_JP"
+    ours = robot.extension("addon.translations")
+    words = [(english, text) for (context, english), text in ours.JAPANESE.items() if context == ours.CONTEXT]
+    other = [english for english, text in words if bpy.app.translations.pgettext(english, ours.CONTEXT) != text]
+    check("every word of ours is ours in Japanese", len(words) > 500 and not other, ", ".join(other[:9]))
+    context = bpy.ops.dimple.apply_preset.get_rna_type().translation_context
+    shown = bpy.app.translations.pgettext("Tennis ball", context)
+    depth = bpy.types.UILayout.enum_item_name(bpy.context.scene.dimple, "press_by", "DEPTH")
+    check("an item of a menu is ours in Japanese", depth == dict(words)["Depth"], depth)
+    check("a preset's button is Japanese", shown == dict(words)["Tennis ball"], shown)
     try:
         bpy.ops.dimple.record()
     except RuntimeError as error:

@@ -31,7 +31,7 @@ def open_samples(out: Path, check: Check, measured: dict) -> robot.Waits:
     yield from new_file()
     bpy.data.objects["Cube"].data.materials.clear()  # else it keeps its own, which was measured nowhere
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.dimple.make_soft(subdivide=True)
+        bpy.ops.dimple.make_soft()
     yield from robot.redrawn()
     yield from status_bar(out, check)
     yield from fields(out, check)

@@ -40,9 +40,9 @@ def keyframes(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     tip.keyframe_insert("location", frame=STANDS)
     scene.dimple.cache_dir = "/tmp"
     yield from clicking.search("Bake", at)
-    yield from robot.until(lambda: any(each.type == "MESH_CACHE" for each in cube.modifiers), "it is baked", 400)
-    cache = next(each for each in cube.modifiers if each.type == "MESH_CACHE")
-    table = Path(bpy.path.abspath(cache.filepath)).with_suffix(".csv")
+    yield from robot.until(lambda: "Dimple" in cube.modifiers, "it is baked", 400)
+    (path, _), *_ = robot.extension("operators.offset").files(cube.modifiers["Dimple"])
+    table = path.with_suffix(".csv")
     rows = np.genfromtxt(table, delimiter=",", names=True)
     shares, words = [], []
     for row in (STANDS + 2, KEYS[1][0] - 1):

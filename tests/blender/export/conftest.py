@@ -12,7 +12,7 @@ import pytest
 
 from tests.blender.export.reading import EVERY, FIRST, FPS, LAST, Exported, carried
 from tests.blender.operators.conftest import add, ball, coordinates, pressed, scene, shown
-from tests.point_cache import read_point_cache
+from tests.point_cache import cache_of, read_point_cache
 from tools.environment import ROOT, provide_readers
 
 __all__ = ["add", "ball", "coordinates", "pressed", "scene", "shown"]
@@ -26,7 +26,9 @@ def exported(bpy: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Itera
     scene.render.fps, scene.dimple.cache_dir = FPS, str(folder / "caches")
     obj = carried(bpy)
     bpy.ops.dimple.bake(frame_start=FIRST, frame_end=LAST)
-    _, _, local = read_point_cache(obj.modifiers[0].filepath)
+    rest = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", rest)
+    local = rest.reshape(-1, 3) + read_point_cache(cache_of(obj).filepath)[2]
     world = []
     for frame, sample in zip(range(FIRST, LAST + 1), local, strict=True):
         scene.frame_set(frame)

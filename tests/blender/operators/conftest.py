@@ -117,13 +117,12 @@ def shown(bpy: ModuleType) -> Callable[[Any], np.ndarray]:
 
 @pytest.fixture
 def simulated(bpy: ModuleType) -> Callable[[Any], np.ndarray]:
-    """Return a function that reads the coordinates (n, 3) that a session has come to, bit for bit."""
+    """Return a function that reads how far (n, 3) a session has come from its shape at rest, bit for bit."""
 
     def read(obj: Any) -> np.ndarray:
-        from bl_ext.user_default.dimple.operators import bridge, sessions
+        from bl_ext.user_default.dimple.operators import sessions, showing
 
-        body = sessions.get(obj)
-        return bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
+        return showing.offsets_of(sessions.get(obj))
 
     return read
 

@@ -237,13 +237,13 @@ def test_absolute_shape_keys_are_pressed_and_refused_where_more_keys_would_come(
 
 
 def test_a_bad_object_does_not_keep_a_good_one_from_being_pressed(
-    bpy: ModuleType, add: Callable[..., Any], coordinates: Callable[[Any], bytes]
+    bpy: ModuleType, add: Callable[..., Any], shown: Callable[[Any], Any]
 ) -> None:
     bad, good = add(CUBE, [], "Bad"), add(name="Good")
     bad.select_set(True)
-    before = coordinates(good)
+    before = shown(good).tobytes()
     assert bpy.ops.dimple.poke(keep=True, **QUICK) == {"FINISHED"}
-    assert coordinates(good) != before
+    assert shown(good).tobytes() != before
 
 
 def test_a_press_that_meets_no_surface_is_said(

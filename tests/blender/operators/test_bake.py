@@ -23,10 +23,13 @@ def table(obj: Any, scene: Any) -> list[dict[str, float]]:
         return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
 
 
-def cached(scene: Any) -> tuple[float, np.ndarray]:
+def cached(scene: Any, obj: Any) -> tuple[float, np.ndarray]:
+    """Return the first frame of the only cache, and the coordinates (frames, n, 3) of a body that has no modifiers."""
     (path,) = Path(scene.dimple.cache_dir).glob("*.pc2")
-    start, _, positions = read_point_cache(path)
-    return start, positions
+    start, _, offsets = read_point_cache(path)
+    rest = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", rest)
+    return start, rest.reshape(-1, 3) + offsets
 
 
 def test_the_modifier_plays_what_was_recorded(
@@ -42,8 +45,8 @@ def test_the_modifier_plays_what_was_recorded(
     assert bpy.ops.dimple.bake(frame_start=1, frame_end=19) == {"FINISHED"}
     assert scene.frame_current == 3
     assert coordinates(obj) == before
-    assert [modifier.name for modifier in obj.modifiers] == ["Dimple", later.name]
-    start, positions = cached(scene)
+    assert [modifier.name for modifier in obj.modifiers] == [later.name, "Dimple"]
+    start, positions = cached(scene, obj)
     assert start == 1 and positions.shape == (19, len(obj.data.vertices), 3)
     for frame in range(1, 20):
         scene.frame_set(frame)
@@ -67,19 +70,19 @@ def test_unbake_takes_everything_off(
 def test_a_bake_without_frames_takes_those_of_the_scene(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any]
 ) -> None:
-    pressed()
+    obj = pressed()
     scene.frame_start, scene.frame_end = 3, 6
     bpy.ops.dimple.bake()
-    start, positions = cached(scene)
+    start, positions = cached(scene, obj)
     assert (start, len(positions)) == (3, 4)
 
 
 def test_a_second_bake_takes_the_place_of_the_first(bpy: ModuleType, scene: Any, pressed: Callable[..., Any]) -> None:
     obj = pressed()
     bpy.ops.dimple.bake(frame_start=1, frame_end=6)
-    _, first = cached(scene)
+    _, first = cached(scene, obj)
     bpy.ops.dimple.bake(frame_start=1, frame_end=6)
-    assert np.array_equal(cached(scene)[1], first), "the same press gives the same bits"
+    assert np.array_equal(cached(scene, obj)[1], first), "the same press gives the same bits"
     assert len(obj.modifiers) == 1
 
 
@@ -90,7 +93,7 @@ def test_shape_keys_show_the_recorded_shapes(
     obj = pressed()
     before = coordinates(obj)
     bpy.ops.dimple.bake(frame_start=1, frame_end=11)
-    _, positions = cached(scene)
+    _, positions = cached(scene, obj)
     bpy.ops.dimple.unbake()
     scene.dimple.shape_key_step = step
     assert bpy.ops.dimple.bake(target="SHAPE_KEYS", frame_start=1, frame_end=11) == {"FINISHED"}
@@ -142,7 +145,7 @@ def test_a_press_is_the_same_at_every_frame_rate(bpy: ModuleType, scene: Any, pr
     for fps in (24, 30, 60, 120):
         obj = pressed(fps)
         bpy.ops.dimple.bake(frame_start=1, frame_end=1 + fps // 2)
-        positions = cached(scene)[1]
+        positions = cached(scene, obj)[1]
         # every sixth of a second is a whole frame at each of these rates
         dents[fps] = positions[[fps // 6, fps // 3, fps // 2]]
         forces[fps] = table(obj, scene)[fps // 3]["force_1_n"]
@@ -151,7 +154,7 @@ def test_a_press_is_the_same_at_every_frame_rate(bpy: ModuleType, scene: Any, pr
         bpy.data.objects.remove(scene.dimple.finger_1)
     for fps in (30, 60, 120):
         assert np.abs(dents[fps] - dents[24]).max() / 2 * 165 < 0.05  # [mm] on a dent of 20 mm
-        assert forces[fps] == pytest.approx(forces[24], rel=0.02)
+        assert forces[fps] == pytest.approx(forces[24], rel=1e-3)
 
 
 @pytest.mark.parametrize("fps", [24, 30, 60, 120])
@@ -162,7 +165,7 @@ def test_a_free_body_falls_by_physics_not_by_frames(
     obj.dimple.pinned, obj.dimple.size_mode = "NONE", "REAL"
     scene.dimple.use_gravity, scene.render.fps = True, fps
     bpy.ops.dimple.bake(frame_start=1, frame_end=1 + fps)
-    _, positions = cached(scene)
+    _, positions = cached(scene, obj)
     fallen = positions[-1, :, 2].mean() - positions[0, :, 2].mean()
     assert fallen == pytest.approx(-9.81 / 2, rel=2e-3)
     before = coordinates(obj)
@@ -214,9 +217,9 @@ def test_frames_in_the_wrong_order_are_said(bpy: ModuleType, scene: Any, pressed
         bpy.ops.dimple.bake(frame_start=5, frame_end=5)
 
 
-@pytest.mark.parametrize(("simulated", "near"), [("MESH", 0.05), pytest.param("PROXY", 0.1, marks=pytest.mark.once)])
-def test_a_bake_with_keyframed_constants_answers_as_one_that_has_them_all_the_time(
-    bpy: ModuleType, scene: Any, ball: Add, simulated: str, near: float
+@pytest.mark.parametrize("simulated", ["MESH", pytest.param("PROXY", marks=pytest.mark.once)])
+def test_a_bake_with_keyframed_constants_answers_at_once_as_one_that_has_them_all_the_time(
+    bpy: ModuleType, scene: Any, ball: Add, simulated: str
 ) -> None:
     def baked(*keys: tuple[int, float]) -> list[dict[str, float]]:
         for frame, constants.K1 in keys:
@@ -237,10 +240,10 @@ def test_a_bake_with_keyframed_constants_answers_as_one_that_has_them_all_the_ti
         tip.keyframe_insert("location", index=2, frame=frame)
     soft, hard = baked((1, 0.6)), baked((1, 3.0))
     keyed = baked((1, 0.6), (20, 0.6), (21, 3.0))
-    assert keyed[18]["force_1_n"] == pytest.approx(soft[18]["force_1_n"], rel=near)
-    assert keyed[21]["law_force_1_n"] == pytest.approx(5 * keyed[18]["law_force_1_n"], rel=1e-3)
-    assert keyed[-1]["force_1_n"] == pytest.approx(hard[-1]["force_1_n"], rel=near)
-    assert hard[-1]["force_1_n"] > 2 * soft[-1]["force_1_n"]
+    assert keyed[18]["force_1_n"] == pytest.approx(soft[18]["force_1_n"], rel=1e-3)
+    for frame in (20, 21, -1):  # the rows of frames 21, 22 and 40
+        assert keyed[frame]["force_1_n"] == pytest.approx(hard[frame]["force_1_n"], rel=1e-3)
+    assert hard[-1]["force_1_n"] == pytest.approx(5 * soft[-1]["force_1_n"], rel=1e-3)
 
 
 @pytest.mark.parametrize("simulated", ["MESH", "PROXY"])
@@ -256,7 +259,7 @@ def test_a_keyframed_pressure_swells_a_body_in_a_bake(bpy: ModuleType, scene: An
     volume = [row["volume_m3"] / row["rest_volume_m3"] for row in table(obj, scene)]
     assert volume[8] == pytest.approx(1, abs=1e-3) and volume[49] == pytest.approx(1, abs=2e-3)
     assert 1.05 < volume[29] < (1 + 20e3 / 101325) ** (1 / 1.4), "no farther than without a skin"
-    _, positions = cached(scene)
+    _, positions = cached(scene, obj)
     wide = np.ptp(positions[:, :, 0], axis=1)
     assert wide[29] / wide[8] > 1.01 and wide[49] == pytest.approx(wide[8], rel=2e-3), "and so it is seen"
 
@@ -268,7 +271,7 @@ def test_keyframed_pins_let_a_body_go(bpy: ModuleType, scene: Any, ball: Add) ->
         obj.dimple.pinned = pinned
         obj.dimple.keyframe_insert("pinned", frame=frame)
     bpy.ops.dimple.bake(frame_start=1, frame_end=20)
-    _, positions = cached(scene)
+    _, positions = cached(scene, obj)
     heights = positions.mean(axis=1)[:, 2]
     assert abs(heights[8] - heights[0]) < 0.05, "it hangs from its base"
     fallen, seconds = (heights[9] - heights[19]) * 0.165 / 2, 10 / scene.render.fps

@@ -25,7 +25,7 @@ def test_a_body_without_a_material_has_the_constants_of_one_that_nobody_has_touc
 
 
 def test_weights_are_those_of_the_group_and_0_outside_it(bpy: ModuleType, ball: Add) -> None:
-    from bl_ext.user_default.dimple.operators import bridge_model
+    from bl_ext.user_default.dimple.operators import final_mesh
 
     obj, wanted = ball(), np.zeros(42)
     groups = [obj.vertex_groups.new(name=name) for name in ("Other", "Soft", "Empty")]
@@ -33,11 +33,11 @@ def test_weights_are_those_of_the_group_and_0_outside_it(bpy: ModuleType, ball: 
     for i in range(0, 42, 3):
         wanted[i] = i / 64
         groups[1].add([i], i / 64, "ADD")
-    assert (bridge_model._weights(obj, "Soft", "softness") == wanted).all()
-    assert not bridge_model._weights(obj, "Empty", "softness").any()
+    assert (final_mesh.weights(bpy.context, obj, "Soft", 0) == wanted).all()
+    assert not final_mesh.weights(bpy.context, obj, "Empty", 0).any()
     bare = ball("Bare")
     bare.vertex_groups.new(name="Soft")
-    assert not bridge_model._weights(bare, "Soft", "softness").any()
+    assert not final_mesh.weights(bpy.context, bare, "Soft", 0).any()
 
 
 def two_fills(bpy: ModuleType, obj: Any, share: int) -> Any:
@@ -84,3 +84,19 @@ def test_of_several_pressures_the_one_on_the_most_area_acts_and_a_note_says_so(b
     model = read(bpy, obj)
     assert model.pressure.rest_pressure == 7500
     assert "Its materials differ in fill or pressure: air, 7.5 kPa acts, on the most area." in model.notes
+
+
+def test_triangles_of_faces_of_any_size_have_the_material_of_their_face(bpy: ModuleType, add: Add) -> None:
+    from bl_ext.user_default.dimple.operators import final_mesh
+
+    points = [(0, 0, 0), (1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (3, 0, 0), (3, 2, 0)]
+    mesh = add(points, [(0, 1, 2, 3, 4), (1, 5, 2), (2, 5, 6, 3)]).data
+    for index, slot in enumerate((2, 0, 1)):
+        mesh.polygons[index].material_index = slot
+    triangles, slots = final_mesh._triangles(mesh)
+    expected = [
+        (tuple(each.vertices), mesh.polygons[each.polygon_index].material_index) for each in mesh.loop_triangles
+    ]
+    assert list(zip(map(tuple, triangles.tolist()), slots.tolist(), strict=True)) == expected
+    mesh.attributes.remove(mesh.attributes["material_index"])
+    assert not final_mesh._triangles(mesh)[1].any()

@@ -12,6 +12,7 @@ import pytest
 
 from tests.blender.operators.test_bake import cached
 from tests.blender.operators.test_sessions import is_clean
+from tests.point_cache import cache_of
 
 Add = Callable[..., Any]
 Bits = Callable[[Any], bytes]
@@ -44,8 +45,8 @@ def test_a_disk_that_fills_while_recording_ends_the_recording_and_not_the_sessio
     assert live.advance(bpy.context, 1 / 24) == [] and body.frame.time > 0
     bpy.ops.dimple.reset()
     assert coordinates(obj) == rest and is_clean(obj)
-    assert obj.modifiers["Dimple"].filepath == body.take[0]
-    _, positions = cached(scene)
+    assert cache_of(obj).filepath == body.take[0]
+    _, positions = cached(scene, obj)
     assert positions.shape == (3, 42, 3) and np.isfinite(positions).all()
     bpy.ops.dimple.play(seconds=0.02)
     bpy.ops.dimple.reset()

@@ -224,9 +224,8 @@ def test_a_duplicate_made_while_live_is_at_rest_once_the_session_has_ended(
     obj = playing(keys)
     twin = duplicate(bpy, obj, linked)
     sessions.stop_all(restore=not keep)
-    if not (keep and linked):
-        assert is_clean(twin) and coordinates(twin) == rest
-    assert is_clean(obj) and (keep or coordinates(obj) == rest)
+    assert not twin.modifiers and coordinates(twin) == rest
+    assert is_clean(obj) and coordinates(obj) == rest and bool(obj.modifiers) == keep
 
 
 def test_a_duplicate_made_while_live_is_at_rest_at_the_next_step_and_its_edits_stay(

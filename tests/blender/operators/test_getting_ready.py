@@ -1,6 +1,7 @@
 """A proxy of a fine mesh takes a while to make: progress is shown meanwhile, and Esc heard."""
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -8,6 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+
+from tests.point_cache import cache_of
 
 LAST = 10  # frames
 LONGEST_S = 20.0  # before a proxy is made all the same: who waits for it so long has not gone on beside it
@@ -67,7 +70,7 @@ def test_a_bake_makes_its_proxy_between_events_with_progress_and_esc_leaves_noth
     while (state := run.ticks(1)) == {"RUNNING_MODAL"}:
         assert "%" in run.context.said
     assert state == {"FINISHED"} and keyed.dimple.plan_vertices == 1000
-    path = Path(keyed.modifiers["Dimple"].filepath)
+    path = Path(cache_of(keyed).filepath)
     beside = path.read_bytes()
     bpy.ops.dimple.unbake()
     assert bpy.ops.dimple.bake(frame_start=1, frame_end=LAST) == {"FINISHED"}
@@ -87,3 +90,25 @@ def test_an_export_goes_on_while_its_proxy_is_made_and_once_stopped_leaves_nothi
     assert 0 < next(steps) < 0.05
     steps.close()
     assert not any(plan.folder.iterdir())
+
+
+def test_all_that_takes_long_at_a_start_is_done_beside_blenders_events(
+    bpy: ModuleType, empty_file: ModuleType, ball: Any
+) -> None:
+    from bl_ext.user_default.dimple.operators import live, sessions
+
+    ball("Fine", 7)
+    parts, sent, done, here = live.starting_all(bpy.context), None, [], 0.0
+    began = time.process_time()
+    while True:
+        last = time.process_time()
+        try:
+            _, call = parts.send(sent)
+        except StopIteration:
+            break
+        finally:
+            here += time.process_time() - last
+        sent = call()
+        done.append(getattr(call, "func", call).__name__)
+    assert done[-1] == "Session" and here < 0.3 * (time.process_time() - began)
+    sessions.stop_all()

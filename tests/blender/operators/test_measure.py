@@ -19,9 +19,9 @@ def test_what_is_measured_calibrates_to_its_material(bpy: ModuleType, vinyl: Any
     assert bpy.ops.dimple.calibrate(filepath=str(path)) == {"FINISHED"}
     record = json.loads(bpy.context.scene.dimple.calibration)
     assert record["model"] == "two"
-    assert record["K1"] == pytest.approx(0.61, rel=0.02)
-    assert record["K2"] == pytest.approx(7.23, rel=0.02)
-    assert record["x0"] == pytest.approx(16.3, rel=0.02)
+    assert record["K1"] == pytest.approx(0.61, rel=0.005)
+    assert record["K2"] == pytest.approx(7.23, rel=0.005)
+    assert record["x0"] == pytest.approx(16.3, rel=0.005)
     bpy.ops.dimple.apply_calibration()
     assert "round.csv" in vinyl.provenance
 

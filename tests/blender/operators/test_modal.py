@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.point_cache import cache_of
+
 Bits = Callable[[Any], bytes]
 RADIUS_PX = 200  # see conftest.py
 
@@ -37,7 +39,7 @@ def test_press_hold_release_and_escape(
 
     body = sessions.get(ball_of(bpy))
     assert body.frame.depths[0] == pytest.approx(0.015, abs=1e-3) and np.linalg.norm(body.frame.finger_forces[0]) > 1
-    assert shown(ball_of(bpy))[:, 2].max() < 0.95 and len(body.trail) > 3
+    assert shown(ball_of(bpy))[:, 2].max() < 0.95
     assert poke.send("LEFTMOUSE", "RELEASE") == {"RUNNING_MODAL"}
     poke.ticks(40)
     assert body.fingers[0] is not None, "the fingertip hovers again"
@@ -55,9 +57,9 @@ def test_enter_keeps_and_one_undo_restores(bpy: ModuleType, hand: Any, rest: byt
     poke.ticks(20)
     assert poke.send("RET") == {"FINISHED"}
     bpy.ops.ed.undo_push(message="Poke")  # what Blender does for FINISHED
-    assert coordinates(ball_of(bpy)) != rest
+    assert coordinates(ball_of(bpy)) == rest and "Pressed" in ball_of(bpy).modifiers
     bpy.ops.ed.undo()
-    assert coordinates(ball_of(bpy)) == rest
+    assert coordinates(ball_of(bpy)) == rest and not ball_of(bpy).modifiers
 
 
 def test_a_stroke_leaves_no_undo_step_for_it_has_changed_nothing(
@@ -122,7 +124,7 @@ def test_keys_do_what_the_status_bar_says(bpy: ModuleType, hand: Any, rest: byte
     said = [text for _, text in poke.reports]
     assert "Recording" in said and said[-1].startswith('Recorded '), "by its own operator, for that is what is shown"
     poke.send("ESC")
-    assert ball_of(bpy).modifiers["Dimple"].filepath.endswith("Ball_take_001.pc2")
+    assert cache_of(ball_of(bpy)).filepath.endswith("Ball_take_001.pc2")
 
 
 def test_the_keys_come_back_after_something_else_has_cleared_the_status_bar(
@@ -157,7 +159,6 @@ def test_a_press_by_force_sinks_in_until_the_body_answers_with_it(bpy: ModuleTyp
     bpy.context.scene.dimple.press_by, bpy.context.scene.dimple.press_force_n = "FORCE", 4.0
     material = bpy.data.materials.new("Tuned")
     ball_of(bpy).active_material = material
-    ball_of(bpy).dimple.simulated = "AUTO"  # 42 vertices are cut finer, or each place would answer otherwise
     poke, depths = hand("poke"), []
     poke.invoke()
     poke.send("LEFTMOUSE", at=(560, 540))
@@ -166,11 +167,11 @@ def test_a_press_by_force_sinks_in_until_the_body_answers_with_it(bpy: ModuleTyp
         poke.ticks(60)
         body = sessions.get(ball_of(bpy))
         inward = np.array(body.session.fingers[0].inward)
-        assert -body.frame.finger_forces[0] @ inward == pytest.approx(4.0, rel=0.02)
+        assert -body.frame.finger_forces[0] @ inward == pytest.approx(4.0, rel=0.01)
         depths.append(body.frame.depths[0])
     centre = body.session.placed[0].position
     assert body.fingers[0].position == centre, "it is drawn where it is"
-    assert depths == pytest.approx([4.0 / 610, 4.0 / 300], rel=0.1), "as deep as was measured"
+    assert depths == pytest.approx([4.0 / 610, 4.0 / 300], rel=0.01), "as deep as was measured"
     poke.send("LEFTMOUSE", "RELEASE")
     poke.ticks(40)
     assert not body.frame.depths.any()

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.blender.operators.test_bake import cached
+from tests.point_cache import cache_of
 
 Add = Callable[..., Any]
 Shown = Callable[[Any], np.ndarray]
@@ -20,9 +21,9 @@ def test_a_recorded_press_is_played_back(bpy: ModuleType, scene: Any, ball: Add,
     rest = shown(obj).copy()
     scene.frame_set(10)
     bpy.ops.dimple.poke(record=True, press_s=0.25, hold_s=0.25, release_s=0.25)
-    start, positions = cached(scene)
+    start, positions = cached(scene, obj)
     assert start == 10 and len(positions) == 19
-    assert obj.modifiers[0].frame_start == 10
+    assert cache_of(obj).frame_start == 10
     for frame in (10, 16, 28):
         scene.frame_set(frame)
         assert np.abs(shown(obj) - positions[frame - 10]).max() < 1e-5
@@ -44,7 +45,7 @@ def test_the_record_button_takes_what_plays_and_needs_something_that_does(
         bpy.ops.dimple.play(seconds=0.25)
     assert "Dimple" not in obj.modifiers, "not while the session goes on"
     bpy.ops.dimple.reset()
-    start, positions = cached(scene)
+    start, positions = cached(scene, obj)
     assert (start, len(positions)) == (5, 1 + scene.render.fps // 4)
     assert np.abs(positions[0] - before).max() < 1e-6, "it begins with what showed"
     scene.frame_set(5 + len(positions) - 1)
@@ -60,10 +61,10 @@ def test_a_new_recording_never_overwrites_an_earlier_one(
 ) -> None:
     obj, folder = ball(), tmp_path / "caches"
     bpy.ops.dimple.poke(record=True, **QUICK)
-    assert obj.modifiers["Dimple"].filepath.endswith("untitled_Ball_take_001.pc2")
+    assert cache_of(obj).filepath.endswith("untitled_Ball_take_001.pc2")
     first = {path.name: path.read_bytes() for path in folder.iterdir()}
     bpy.ops.dimple.poke(record=True, **{**QUICK, "depth_mm": 10.0})
-    assert obj.modifiers["Dimple"].filepath.endswith("untitled_Ball_take_002.pc2")
+    assert cache_of(obj).filepath.endswith("untitled_Ball_take_002.pc2")
     assert files(folder) == [f"untitled_Ball_take_00{n}.{end}" for n in (1, 2) for end in ("csv", "pc2")]
     assert all((folder / name).read_bytes() == data for name, data in first.items())
 
@@ -86,7 +87,7 @@ def test_a_second_file_without_a_name_leaves_the_first_ones_caches_alone(
     animate()
     first = {path.name: path.read_bytes() for path in folder.iterdir()}
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    assert animate().modifiers["Dimple"].filepath.endswith(f"untitled_Ball_{kind}_002.pc2")
+    assert cache_of(animate()).filepath.endswith(f"untitled_Ball_{kind}_002.pc2")
     assert len(files(folder)) == 4 and all((folder / name).read_bytes() == data for name, data in first.items())
 
 
@@ -103,7 +104,7 @@ def test_caches_of_a_file_without_a_name_outlive_the_extension(bpy: ModuleType, 
     scene.dimple.cache_dir = ""
     obj = ball()
     bpy.ops.dimple.poke(record=True, **QUICK)
-    path = Path(obj.modifiers["Dimple"].filepath)
+    path = Path(cache_of(obj).filepath)
     own = Path(bpy.utils.extension_path_user("bl_ext.user_default.dimple"))
     try:
         assert path.exists() and own not in path.parents, "Blender deletes that folder with the extension"
@@ -151,4 +152,4 @@ def test_the_end_of_a_recording_is_said_and_undo_takes_only_it_back(
     obj = bpy.data.objects["Ball"]
     assert not obj.modifiers and obj.location.x == 1.0
     bpy.ops.ed.redo()
-    assert bpy.data.objects["Ball"].modifiers["Dimple"].filepath.endswith("take_001.pc2")
+    assert cache_of(bpy.data.objects["Ball"]).filepath.endswith("take_001.pc2")

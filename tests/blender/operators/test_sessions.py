@@ -16,14 +16,19 @@ Shown = Callable[[Any], np.ndarray]
 
 
 def is_clean(obj: Any) -> bool:
-    """Tell whether nothing of a press is left: on the object, on its mesh, in the file."""
+    """Tell whether nothing of a running press is left: on the object, on its mesh, in the file.
+
+    A kept press and a bake leave a modifier, with a group and carriers that nothing else uses.
+    """
     import bpy
 
-    keys = obj.data.shape_keys
+    keys, kept = obj.data.shape_keys, bool({"Pressed", "Dimple"} & {each.name for each in obj.modifiers})
     left = [each for kind in (bpy.data.objects, bpy.data.meshes, bpy.data.node_groups) for each in kind]
+    carriers = [each for each in bpy.data.objects if each.name.startswith(".Dimple")]
     return (
-        not any(each.name.startswith(".Dimple") for each in left)
-        and not any(each.type == "NODES" for each in obj.modifiers)
+        not any(each.name.startswith(".Dimple Press" if kept else ".Dimple") for each in left)
+        and not any(each.users_collection or each.users != 1 for each in carriers)
+        and not any(each.name.startswith("Dimple Press") for each in obj.modifiers)
         and not any(each.name.startswith(".dimple") for each in obj.data.attributes)
         and not (keys and "Dimple" in keys.key_blocks)
     )
