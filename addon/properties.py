@@ -82,6 +82,12 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
     knee_group: _map(1)
     spread_group: _map(2)
     thickness_group: _map(3)
+    presses: PointerProperty(
+        name="Presses",
+        description="The body that this fingertip was made for. While the fingertip is active, Bake and Export take "
+        "that body",
+        type=bpy.types.Object,
+    )  # fmt: skip
     twin: PointerProperty(
         name="Twin Of", description="The object that this is a twin of, with another material",
         type=bpy.types.Object,
@@ -130,7 +136,8 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     """The fingertips and the surroundings of all sessions in a scene."""
 
     finger_radius_mm: FloatProperty(
-        name="Fingertip Radius (mm)", description="Radius of the fingertips, at the physical size of the body",
+        name="Fingertip Radius (mm)",
+        description="Radius of the fingertip of the tool and of those that are added, at the physical size of the body",
         default=10.0, min=sizing.LEAST_MM, soft_min=0.1, soft_max=1000.0, step=10, precision=1, **FIXED,
     )  # fmt: skip
     radius_follows: _follows("finger_radius_mm")

@@ -12,10 +12,10 @@ from bpy_extras import view3d_utils
 
 from ..core.mesh.ray import ray_hit
 from ..core.poke import Hit, Kind, PokeEvent
-from ..core.vectors import Vector
+from ..core.vectors import Vector, along, dot, length
 from . import sizing
 from .names import DEAD_MAN, POKE_TOOL
-from .sessions import LiveBody, sessions
+from .sessions import LiveBody, fingertip_objects, sessions
 
 KEYS = {"SPACE": Kind.PAUSE, "RET": Kind.KEEP, "NUMPAD_ENTER": Kind.KEEP}
 FINGERS = {"ONE": 1, "TWO": 2, "THREE": 3}
@@ -144,6 +144,21 @@ def touched(context: bpy.types.Context, view: View) -> tuple[Vector, Vector, flo
         return None
     body = sessions[hit.body]
     return body.to_world(hit.point), hit.normal, radius / body.link.scale
+
+
+def fingertip_under(context: bpy.types.Context, view: View) -> bpy.types.Object | None:
+    """Return the fingertip object whose sphere the pointer is on, before any surface."""
+    origin, direction = _ray(view)
+    hit, place, *_ = context.scene.ray_cast(context.evaluated_depsgraph_get(), origin, direction)
+    first, found = length(along(tuple(place), origin, -1.0)) if hit else np.inf, None
+    for tip in fingertip_objects(context.scene):
+        if tip and tip.type == "EMPTY" and tip.visible_get():
+            centre = along(tuple(tip.matrix_world.translation), origin, -1.0)
+            radius, ahead = tip.empty_display_size * tip.matrix_world.median_scale, dot(centre, direction)
+            square = radius**2 - dot(centre, centre) + ahead**2
+            if square > 0 and 0 < (away := ahead - square**0.5) < first:
+                first, found = away, tip
+    return found
 
 
 def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, LiveBody], shapes: Shapes) -> Hit | None:

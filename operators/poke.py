@@ -74,6 +74,8 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
         view = pointer.view_under(context, event)
         clicked = view if event.type == "LEFTMOUSE" and event.value in pointer.DOWN else None  # with the tool
+        if clicked and self._chosen(context, clicked):
+            return {"CANCELLED"}
         found = pointer.under(context, clicked) if clicked else None
         if clicked and found is None:
             return {"PASS_THROUGH"}  # it selects
@@ -132,11 +134,25 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         if meant is None:
             passes = pointer.passes(event, view, pressing=pressing, undo=self._tuned(context))
             return {"PASS_THROUGH"} if passes else {"RUNNING_MODAL"}
+        if view and meant.kind is Kind.PRESS and self._chosen(context, view):
+            return {"CANCELLED"}
         if view and meant.kind is Kind.PRESS and meant.hit is None:
             meant = self._joined(context, event, view)
             if meant is None:
                 return {"PASS_THROUGH"}  # a click beside what is pressed selects
         return self._take(context, meant)
+
+    def _chosen(self, context: bpy.types.Context, view: "View") -> bool:
+        """Select the fingertip object that is clicked, and leave the poke: what it is moved with is Blender's own."""
+        from . import bridge_write, fingertip_objects, pointer
+
+        tip = pointer.fingertip_under(context, view)
+        if tip is None:
+            return False
+        report(self, fingertip_objects.leave_poke())
+        fingertip_objects.select(context, tip)
+        bridge_write.remember("Select")
+        return True
 
     def _tick(self, context: bpy.types.Context) -> set[str]:
         """Let as much time pass as did since the last tick, or as this computer manages."""

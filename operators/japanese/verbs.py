@@ -243,6 +243,9 @@ MESSAGES = {
     "No surface lies along the direction of the press at ({}). Choose another location.": (
         "({}) で押す向きに表面がありません。別の位置を選んでください。"
     ),
+    'The press on "{}" is keyframed from frame {} to {}.': (
+        '"{}" を押した動きを、フレーム {} から {} までのキーフレームにしました。'
+    ),
     "That is beyond the scene's last frame {}.": "シーンの最終フレーム {} を超えています。",
     'Recorded {} frames of "{}" to {}: when its session has ended, it plays them from frame {} to {}.': (
         '"{1}" の {0} フレームを {2} に記録しました。押し終えると、フレーム {3} から {4} まで再生します。'
