@@ -7,24 +7,26 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from . import polls, sessions
 from .mesh_faults import Faults, faults, repair
 from .messages import gathered, report, say
-from .names import POKE_TOOL, Op
-from .sizing import settle_size
+from .names import Op
+from .sizing import fit, settle_size
 from .start import LARGE
 
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
 TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
 
 
-_items: list[tuple[str, str, str]] = []  # Blender does not keep the strings of a list that a function returns
+FIRST = "object_2_vinyl_air"  # number 0 of the list, and so its default
+Item = tuple[str, str, str, str, int]
+_items: list[Item] = []  # Blender does not keep the strings of a list that a function returns
 
 
-def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[tuple[str, str, str]]:
-    """Return the known objects: identifier, name and source."""
-    from ..core.everyday import EVERYDAY
-    from ..core.material import PRESETS
+def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[Item]:
+    """Return the known objects, from soft to hard: identifier, name, source and number."""
+    from ..core.everyday import OBJECTS
 
     if not _items:
-        _items.extend((each.name, each.label, each.provenance) for each in (*PRESETS, *EVERYDAY))
+        numbers = {name: i for i, name in enumerate([FIRST, *(each.name for each in OBJECTS if each.name != FIRST)])}
+        _items.extend((each.name, each.label, each.provenance, "NONE", numbers[each.name]) for each in OBJECTS)
     return _items
 
 
@@ -38,7 +40,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
     preset: EnumProperty(
         name="Material",
         description="Object whose constants the material gets; unchosen, only a mesh without one gets it",
-        items=presets, default=1, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
+        items=presets, default=0, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
     )  # fmt: skip
     repair: BoolProperty(
         name="Repair", description="Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself"
@@ -77,7 +79,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set up every selected mesh; one that cannot be pressed is said and left as it was."""
         from ..core.base import DimpleError
-        from . import live
+        from . import live, pointer
 
         done, soft, wrong, noted = [], [], [], []
         try:
@@ -103,7 +105,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
             say(self, {"ERROR"}, *gathered(wrong))
             return {"CANCELLED"}
         report(self, [*wrong, *noted])
-        choose_tool(context)
+        pointer.choose_tool(context)
         if len(soft) > 1:
             soft = [f"{len(soft)} meshes are soft. Press them with the left mouse button."]
         say(self, {"INFO"}, *done, *soft)
@@ -148,6 +150,7 @@ def make_soft(
         with context.temp_override(object=obj, active_object=obj):
             bpy.ops.dimple.apply_preset(preset=preset)
     settle_size(context.scene, obj)
+    fit(context.scene, obj)
     obj.dimple.enabled = True
     if len(obj.data.vertices) > LARGE:
         return f'"{obj.name}" is soft: "{obj.active_material.name}". It is prepared when you press it first.', []
@@ -186,12 +189,6 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.type
     made = context.view_layer.objects.active if replaced else obj  # Blender removes a metaball
     made.name = name
     return made, f'"{made.name}" was {given}converted to a mesh.'
-
-
-def choose_tool(context: bpy.types.Context) -> None:
-    """Make the poke the tool of the viewport, where there is one."""
-    if context.area and context.area.type == "VIEW_3D" and context.window:
-        bpy.ops.wm.tool_set_by_id(name=POKE_TOOL)
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_make_soft])

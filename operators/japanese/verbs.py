@@ -265,10 +265,10 @@ MESSAGES = {
     '"{}" was edited while it was pressed, so its session has ended. The edit is kept.': (
         '"{}" が押している間に編集されたため、終了しました。編集は残っています。'
     ),
-    '"{}": {} m across as modelled does not suit a fingertip of {} mm: it is pressed as an object of {} '
+    '"{}": {} m across as modelled, but constants are measured on what one can hold: it is pressed as an object of {} '
     "mm. Physical Size in Physics > Dimple changes that.": (
-        '"{}": {} m で作られていて {} mm の指先に合わないため、{} mm の物体として押します。物理演算 > Dimple の「'
-        "実物の大きさ」で変えられます。"
+        '"{}": {} m で作られていますが、定数は手に持てる物で測ったものなので、{} mm の物体として押します。'
+        "物理演算 > Dimple の「実物の大きさ」で変えられます。"
     ),
     "The mesh has too few vertices to hold the map. Subdivide it first.": (
         "マップを持つには頂点が少なすぎます。先にメッシュを細分化してください。"
