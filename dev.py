@@ -44,7 +44,7 @@ def window(options: argparse.Namespace) -> int:
 
 
 def samples(options: argparse.Namespace) -> int:
-    """make blend_samples/*.blend again, in the oldest Blender so that every version opens them"""
+    """make blend_samples/*.blend again, in the oldest Blender so that every version opens them, and addon/pictures"""
     return in_blender("blend_samples/make_samples.py", options.blender or OLDEST, None)
 
 

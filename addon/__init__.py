@@ -2,6 +2,7 @@
 
 from .. import operators
 from . import (
+    material_choice,
     overlay,
     panels,
     preferences,
@@ -17,8 +18,8 @@ from . import (
 # in order of dependence: operators read the properties, panels name the operators and the presets' popover,
 # the preferences move the panels
 PARTS = (
-    translations, properties, operators, presets, panels, reduction, preferences, surface_colours, overlay,
-    tool, still_warning,
+    translations, material_choice, properties, operators, presets, panels, reduction, preferences, surface_colours,
+    overlay, tool, still_warning,
 )  # fmt: skip
 
 

@@ -33,7 +33,7 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
     """Calibrating from a file, and applying the result to a material."""
 
     bl_label = "Calibration"
-    bl_parent_id = "DIMPLE_PT_session"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the operators and the result."""
@@ -75,7 +75,7 @@ class DIMPLE_PT_virtual_press(SidebarPanel, bpy.types.Panel):
     """Measuring the active object."""
 
     bl_label = "Virtual Press"
-    bl_parent_id = "DIMPLE_PT_session"
+    bl_parent_id = "DIMPLE_PT_calibration"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:

@@ -52,7 +52,6 @@ class DIMPLE_PT_device(SidebarPanel, bpy.types.Panel):
     """Connect, arm and watch the haptic device."""
 
     bl_label = "Haptic Device"
-    bl_parent_id = "DIMPLE_PT_session"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:

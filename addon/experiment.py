@@ -12,7 +12,6 @@ class DIMPLE_PT_experiment(SidebarPanel, bpy.types.Panel):
     """Compare the virtual object with the real one, or with itself at another stiffness."""
 
     bl_label = "Sensory Comparison"
-    bl_parent_id = "DIMPLE_PT_session"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:

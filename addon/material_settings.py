@@ -29,6 +29,32 @@ def _mark_measured(settings: bpy.types.PropertyGroup, _context: bpy.types.Contex
     settings.edited = False
 
 
+LEAST_MM = 0.01  # of softness: 0.5 kN/mm, as hard as what nobody presses
+
+
+def _softness(settings: bpy.types.PropertyGroup) -> float:
+    from ..core.base import DimpleError  # not at import: it needs numpy, and enabling must be quick
+    from ..core.material import Material
+    from ..core.other_tip import softness
+
+    try:
+        return softness(Material(**settings.to_params())) * 1e3
+    except DimpleError:
+        return 0.0  # the panel says what is wrong
+
+
+def _set_softness(settings: bpy.types.PropertyGroup, depth_mm: float) -> None:
+    from ..core.base import DimpleError
+    from ..core.material import Material
+    from ..core.other_tip import as_soft
+
+    try:
+        scaled = as_soft(Material(**settings.to_params()), exact(max(depth_mm, LEAST_MM), -1))
+    except DimpleError:
+        return
+    settings.K1, settings.K2 = scaled.K1 / 1e3, scaled.K2 / 1e3
+
+
 def _stiffness(name: str, default: float, description: str) -> FloatProperty:
     return FloatProperty(
         name=name, description=description, default=default, min=0.0, soft_min=0.01, soft_max=100.0,
@@ -39,6 +65,12 @@ def _stiffness(name: str, default: float, description: str) -> FloatProperty:
 class DIMPLE_PG_material(bpy.types.PropertyGroup):
     """The constants of one material, as measured on a real object."""
 
+    softness_mm: FloatProperty(
+        name="Softness (mm)",
+        description="How deep a fingertip of 10 mm sinks in with 5 N; to change it scales how hard the material is",
+        min=LEAST_MM, max=1000.0, soft_min=0.1, soft_max=100.0, step=10, precision=2,
+        get=_softness, set=_set_softness, **FIXED,
+    )  # fmt: skip
     K1: _stiffness("K1 (N/mm)", 0.61, "Force per depth of a press, up to the knee")
     K2: _stiffness("K2 (N/mm)", 7.23, "Force per depth of a press, beyond the knee")
     x0: FloatProperty(

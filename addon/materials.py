@@ -1,8 +1,11 @@
-"""The constants of a material: Material > Dimple, and at hand in the sidebar while one pokes."""
+"""What something is made of: Material > Dimple, and at hand in the sidebar while one pokes."""
 
 import bpy
 
+from ..operators import twins
+from ..operators.names import Op
 from .drawing import MaterialPanel, SidebarPanel, draw_notes
+from .material_choice import draw_choice
 from .presets import DIMPLE_PT_material_presets
 
 
@@ -18,17 +21,22 @@ def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
     return []
 
 
-def draw_law(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draw the constants of force against depth."""
+def draw_softness(context: bpy.types.Context, layout: bpy.types.UILayout, material: bpy.types.Material) -> None:
+    """Draw what the material is in pictures, how soft it is, and what is wrong with its constants."""
+    layout.use_property_split = True
+    body = context.object
+    if body and body.type == "MESH" and body.active_material == material:  # its tab may be pinned to another
+        draw_choice(layout, body)
+    layout.prop(material.dimple, "softness_mm")
+    draw_notes(context, layout, wrong_with(material.dimple), "ERROR")
+
+
+def draw_constants(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+    """Draw the constants, then their source: no field moves away under the mouse."""
     layout.use_property_split = True
     column = layout.column(align=True)
     for name in ("K1", "K2", "x0"):
         column.prop(settings, name)
-
-
-def draw_others(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draw the other constants."""
-    layout.use_property_split = True
     column = layout.column(align=True)
     row = column.row(align=True)
     row.active = not settings.spread_mm  # a spread that is typed takes its place
@@ -42,6 +50,10 @@ def draw_others(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -
     layout.prop(settings, "fill")
     if settings.fill != "NONE":
         layout.prop(settings, "pressure_kpa")
+    if settings.provenance:
+        if settings.edited:
+            draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
+        draw_notes(context, layout, [settings.provenance], "BOOKMARKS")
 
 
 class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):
@@ -59,51 +71,52 @@ class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):
         DIMPLE_PT_material_presets.draw_panel_header(self.layout)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the constants, then their source and what is wrong: no field moves away under the mouse."""
-        settings, layout = context.material.dimple, self.layout
-        draw_law(layout, settings)
-        draw_others(layout, settings)
-        draw_notes(context, layout, wrong_with(settings), "ERROR")
-        if settings.provenance:
-            if settings.edited:
-                draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
-            draw_notes(context, layout, [settings.provenance], "BOOKMARKS")
+        """Draw what the material is, then its constants."""
+        draw_softness(context, self.layout, context.material)
+        draw_constants(context, self.layout, context.material.dimple)
 
 
-class _ObjectMaterialPanel(SidebarPanel):
-    """A panel of the active object's material in the sidebar."""
+class DIMPLE_PT_object_material(SidebarPanel, bpy.types.Panel):
+    """What the active object is made of."""
+
+    bl_label = "Material"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a mesh with a material."""
-        body = context.object
-        return body is not None and body.type == "MESH" and body.active_material is not None
+        """Need a mesh."""
+        return context.object is not None and context.object.type == "MESH"
 
-
-class DIMPLE_PT_object_material(_ObjectMaterialPanel, bpy.types.Panel):
-    """The law of the active object's material, above what grows while one pokes."""
-
-    bl_label = "Material"
-    bl_parent_id = "DIMPLE_PT_session"
+    def draw_header_preset(self, _context: bpy.types.Context) -> None:
+        """Draw the button of the presets."""
+        DIMPLE_PT_material_presets.draw_panel_header(self.layout)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the constants, then what is wrong."""
-        settings = context.object.active_material.dimple
-        draw_law(self.layout, settings)
-        draw_notes(context, self.layout, wrong_with(settings), "ERROR")
+        """Draw the choice and the softness, and how to compare two."""
+        body, layout = context.object, self.layout
+        if body.active_material:
+            draw_softness(context, layout, body.active_material)
+        else:
+            draw_choice(layout, body)
+        paired = twins.other(body, context.scene) is not None
+        layout.operator(Op.USE_MATERIAL if paired else Op.COMPARE_MATERIALS, icon="MOD_MIRROR")
 
 
-class DIMPLE_PT_object_material_others(_ObjectMaterialPanel, bpy.types.Panel):
-    """The other constants of the active object's material."""
+class DIMPLE_PT_object_constants(SidebarPanel, bpy.types.Panel):
+    """The constants of the active object's material, as they are measured."""
 
-    bl_label = "Other Constants"
+    bl_label = "Constants"
     bl_parent_id = "DIMPLE_PT_object_material"
     bl_options = {"DEFAULT_CLOSED"}
 
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need a material."""
+        return DIMPLE_PT_object_material.poll(context) and context.object.active_material is not None
+
     def draw(self, context: bpy.types.Context) -> None:
         """Draw them."""
-        draw_others(self.layout, context.object.active_material.dimple)
+        draw_constants(context, self.layout, context.object.active_material.dimple)
 
 
 PROPERTIES = (DIMPLE_PT_material,)
-SIDEBAR = (DIMPLE_PT_object_material, DIMPLE_PT_object_material_others)
+SIDEBAR = (DIMPLE_PT_object_material, DIMPLE_PT_object_constants)

@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from ..operators.messages import Note, wrapped
+from ..operators.messages import wrapped
 from ..operators.modal_runs import runs
 from ..operators.sessions import sessions
 from ..operators.translation import translated
@@ -77,11 +77,11 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, n
     if any(run.paused for run in runs):
         lines.append((iface_("Paused"), FORCE))
     lines += [(line, FORCE) for sentence in device.slow() for line in wrapped(sentence, 40)]
+    if 0 < readout.rate_hz(entry.frame) * entry.session.clock.tick < 1:
+        lines.append((": ".join(readout.real_time(entry.frame, entry.session.clock.tick)), canvas.ink()))
     if numbers:
-        rows = readout.short_rows(entry.frame, entry.session.clock.tick)
-        warnings = [each for each in entry.session.model.notes if not isinstance(each, Note)]  # the sidebar has all
-        more = filter(None, [entry.session.contact_note, entry.refused])
-        notes = readout.sentences([*warnings, *more], entry.frame)
+        rows = readout.rows(entry.frame)
+        notes = readout.warnings(entry)
         lines += [(f"{label}: {value}", canvas.ink()) for label, value in rows]
         lines += [(line, canvas.ink()) for sentence in notes for line in wrapped(translated(sentence, iface_), 60)]
     # what finds no room is left out, the last first

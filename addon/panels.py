@@ -1,18 +1,17 @@
-"""The panels: Physics > Dimple, and the tab of the session in the sidebar.
+"""The panels: Physics > Dimple, and the tab in the sidebar, in the order of work.
 
 What cannot be used now is greyed out, not hidden; a tooltip from the operator's poll says why.
 """
 
 import bpy
 
-from ..operators import twins
+from ..operators.messages import Note
 from ..operators.names import MAPS, Op
 from ..operators.sessions import sessions
 from ..operators.under_way import is_blind
 from . import calibration, device, experiment, materials, readout, room
 from .contact import DIMPLE_PT_contact
-from .drawing import TAB, SidebarPanel, draw_notes
-from .presets import DIMPLE_PT_material_presets
+from .drawing import TAB, SidebarPanel, draw_notes, draw_rows
 from .tool import amounts
 
 
@@ -58,17 +57,17 @@ class DIMPLE_PT_body(bpy.types.Panel):
 
 
 class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
-    """The operators of a session."""
+    """The operators of a press, and how hard and deep it is."""
 
-    bl_label = "Dimple"
+    bl_label = "Press"
 
     def draw_header(self, context: bpy.types.Context) -> None:
         """Note, before what is open is drawn, that the numbers are not."""
         room.note_readout(context.area, shown=False)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the operators and the state of the session."""
-        layout, body = self.layout, context.object
+        """Draw the operators, the surroundings and the state of the session."""
+        settings, layout, body = context.scene.dimple, self.layout, context.object
         entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)
         column.scale_y = 1.4
@@ -76,29 +75,17 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         row.enabled = body is not None and not (body.type == "MESH" and body.dimple.enabled)
         row.operator(Op.MAKE_SOFT, icon="MOD_SOFT")
         column.operator(Op.POKE, icon="RESTRICT_SELECT_OFF")
-        row = layout.row()
-        row.enabled = body is not None and body.type == "MESH"
-        DIMPLE_PT_material_presets.draw_menu(row, text="Materials")
-        paired = body is not None and body.type == "MESH" and twins.other(body, context.scene) is not None
-        layout.operator(Op.USE_MATERIAL if paired else Op.COMPARE_MATERIALS, icon="MOD_MIRROR")
-        column = layout.column(align=True)
+        row = layout.row(align=True)
         running = entry is not None and entry.running
-        column.operator(Op.PLAY, text="Pause" if running else "Play", icon="PAUSE" if running else "PLAY")
-        column.operator(Op.RESET, icon="LOOP_BACK")
-        recording = entry is not None and entry.recording
-        column.operator(Op.RECORD, text="Stop Recording" if recording else "Record", icon="REC", depress=recording)
-
-
-class DIMPLE_PT_state(SidebarPanel, bpy.types.Panel):
-    """What the session is doing: below the constants, so that no field moves away under the mouse."""
-
-    bl_label = ""
-    bl_parent_id = "DIMPLE_PT_session"
-    bl_options = {"HIDE_HEADER"}
-
-    def draw(self, context: bpy.types.Context) -> None:
-        """Draw the state."""
-        layout, body = self.layout, context.object
+        row.operator(Op.PLAY, text="Pause" if running else "Play", icon="PAUSE" if running else "PLAY")
+        row.operator(Op.RESET, icon="LOOP_BACK")
+        row = layout.row()
+        row.prop(settings, "use_gravity")
+        row.prop(settings, "use_ground")
+        if not is_blind():
+            room.note_readout(context.area, shown=True)
+            draw_rows(layout, readout.rows(entry and entry.frame))
+            draw_notes(context, layout, readout.warnings(entry) if entry else [], "ERROR")
         if body is None or body.type != "MESH":
             draw_notes(context, layout, ["Select a mesh to press it."])
         elif context.window_manager.dimple.state:
@@ -106,10 +93,11 @@ class DIMPLE_PT_state(SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
-    """The numbers of the session."""
+    """The other numbers of the session."""
 
-    bl_label = "Readout"
+    bl_label = "More Numbers"
     bl_parent_id = "DIMPLE_PT_session"
+    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
@@ -119,27 +107,18 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the numbers with units, then the notes."""
         layout, body = self.layout, context.object
-        room.note_readout(context.area, shown=True)
         entry = sessions.get(body.session_uid) if body else None
         if entry is None:
             layout.label(text="Nothing is being pressed")
             return
-        split = layout.split(factor=0.55)
-        labels, values = split.column(align=True), split.column(align=True)
-        labels.alignment = "RIGHT"
-        for label, value in readout.rows(entry.frame, entry.session.clock.tick):
-            labels.label(text=label, translate=False)
-            values.label(text=value, translate=False)
-        session = entry.session
-        notes = [*session.model.notes, *filter(None, [session.contact_note, entry.refused])]
-        draw_notes(context, layout, readout.sentences(notes, entry.frame))
+        draw_rows(layout, readout.more_rows(entry.frame, entry.session.clock.tick))
+        draw_notes(context, layout, [note for note in entry.session.model.notes if isinstance(note, Note)])
 
 
 class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
     """The settings of the fingertips."""
 
     bl_label = "Fingertips"
-    bl_parent_id = "DIMPLE_PT_session"
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw radius, direction and the three slots."""
@@ -172,52 +151,63 @@ def _bake_button(layout: bpy.types.UILayout, scene: bpy.types.Scene, target: str
     button.target, button.frame_start, button.frame_end = target, scene.frame_start, scene.frame_end
 
 
-class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
-    """Baking a press to animation."""
+class DIMPLE_PT_animate(SidebarPanel, bpy.types.Panel):
+    """From a press to an animation, and out."""
 
-    bl_label = "Bake"
-    bl_parent_id = "DIMPLE_PT_session"
-    bl_options = {"DEFAULT_CLOSED"}
+    bl_label = "Animate"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw both kinds of bake over the frames of the scene, and how to remove one."""
-        scene, layout = context.scene, self.layout
-        layout.use_property_split = True
-        layout.prop(scene.dimple, "cache_dir")
-        layout.prop(scene.dimple, "shape_key_step")
-        layout.prop(scene.dimple, "use_curves")
+        """Draw the bake over the frames of the scene, the recording of a live press, and the export."""
+        layout, entry = self.layout, sessions.get(context.object.session_uid) if context.object else None
         column = layout.column(align=True)
-        _bake_button(column, scene, "MESH_CACHE", text="Bake to Mesh Cache")
-        _bake_button(column, scene, "SHAPE_KEYS", text="Bake to Shape Keys")
-        layout.operator(Op.EXPORT, icon="EXPORT")
-        layout.operator(Op.UNBAKE, icon="TRASH")
+        column.scale_y = 1.4
+        _bake_button(column, context.scene, "MESH_CACHE", text="Bake")
+        column.operator(Op.EXPORT, icon="EXPORT")
+        column = layout.column(align=True)
+        recording = entry is not None and entry.recording
+        column.operator(Op.RECORD, text="Stop Recording" if recording else "Record", icon="REC", depress=recording)
+        column.operator(Op.UNBAKE, icon="TRASH")
 
 
-class DIMPLE_PT_surroundings(SidebarPanel, bpy.types.Panel):
-    """The surroundings of the body, and the switches of the overlay."""
+class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
+    """What a bake makes, and where."""
 
-    bl_label = "Surroundings and Display"
-    bl_parent_id = "DIMPLE_PT_session"
+    bl_label = "Bake Options"
+    bl_parent_id = "DIMPLE_PT_animate"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw gravity, ground and the switches of the overlay."""
+        """Draw the folder, the curves and the other kind of bake."""
         settings, layout = context.scene.dimple, self.layout
         layout.use_property_split = True
-        column = layout.column(heading="World")
-        column.prop(settings, "use_gravity")
-        column.prop(settings, "use_ground")
-        column = layout.column(heading="Show")
-        column.prop(settings, "show_overlay")
+        layout.prop(settings, "cache_dir")
+        layout.prop(settings, "use_curves")
+        column = layout.column(align=True)
+        column.prop(settings, "shape_key_step")
+        _bake_button(column, context.scene, "SHAPE_KEYS", text="Bake to Shape Keys")
+
+
+class DIMPLE_PT_display(SidebarPanel, bpy.types.Panel):
+    """The switches of the overlay."""
+
+    bl_label = "Display"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the switches."""
+        settings, layout = context.scene.dimple, self.layout
+        layout.use_property_split = True
+        layout.prop(settings, "show_overlay")
         column = layout.column()
         column.active = settings.show_overlay
         for name in ("show_chart", "show_rest", "show_profile", "show_field"):
             column.prop(settings, name)
 
 
+# in the order of work, then the laboratory
 _SIDEBAR = (
-    DIMPLE_PT_session, *materials.SIDEBAR, DIMPLE_PT_state, DIMPLE_PT_readout, *calibration.SIDEBAR,
-    DIMPLE_PT_fingertips, *device.SIDEBAR, *experiment.SIDEBAR, DIMPLE_PT_bake, DIMPLE_PT_surroundings,
+    DIMPLE_PT_session, DIMPLE_PT_readout, *materials.SIDEBAR, DIMPLE_PT_fingertips, DIMPLE_PT_animate, DIMPLE_PT_bake,
+    DIMPLE_PT_display, *calibration.SIDEBAR, *device.SIDEBAR, *experiment.SIDEBAR,
 )  # fmt: skip
 _register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)
 _register_properties, _unregister_properties = bpy.utils.register_classes_factory(

@@ -21,6 +21,7 @@ from ..operators.names import MAPS, PLACES
 from . import cursor
 from .contact import ContactSettings
 from .device import DevicePlace
+from .material_choice import MaterialChoice
 from .material_settings import DIMPLE_PG_material
 from .reduction_settings import FIXED, KEYED, ReductionSettings, exact, kept_text
 
@@ -69,7 +70,7 @@ def _map(which: int) -> StringProperty:
     return StringProperty(name=label, description=f"Vertex group or float attribute that paints {meaning}", **FIXED)
 
 
-class DIMPLE_PG_object(ContactSettings, ReductionSettings, bpy.types.PropertyGroup):
+class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.types.PropertyGroup):
     """The settings that make an object a soft body."""
 
     enabled: BoolProperty(name="Dimple", description="Make this mesh a soft body that can be pressed", **FIXED)

@@ -1,10 +1,10 @@
-"""The numbers of a session with their units: all of them in the sidebar, fewer over the viewport."""
+"""The numbers of a session with their units: force and depth first, in the sidebar or over the viewport."""
 
-from collections.abc import Sequence
 from typing import Any
 
 from bpy.app.translations import pgettext_iface
 
+from ..operators.messages import Note
 from .translations import CONTEXT
 
 
@@ -29,34 +29,36 @@ def rate_hz(frame: Any) -> float:
     return frame.steps / frame.cost if frame.cost > 0 else 0.0
 
 
-def short_rows(frame: Any, tick: float) -> list[tuple[str, str]]:
-    """Return the rows for the viewport, which must not be covered by more: what presses, and what it does inside."""
-    hidden = {iface_(label) for label in ("Volume", "Time", "Rate", "Steps per Tick")}
-    hidden |= {iface_("Real Time")} if not 0 < rate_hz(frame) * tick < 1 else set()
-    return [row for row in rows(frame, tick) if row[0] not in hidden]
+def rows(frame: Any | None) -> list[tuple[str, str]]:
+    """Return (label, number with unit) of what presses; also where nothing does, so that what is below stays there."""
+    # every value has a row of its own, so that a narrow sidebar does not cut off its unit
+    lines = []
+    for number, force, depth in (finger_numbers(frame) if frame else []) or [(1, 0.0, 0.0)]:
+        lines.append((iface_("Force {}").format(number), f"{force:.2f} N"))
+        lines.append((iface_("Depth {}").format(number), f"{depth:.2f} mm"))
+    return lines
 
 
-def rows(frame: Any, tick: float) -> list[tuple[str, str]]:
-    """Return (label, number with unit) of everything in a frame, in the language of the interface.
+def real_time(frame: Any, tick: float) -> tuple[str, str]:
+    """Return (label, share) of how much of real time the simulation keeps up with.
 
     Args:
         tick: control step of the session [s].
     """
-    # every value has a row of its own, so that a narrow sidebar does not cut off its unit; + 0.0 turns -0 into 0
-    lines = []
-    for number, force, depth in finger_numbers(frame):
-        lines.append((iface_("Force {}").format(number), f"{force:.2f} N"))
-        lines.append((iface_("Depth {}").format(number), f"{depth:.2f} mm"))
-    lines.append((iface_("Pressure"), f"{round(frame.pressure / 1e3, 3) + 0.0:.3f} kPa"))
-    lines.append((iface_("Volume"), volume_text(frame.volume)))
-    lines.append((iface_("Change of Volume"), f"{round(volume_change(frame), 4) + 0.0:+.2%}"))
-    lines.append((iface_("Time"), f"{frame.time:.3f} s"))
-    rate = rate_hz(frame)
-    lines.append((iface_("Rate"), f"{rate:.0f} Hz"))
-    lines.append((iface_("Steps per Tick"), f"{frame.substeps}"))
-    speed = min(rate * tick, 1.0) if rate else 1.0
-    lines.append((iface_("Real Time"), f"{speed:.0%}"))  # also at 100 %: a row that comes and goes moves the others
-    return lines
+    return iface_("Real Time"), f"{min(rate_hz(frame) * tick or 1.0, 1.0):.0%}"
+
+
+def more_rows(frame: Any, tick: float) -> list[tuple[str, str]]:
+    """Return (label, number with unit) of everything else in a frame."""
+    return [  # + 0.0 turns -0 into 0
+        (iface_("Pressure"), f"{round(frame.pressure / 1e3, 3) + 0.0:.3f} kPa"),
+        (iface_("Volume"), volume_text(frame.volume)),
+        (iface_("Change of Volume"), f"{round(volume_change(frame), 4) + 0.0:+.2%}"),
+        (iface_("Time"), f"{frame.time:.3f} s"),
+        (iface_("Rate"), f"{rate_hz(frame):.0f} Hz"),
+        (iface_("Steps per Tick"), f"{frame.substeps}"),
+        real_time(frame, tick),
+    ]
 
 
 def volume_text(volume: float) -> str:
@@ -64,6 +66,7 @@ def volume_text(volume: float) -> str:
     return f"{volume * 1e6:.1f} cm³" if volume < 0.1 else f"{volume:.4f} m³"
 
 
-def sentences(notes: Sequence[str], frame: Any | None) -> list[str]:
-    """Return the messages for the artist: notes on the mesh, then that of the last frame."""
-    return [*notes, frame.note] if frame is not None and frame.note else list(notes)
+def warnings(entry: Any) -> list[str]:
+    """Return the messages on a session that an artist has to see."""
+    wrong = [note for note in entry.session.model.notes if not isinstance(note, Note)]
+    return [*wrong, *filter(None, [entry.session.contact_note, entry.refused, entry.frame.note])]

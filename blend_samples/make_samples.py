@@ -1,4 +1,4 @@
-"""Make three_objects.blend and suzanne.blend anew (`python3 dev.py samples`), in the oldest Blender supported."""
+"""Make the samples and the pictures of the materials anew (`python3 dev.py samples`), in the oldest Blender."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 import bpy
+from make_pictures import pictures
 from mathutils import Vector
 from scene_parts import frame, install, key_press, look, painted, press_ball, save
 
@@ -95,3 +96,4 @@ if __name__ == "__main__":
     install()
     three_objects()
     suzanne()
+    pictures()

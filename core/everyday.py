@@ -1,15 +1,17 @@
-"""Everyday objects as presets: from rules of sport, data sheets and trade standards, and some that are made up.
+"""Everyday objects as presets: from rules of sport, data sheets, trade standards and papers; some are made up.
 
 Each says where its numbers come from and between which limits they lie; none was measured by us. A ball full of air
-is flattened by a plate over a circle of radius sqrt(2 R x), on which its gauge pressure p acts: F = 2 pi R p x. A flat
-punch of radius a presses rubber, which is incompressible, with F = 2 a E x / (1 - 1/4).
+is flattened by a plate over a circle of radius sqrt(2 R x), on which its gauge pressure p acts: F = 2 pi R p x. What is
+incompressible, as rubber and flesh are, a flat punch of radius a presses with F = 2 a E x / (1 - 1/4), and a ball of
+radius R with F = 4/3 E R^(1/2) x^(3/2) / (1 - 1/4).
 """
 
 from __future__ import annotations
 
 import math
 
-from .material import FINGERTIP, Indenter, Material, Preset
+from .material import FINGERTIP, HERTZ, PRESETS, Indenter, Material, Preset
+from .other_tip import softness
 
 MADE_UP = "Made up: no measurement stands behind it, only the feel of such an object in the hand"
 _KGF_PER_CM2 = 98_066.5  # [Pa]
@@ -17,6 +19,13 @@ _PSI = 6_894.76  # [Pa]
 _PUNCH = 0.005  # [m] radius of that on rubber
 _IFD = 0.1013  # [m] radius of the plate of 50 square inches that presses foam
 _POUND = 4.44822  # [N]
+_GRAM = 9.80665e-3  # [N]
+_PLUNGER = 0.00635  # [m] radius of the one that tests gelatin
+
+
+def _short(value: float) -> float:
+    """Return a constant with as many digits as the panel shows."""
+    return float(f"{value:.4g}")
 
 
 def _ball(name: str, label: str, rule: str, radius: float, pressure: tuple[float, float], mass: float) -> Preset:
@@ -24,23 +33,24 @@ def _ball(name: str, label: str, rule: str, radius: float, pressure: tuple[float
     low, high = (2 * math.pi * radius * p for p in pressure)
     knee = 0.1 * radius
     material = Material(
-        K1=(low + high) / 2, K2=(low + high) / 2, x0=knee, k=20_000, spread=0.3 * radius, mass=mass,
+        K1=_short((low + high) / 2), K2=_short((low + high) / 2), x0=_short(knee), k=20_000,
+        spread=_short(0.3 * radius), mass=mass,
         indenter=Indenter(shape="punch", radius=round(math.sqrt(2 * radius * knee), 4)),
     )  # fmt: skip
     source = f"{rule}; K = 2 pi R p, from {low / 1e3:.3g} to {high / 1e3:.3g} N/mm, pressed by a plate"
     return Preset(name=name, label=label, material=material, size=2 * radius, provenance=source)
 
 
-def _rubber(name: str, label: str, psi: float, density: float) -> Preset:
+def _rubber(name: str, label: str, brand: str, psi: float, density: float) -> Preset:
     """Return a block of silicone of 50 mm whose stress at 100 % is given in psi, and its density [kg/m3]."""
-    stiffness = 2 * _PUNCH * psi * _PSI / 0.75
+    stiffness = _short(2 * _PUNCH * psi * _PSI / 0.75)
     material = Material(
         K1=stiffness, K2=stiffness, x0=0.01, k=2_000, spread=0.01, density=density, fill="solid", damping_ratio=0.3,
         indenter=Indenter(shape="punch", radius=_PUNCH),
     )  # fmt: skip
     source = (
-        f"Data sheet of Smooth-On: stress at 100 % strain {psi:g} psi; K = 8 a E / 3 for a flat punch of 5 mm, "
-        f"{0.8 * stiffness / 1e3:.2g} to {1.2 * stiffness / 1e3:.2g} N/mm if E may be 20 % off (our guess)"
+        f"Data sheet of Smooth-On, {brand}: stress at 100 % strain {psi:g} psi; K = 8 a E / 3 for a flat punch of 5 "
+        f"mm, {0.8 * stiffness / 1e3:.2g} to {1.2 * stiffness / 1e3:.2g} N/mm if E may be 20 % off (our guess)"
     )
     return Preset(name=name, label=label, material=material, size=0.05, provenance=source)
 
@@ -48,9 +58,9 @@ def _rubber(name: str, label: str, psi: float, density: float) -> Preset:
 def _foam(name: str, label: str, pounds: tuple[float, float], kind: str) -> Preset:
     """Return a block of foam of 100 mm by 380 mm that a force [lbf] presses to three quarters."""
     low, high = (force * _POUND / 0.025 for force in pounds)
-    stiffness = (low + high) / 2
+    stiffness = _short((low + high) / 2)
     material = Material(
-        K1=stiffness, K2=stiffness * 25 / 40, x0=0.025, k=3_000, spread=0.02, density=29, fill="none",
+        K1=stiffness, K2=_short(stiffness * 25 / 40), x0=0.025, k=3_000, spread=0.02, density=29, fill="none",
         damping_ratio=0.6, indenter=Indenter(shape="punch", radius=_IFD),
     )  # fmt: skip
     source = (
@@ -58,6 +68,37 @@ def _foam(name: str, label: str, pounds: tuple[float, float], kind: str) -> Pres
         f"{pounds[1]:g} lbf at 25 % of 100 mm, so {low / 1e3:.3g} to {high / 1e3:.3g} N/mm; support factor taken as 2"
     )
     return Preset(name=name, label=label, material=material, size=0.38, provenance=source)
+
+
+def _flesh(name: str, label: str, kpa: tuple[float, float], what: str, density: float) -> Preset:
+    """Return what a body is made of, with Young's modulus and its deviation [kPa], as a fingertip would press it."""
+    knee = 0.015
+    share = math.sqrt(FINGERTIP.radius * (1 + 1 / HERTZ) * knee) / HERTZ * 4e3 / 3 / 0.75
+    material = Material(
+        K1=_short(share * kpa[0]), K2=_short(HERTZ**2 * _short(share * kpa[0])), x0=knee, k=1_000, spread=0.015,
+        density=density, fill="solid", damping_ratio=0.6, indenter=FINGERTIP,
+    )  # fmt: skip
+    source = (
+        f"Isogai and others 2022, J. Phys. Ther. Sci. 34, 777: {what}, {kpa[0]:g} ± {kpa[1]:g} kPa; "
+        f"Hertz with a ball of 10 mm, so {share * (kpa[0] - kpa[1]) / 1e3:.2g} to "
+        f"{share * (kpa[0] + kpa[1]) / 1e3:.2g} N/mm up to the knee"
+    )
+    return Preset(name=name, label=label, material=material, size=0.15, provenance=source)
+
+
+def _jelly(name: str, label: str, bloom: tuple[float, float]) -> Preset:
+    """Return a block of gelatin of 100 mm whose strength is given in grams."""
+    low, high = (grams * _GRAM / 0.004 for grams in bloom)
+    stiffness = _short((low + high) / 2)
+    material = Material(
+        K1=stiffness, K2=stiffness, x0=0.01, k=300, spread=0.012, density=1020, fill="solid", damping_ratio=0.1,
+        friction=0.2, indenter=Indenter(shape="punch", radius=_PLUNGER),
+    )  # fmt: skip
+    source = (
+        f"Bloom test of gelatin (6.67 % in water, 10 °C, a flat plunger of 12.7 mm, 4 mm deep): {bloom[0]:g} to "
+        f"{bloom[1]:g} g, so {low / 1e3:.3g} to {high / 1e3:.3g} N/mm; a dessert takes less gelatin"
+    )
+    return Preset(name=name, label=label, material=material, size=0.1, provenance=source)
 
 
 def _made_up(name: str, label: str, material: Material, size: float) -> Preset:
@@ -76,13 +117,13 @@ EVERYDAY = (
         "14.3 N/mm; 56.0 to 59.4 g",
     ),
     Preset(
-        name="squash_ball", label="Squash ball, double yellow dot",
+        name="squash_ball", label="Squash ball",
         material=Material(
             K1=3_200, K2=3_200, x0=0.008, k=5_000, spread=0.008, mass=0.024, damping_ratio=0.5,
             indenter=Indenter(shape="punch", radius=0.0126),
         ),
         size=0.04,
-        provenance=f"{MADE_UP}; but the rules say 39.5 to 40.5 mm across and 23 to 25 g",
+        provenance=f"{MADE_UP}; but the rules of a double yellow dot say 39.5 to 40.5 mm across and 23 to 25 g",
     ),
     _ball(
         "volleyball", "Volleyball", "FIVB rule 3: 65 to 67 cm round, 0.30 to 0.325 kgf/cm2, 260 to 280 g",
@@ -96,12 +137,22 @@ EVERYDAY = (
         "football", "Football", "Laws of the Game, law 2: 68 to 70 cm round, 0.6 to 1.1 atmospheres, 410 to 450 g",
         0.11, (0.6 * 101_325, 1.1 * 101_325), 0.43,
     ),
-    _rubber("ecoflex_00_10", "Silicone Ecoflex 00-10, 50 mm", 8, 1040),
-    _rubber("ecoflex_00_30", "Silicone Ecoflex 00-30, 50 mm", 10, 1070),
-    _rubber("dragon_skin_10", "Silicone Dragon Skin 10, 50 mm", 22, 1070),
-    _foam("sofa_foam", "Sofa foam, 380 mm", (25, 30), "sofa seats"),
+    _rubber("ecoflex_00_10", "Silicone 00-10", "Ecoflex 00-10", 8, 1040),
+    _rubber("ecoflex_00_30", "Silicone 00-30", "Ecoflex 00-30", 10, 1070),
+    _rubber("dragon_skin_10", "Silicone 10 A", "Dragon Skin 10", 22, 1070),
+    _foam("sofa_foam", "Sofa foam", (25, 30), "sofa seats"),
     _foam(
-        "chair_foam", "Office chair foam, 380 mm", (35, 45), "medium firm to very firm foam, as we take chairs to have"
+        "chair_foam", "Chair foam", (35, 45), "medium firm to very firm foam, as we take chairs to have"
+    ),
+    _flesh("skin", "Skin and fat", (26.1, 19.0), "subcutaneous tissue of the seat under 1 N", 1000),
+    _flesh("flesh", "Flesh", (62.2, 10.3), "relaxed muscle of the seat under 5 N", 1060),
+    _jelly("jelly", "Jelly", (175, 225)),
+    _made_up(
+        "dough", "Bread dough",
+        Material(
+            K1=220, K2=330, x0=0.015, k=300, spread=0.012, density=1150, fill="solid", indenter=FINGERTIP,
+            damping_ratio=2.0, friction=0.9,
+        ), 0.2,
     ),
     _made_up(
         "party_balloon", "Party balloon",
@@ -137,3 +188,11 @@ EVERYDAY = (
         ), 0.065,
     ),
 )  # fmt: skip
+
+# all that are known, the softest first
+OBJECTS = tuple(sorted((*PRESETS, *EVERYDAY), key=lambda preset: -softness(preset.material)))
+
+
+def found(material: Material) -> Preset | None:
+    """Return the preset whose constants a material has, None of one of one's own."""
+    return next((preset for preset in OBJECTS if preset.material == material), None)

@@ -10,14 +10,18 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from .base import Floats
 from .body.estimate import bed_area, reach, spread_on
-from .material import Indenter, Material
+from .material import FINGERTIP, Indenter, Material
 
+FORCE = 5.0  # [N] of the fingertip that softness is told by: that of a firm press with a finger
+BODY = 0.1  # [m] the size of what it presses, on which only a spread that is not typed and a point depend
+TURNS = 4  # of scaling: a spread that is not typed moves a little with the stiffness
 COUNT = 33  # depths at which factors are known, as in dimple.h
 FARTHEST = 4.0  # radii, and times x0: the deepest of them
 
@@ -35,6 +39,37 @@ def factors(materials: Sequence[Material], radius: float, size: float) -> tuple[
         return None
     end = FARTHEST * max(radius, *(material.x0 for material in materials))
     return np.stack([_factors(material, ball, size, end) for material in materials]), end
+
+
+def softness(material: Material) -> float:
+    """Return how deep a fingertip of 10 mm sinks into a material with 5 N [m]."""
+    low, high = 0.0, material.x0
+    force = _fingertip(material)
+    while force(high) < FORCE:
+        low, high = high, 2 * high
+    while high - low > 1e-7 * high:
+        middle = (low + high) / 2
+        low, high = (middle, high) if force(middle) < FORCE else (low, middle)
+    return high
+
+
+def as_soft(material: Material, depth: float) -> Material:
+    """Return a material with K1 and K2 scaled so that a fingertip of 10 mm sinks in to a depth [m] with 5 N."""
+    for _ in range(TURNS):
+        scale = FORCE / _fingertip(material)(depth)
+        material = replace(material, K1=scale * material.K1, K2=scale * material.K2)
+    return material
+
+
+def _fingertip(material: Material) -> Callable[[float], float]:
+    """Return the force [N] of a fingertip of 10 mm over the depth [m]."""
+    table = factors([material], FINGERTIP.radius, BODY)
+    if table is None:
+        return material.law
+    (values,), end = table
+    return lambda depth: material.law(depth) * float(
+        np.interp(math.sqrt(depth / end), np.linspace(0, 1, COUNT), values)
+    )
 
 
 @functools.lru_cache(maxsize=64)  # asked for with each press

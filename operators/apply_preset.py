@@ -36,19 +36,22 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set material, size and source."""
-        from ..core.everyday import EVERYDAY
-        from ..core.material import PRESETS
+        from ..core.everyday import OBJECTS
 
-        preset = next((each for each in (*PRESETS, *EVERYDAY) if each.name == self.preset), None)
+        preset = next((each for each in OBJECTS if each.name == self.preset), None)
         if preset is None:
-            known = ", ".join(each.name for each in (*PRESETS, *EVERYDAY))
+            known = ", ".join(each.name for each in OBJECTS)
             say(self, {"ERROR"}, f'There is no preset "{self.preset}". There are: {known}.')
             return {"CANCELLED"}
-        apply(material_of(context.object, preset.label).dimple, preset)
-        body = context.object.dimple
-        body.enabled, body.size_mode, body.size_mm = True, "CUSTOM", preset.size * 1e3
+        give(context.object, preset)
         sizing.fit(context.scene, context.object)
         return {"FINISHED"}
+
+
+def give(obj: bpy.types.Object, preset: "Preset") -> None:
+    """Make a mesh a soft body of a preset's material and size."""
+    apply(material_of(obj, preset.label).dimple, preset)
+    obj.dimple.enabled, obj.dimple.size_mode, obj.dimple.size_mm = True, "CUSTOM", preset.size * 1e3
 
 
 def apply(settings: bpy.types.PropertyGroup, preset: "Preset") -> None:

@@ -88,7 +88,9 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
     force_unit: _answer_text("Force Unit", "N, gf, kgf, mN, kN or lbf")
     decimal: _answer_text("Decimal", "The decimal mark, . or ,")
     table: IntProperty(name="Table", description="Which of several tables, counted from 1", options=HIDDEN, min=0)
-    press: EnumProperty(name="Press", description="Sign of a pressing force", items=SIGNS, options={"SKIP_SAVE"})
+    press: EnumProperty(
+        name="Sign of Force", description="Sign of a pressing force", items=SIGNS, options={"SKIP_SAVE"}
+    )
     inward: EnumProperty(
         name="Inward", description="Sign of a depth that grows as the tip goes in", items=SIGNS, options={"SKIP_SAVE"}
     )

@@ -15,16 +15,18 @@ PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is c
 TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
 
 
-_items: list[tuple[str, str, str]] = []  # Blender does not keep the strings of a list that a function returns
+FIRST = "object_2_vinyl_air"  # number 0 of the list, and so its default
+Item = tuple[str, str, str, str, int]
+_items: list[Item] = []  # Blender does not keep the strings of a list that a function returns
 
 
-def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[tuple[str, str, str]]:
-    """Return the known objects: identifier, name and source."""
-    from ..core.everyday import EVERYDAY
-    from ..core.material import PRESETS
+def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[Item]:
+    """Return the known objects, from soft to hard: identifier, name, source and number."""
+    from ..core.everyday import OBJECTS
 
     if not _items:
-        _items.extend((each.name, each.label, each.provenance) for each in (*PRESETS, *EVERYDAY))
+        numbers = {name: i for i, name in enumerate([FIRST, *(each.name for each in OBJECTS if each.name != FIRST)])}
+        _items.extend((each.name, each.label, each.provenance, "NONE", numbers[each.name]) for each in OBJECTS)
     return _items
 
 
@@ -38,7 +40,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
     preset: EnumProperty(
         name="Material",
         description="Object whose constants the material gets; unchosen, only a mesh without one gets it",
-        items=presets, default=1, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
+        items=presets, default=0, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
     )  # fmt: skip
     repair: BoolProperty(
         name="Repair", description="Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself"

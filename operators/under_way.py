@@ -83,10 +83,9 @@ def source_of(name: str) -> object:
         DimpleError: there is none.
     """
     from ..core.base import DimpleError
-    from ..core.everyday import EVERYDAY
-    from ..core.material import PRESETS
+    from ..core.everyday import OBJECTS
 
-    preset = next((each for each in (*PRESETS, *EVERYDAY) if name in (each.name, each.label)), None)
+    preset = next((each for each in OBJECTS if name in (each.name, each.label)), None)
     if preset is None and (bpy.data.materials.get(name) is None or name.startswith(MATERIAL)):
         raise DimpleError(f'There is no material or preset "{name}", which the experiment names.')
     return preset or bpy.data.materials[name]

@@ -9,7 +9,6 @@ BUTTONS = {
     "Record": "記録",
     "Stop Recording": "記録を停止",
     "Bake": "ベイク",
-    "Bake to Mesh Cache": "メッシュキャッシュにベイク",
     "Bake to Shape Keys": "シェイプキーにベイク",
     "Remove Bake": "ベイクを外す",
     "Dimple Animation...": "Dimple アニメーション...",
@@ -23,6 +22,13 @@ BUTTONS = {
 }
 
 MATERIAL = {
+    "Softness (mm)": "柔らかさ (mm)",
+    "How deep a fingertip of 10 mm sinks in with 5 N; to change it scales how hard the material is": (
+        "半径 10 mm の指先を 5 N で押したときに沈む深さ。変えると、マテリアルの硬さ全体が変わります"
+    ),
+    "What the object is made of, from soft to hard: each picture is a press with 5 N": (
+        "オブジェクトの材質。柔らかいものから順に並び、どの絵も 5 N で押したところです"
+    ),
     "K1 (N/mm)": "K1 (N/mm)",
     "Force per depth of a press, up to the knee": "折れ点までの、押し込み深さあたりの力",
     "K2 (N/mm)": "K2 (N/mm)",
@@ -156,15 +162,14 @@ PANELS = {
         "法政大学 坂間・田中・荒木、表 1 と表 2。質量は測定値ではなく、こちらで決めたもので、"
         "先端は 10 mm の指先とみなしています"
     ),
-    "Materials": "マテリアル",
-    "Measured Objects": "測定した物体",
     "My Materials": "自分のマテリアル",
     "Measured": "測定値",
-    "Readout": "現在の値",
+    "Press": "押す",
+    "More Numbers": "その他の数値",
     "Fingertips": "指先",
-    "Surroundings and Display": "周囲と表示",
-    "World": "ワールド",
-    "Show": "表示",
+    "Animate": "アニメーション",
+    "Bake Options": "ベイクの設定",
+    "Display": "表示",
     "Select a mesh to press it.": "押したいメッシュを選択してください。",
     "Nothing is being pressed": "何も押していません",
     "Press a soft body with a fingertip and see how it responds": "柔らかい物体を指先で押し、その応答を見ます",

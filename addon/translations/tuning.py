@@ -101,7 +101,7 @@ WORDS = {
     "How thick the surface is, with what is painted; 100 is as measured (%)": (
         "面の厚さ。塗った値を含みます。100 は測定どおり (%)"
     ),
-    "Other Constants": "その他の定数",
+    "Constants": "定数",
     "The mesh keeps its own look": "メッシュの見た目のまま",
     "Shape at Rest": "元の形",
     "Draw the edges of the shape at rest where the body has left it": "物体が離れたところに、元の形の辺を描く",

@@ -38,6 +38,10 @@ class Layout:
         assert name in data.bl_rna.properties, name
         self.note(f"{data.bl_rna.identifier}.{name}", options)
 
+    def template_icon_view(self, data: Any, name: str, **options: Any) -> None:
+        assert options.keys() <= {"show_labels", "scale", "scale_popup"}
+        self.prop(data, name)
+
     def prop_search(self, data: Any, name: str, source: Any, among: str, **options: Any) -> None:
         assert among in source.bl_rna.properties
         self.prop(data, name, **options)
@@ -140,8 +144,10 @@ def test_a_running_session_shows_force_depth_pressure_and_volume_with_units(bpy:
 
         entry.session.set_fingers([Finger((0.0, 0.0, 0.0875), 0.01)])
         entry.session.step(0.01)
+        first = " ".join(draw(bpy, bpy.types.DIMPLE_PT_session, object=body))
         rows = " ".join(draw(bpy, bpy.types.DIMPLE_PT_readout, object=body))
-        for unit in (" N", " mm", " kPa", " cm³", " Hz"):
+        assert " N" in first and " mm" in first and "kPa" not in first
+        for unit in (" kPa", " cm³", " Hz"):
             assert unit in rows, rows
     finally:
         sessions.stop_all()
@@ -211,17 +217,39 @@ def test_the_plan_is_shown_with_its_reason(bpy: ModuleType, body: Any) -> None:
     assert "8 vertices at 1 steps per millisecond." in " ".join(draw(bpy, panel, object=body))
 
 
-def test_the_measured_objects_stand_above_ones_own(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    from bl_ext.user_default.dimple.core.everyday import EVERYDAY
-    from bl_ext.user_default.dimple.core.material import PRESETS
+def test_the_sidebar_is_in_the_order_of_work_and_the_laboratory_is_closed(bpy: ModuleType) -> None:
+    from bl_ext.user_default.dimple.addon import panels
 
+    first = [panel for panel in panels._SIDEBAR if not hasattr(panel, "bl_parent_id")]
+    assert [panel.bl_label for panel in first] == [
+        "Press", "Material", "Fingertips", "Animate", "Display", "Calibration", "Haptic Device", "Sensory Comparison"
+    ]  # fmt: skip
+    assert not any("DEFAULT_CLOSED" in getattr(panel, "bl_options", ()) for panel in first[:4])
+    children = [panel for panel in panels._SIDEBAR if panel not in first]
+    assert all("DEFAULT_CLOSED" in getattr(panel, "bl_options", ()) for panel in [*first[4:], *children])
+
+
+def test_what_is_open_says_softness_and_the_constants_are_folded_away(bpy: ModuleType, body: Any) -> None:
+    shown = " ".join(draw(bpy, bpy.types.DIMPLE_PT_object_material, object=body))
+    assert "DIMPLE_PG_object.material" in shown and "DIMPLE_PG_material.softness_mm" in shown
+    folded = " ".join(draw(bpy, bpy.types.DIMPLE_PT_object_constants, object=body))
+    for name in ("K1", "K2", "x0", "damping_ratio"):
+        assert f"DIMPLE_PG_material.{name}" not in shown and f"DIMPLE_PG_material.{name}" in folded
+
+
+def test_a_mesh_without_a_material_is_offered_the_pictures_too(bpy: ModuleType, empty_file: ModuleType) -> None:
+    bare = bpy.data.objects.new("Bare", bpy.data.meshes.new("Bare"))
+    drawn = draw(bpy, bpy.types.DIMPLE_PT_object_material, object=bare)
+    assert "DIMPLE_PG_object.material" in drawn and "DIMPLE_PG_material.softness_mm" not in drawn
+    assert draw(bpy, bpy.types.DIMPLE_PT_object_constants, object=bare) == []
+
+
+def test_ones_own_materials_are_listed_where_there_are_some(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("bl_ui.utils.PresetPanel.draw", lambda this, _context: this.layout.label(text="own"))
     monkeypatch.setattr(bpy.utils, "preset_paths", lambda _folder: [])
     assert "own" not in draw(bpy, bpy.types.DIMPLE_PT_material_presets), "Blender would complain of missing paths"
     monkeypatch.setattr(bpy.utils, "preset_paths", lambda _folder: ["somewhere"])
-    drawn = draw(bpy, bpy.types.DIMPLE_PT_material_presets)
-    assert drawn.count("dimple.apply_preset") == len(PRESETS) + len(EVERYDAY) >= 15
-    assert drawn[-1] == "own"
+    assert draw(bpy, bpy.types.DIMPLE_PT_material_presets) == ["own"]
 
 
 def test_sentences_are_broken_where_a_sidebar_ends(bpy: ModuleType) -> None:

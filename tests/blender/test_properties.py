@@ -188,3 +188,51 @@ def test_a_file_from_before_solids_has_the_fill_it_had(material: Any) -> None:
     assert numbers == {"AIR": 0, "LIQUID": 1, "NONE": 2, "SOLID": 3}
     material.fill = "SOLID"
     assert material.to_params()["fill"] == "solid"
+
+
+def test_softness_is_read_from_the_constants_and_typed_it_scales_them(material: Any) -> None:
+    assert material.softness_mm == pytest.approx(5 / 0.61, rel=1e-5)
+    knee, ratio = material.x0, material.K2 / material.K1
+    material.softness_mm = 4.0
+    assert material.softness_mm == pytest.approx(4.0, rel=1e-5) and material.K1 == pytest.approx(1.25)
+    assert material.x0 == knee and material.K2 / material.K1 == pytest.approx(ratio, rel=1e-5)
+    material.softness_mm = -1.0
+    assert material.softness_mm == pytest.approx(0.01, rel=1e-4), "no less than the least"
+    material.K1 = 0.0
+    assert material.softness_mm == 0.0
+    material.softness_mm = 5.0
+    assert material.K1 == 0.0, "what is no law is not scaled"
+
+
+def test_softness_that_is_typed_marks_a_measured_material_as_edited(material: Any) -> None:
+    material.provenance = "Table 2"
+    material.softness_mm = 4.0
+    assert material.edited
+
+
+def test_the_material_in_use_is_marked_until_its_constants_are_ones_own(empty_file: ModuleType) -> None:
+    body = empty_file.data.objects.new("Body", empty_file.data.meshes.new("Body"))
+    assert body.dimple.material == "OWN"
+    for preset in core("everyday").OBJECTS:
+        body.dimple.material = preset.name
+        assert body.dimple.material == preset.name, preset.name
+        assert body.active_material.dimple.provenance == preset.provenance
+        assert body.dimple.enabled and body.dimple.to_params()["size"] == pytest.approx(preset.size)
+    body.dimple.material = "OWN"
+    assert body.dimple.material == preset.name, "there is nothing to give"
+    body.active_material.dimple.softness_mm = 3.0
+    assert body.dimple.material == "OWN"
+    assert len(empty_file.data.materials) == 1
+
+
+def test_every_material_has_a_picture_of_its_own(empty_file: ModuleType) -> None:
+    from bl_ext.user_default.dimple.addon import material_choice
+
+    names = {path.stem for path in material_choice.PICTURES.glob("*.webp")}
+    assert names == {preset.name for preset in core("everyday").OBJECTS}
+    items = material_choice.choices(None, None)
+    assert [name for name, *_ in items[:-1]] == [preset.name for preset in core("everyday").OBJECTS]
+    pictures = [material_choice._pictures[0][name] for name, *_ in items[:-1]]
+    assert all(tuple(picture.image_size) == (256, 256) for picture in pictures)
+    assert len({tuple(picture.image_pixels) for picture in pictures}) == len(pictures)
+    assert sum(path.stat().st_size for path in material_choice.PICTURES.iterdir()) < 150_000

@@ -121,12 +121,11 @@ def drawn_texts() -> Iterator[str]:
 
 def measured(bpy: ModuleType) -> Iterator[str]:
     """Yield what the presets are called and where they come from, what an experiment says."""
-    from bl_ext.user_default.dimple.core.everyday import EVERYDAY
+    from bl_ext.user_default.dimple.core.everyday import OBJECTS
     from bl_ext.user_default.dimple.core.experiment.plan import CONSENT, STEPS
-    from bl_ext.user_default.dimple.core.material import PRESETS
 
     yield from (CONSENT, *STEPS)
-    yield from (text for preset in (*PRESETS, *EVERYDAY) for text in (preset.label, preset.provenance))
+    yield from (text for preset in OBJECTS for text in (preset.label, preset.provenance))
 
 
 def spoken() -> Iterator[tuple[str, str]]:
@@ -193,7 +192,7 @@ def test_nothing_is_translated_twice() -> None:
 
 def test_every_word_that_the_panels_write_is_there_in_japanese(bpy: ModuleType, japanese: dict) -> None:
     wanted = {text for text in [*drawn_texts(), *measured(bpy)] if text}
-    assert {"Measured Objects", "Pause", "Force {}", "Baking: Esc cancels", "Select a mesh first"} <= wanted
+    assert {"Jelly", "Pause", "Force {}", "Baking: Esc cancels", "Select a mesh first"} <= wanted
     assert sorted(wanted - {text for _, text in japanese}) == []
 
 

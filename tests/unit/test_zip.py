@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from core.everyday import OBJECTS
 from tools import extension, native
 from tools.environment import BLENDERS, DEV_PINS, PEER_PINS, READER_PINS, ROOT, WHEEL_PINS, Stop
 
@@ -20,11 +21,11 @@ DATA = {
 # said here and not read from the manifest or the folders, so that a change of either has to be meant
 TOP = {"LICENSE", "__init__.py", "addon", "blender_manifest.toml", "core", "operators", "wheels"}
 FOLDERS = {
-    "addon", "addon/translations", "core", "core/animation", "core/body", "core/calibration",
+    "addon", "addon/pictures", "addon/translations", "core", "core/animation", "core/body", "core/calibration",
     "core/experiment", "core/haptics",
     "core/mesh", "core/native", "core/reduction", "core/solver", "operators", "operators/japanese", "wheels",
 }  # fmt: skip
-ENDINGS = {"", ".dat", ".py", ".toml", ".whl", ".bz2"}  # no library, object, cache, picture, table or scene
+ENDINGS = {"", ".dat", ".py", ".toml", ".webp", ".whl", ".bz2"}  # no library, object, cache, table or scene
 WHEELS = {
     "pyserial": "any", "trimesh": "any",
     "dimple_native": "macosx_11_0_arm64 macosx_11_0_x86_64 manylinux_2_17_x86_64 win_amd64 win_arm64",
@@ -48,7 +49,8 @@ def test_the_zip_holds_the_extension_and_nothing_else(names: list[str]) -> None:
     sources = {path.relative_to(ROOT).as_posix() for path in paths}
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text())
     wheels = {wheel.removeprefix("./") for wheel in manifest["wheels"]}
-    assert set(names) == sources | {"__init__.py"} | DATA | wheels
+    pictures = {f"addon/pictures/{preset.name}.webp" for preset in OBJECTS}
+    assert set(names) == sources | {"__init__.py"} | DATA | wheels | pictures
 
 
 def test_the_sources_of_what_is_compiled_go_with_it(extension_zip: Path) -> None:

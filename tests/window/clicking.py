@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator
 
 import bpy
+import device
 import robot
 
 Place = tuple[int, int]
@@ -108,6 +109,12 @@ def in_sidebar(name: str) -> Found:
         if name in found:
             return found[name]
     raise robot.NotReached(f"the sidebar shows no {name}; there are {sorted(found)}")
+
+
+def constant(name: str) -> Found:
+    """Return where a constant of the material is: its panel is closed, and drawn open once more."""
+    device.open_panel("DIMPLE_PT_object_constants", "Dimple")
+    return (yield from in_sidebar(name))
 
 
 def wheel(notches: int, kind: str = "WHEELDOWNMOUSE") -> robot.Waits:

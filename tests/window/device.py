@@ -16,9 +16,13 @@ STOPPED_S = 0.4  # longer than the dead-man key counts as held
 
 def open_panel(name: str = "DIMPLE_PT_device", tab: str = TAB) -> type:
     """Draw a panel once more, open, in a tab of its own; who was drawn closed stays so."""
+    if made := getattr(bpy.types, f"{name}_open", None):
+        return made
     panel = getattr(bpy.types, name)
     place = {name: getattr(panel, name) for name in ("bl_space_type", "bl_region_type")}
     shown = {"bl_label": f"{panel.bl_label} (open)", "bl_category": tab, "draw": panel.draw}
+    if hasattr(panel, "poll"):
+        shown["poll"] = classmethod(lambda _cls, context: panel.poll(context))
     made = type(f"{name}_open", (bpy.types.Panel,), {**place, **shown})
     bpy.utils.register_class(made)
     return made

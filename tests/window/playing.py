@@ -21,7 +21,7 @@ def keyframes(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     material = cube.active_material.dimple
     yield from set_end(KEYS[1][0])
     yield from clicking.wheel(clicking.FAR, "WHEELUPMOUSE")
-    field = yield from clicking.in_sidebar("K1")
+    field = yield from clicking.constant("K1")
     for (frame, value), jump in zip(KEYS, ("LEFT_ARROW", "RIGHT_ARROW"), strict=True):
         yield from robot.move(*at)
         yield from clicking.strike(jump, at, shift=True)  # to the first frame, to the last

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import bpy
 import clicking
+import device
 import numpy as np
 import robot
 import tuning
@@ -37,6 +38,7 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     settings = bpy.context.scene.dimple
     yield from tuning.leave_resting(at)
     yield from tuning.settle("it rests")
+    device.open_panel("DIMPLE_PT_display", "Dimple")  # open, and the last
     yield from clicking.open_tab("Dimple", at)
     yield from clicking.open_last_panel("show_field")
     yield from robot.redrawn()

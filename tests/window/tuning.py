@@ -38,7 +38,7 @@ def by_hand(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from make_soft(at, out, check)
     yield from choose_force(FORCE_N, out, check)
     yield from clicking.open_tab("Dimple", at)
-    yield from clicking.type_into((yield from clicking.in_sidebar("K1")), SOFT)
+    yield from clicking.type_into((yield from clicking.constant("K1")), SOFT)
     check("K1 is typed in the sidebar", slope() == SOFT, f"{slope()} N/mm")
     yield from robot.redrawn()
 
@@ -157,7 +157,7 @@ def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from settle("the fingertip rests")
     soft = float(body().frame.depths[0])
     yield from robot.redrawn()
-    field = yield from clicking.in_sidebar("K1")
+    field = yield from clicking.constant("K1")
     robot.screenshot(out / "0-force-soft.png")
     session, seen, drawn, began = body().session, [], robot.drawn(), time.monotonic()
     finish = session.finish

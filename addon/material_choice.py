@@ -1,0 +1,88 @@
+"""The material of an object as a choice among pictures: one ball of each, pressed with the same 5 N, the softest first.
+
+`dev.py samples` makes the pictures.
+"""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import EnumProperty
+from bpy.utils import previews
+
+from ..operators.apply_preset import give
+from .readout import iface_
+from .reduction_settings import FIXED
+
+PICTURES = Path(__file__).parent / "pictures"
+Item = tuple[str, str, str, int | str, int]
+
+_items: dict[str, list[Item]] = {}  # in each language: Blender does not keep the strings that a function returns
+_pictures: list[previews.ImagePreviewCollection] = []
+
+
+def choices(_settings: bpy.types.PropertyGroup | None, _context: bpy.types.Context | None) -> list[Item]:
+    """Return the known materials: identifier, name, source, picture and number; 0 is what is none of them."""
+    from ..core.everyday import OBJECTS  # not at import: it needs numpy, and enabling must be quick
+
+    if not _pictures:
+        _pictures.append(previews.new())
+        for preset in OBJECTS:
+            _pictures[0].load(preset.name, str(PICTURES / f"{preset.name}.webp"), "IMAGE")
+    language = bpy.app.translations.locale
+    if language not in _items:  # the grid of pictures does not look up its words
+        _items[language] = [
+            (each.name, iface_(each.label), iface_(each.provenance), _pictures[0][each.name].icon_id, number)
+            for number, each in enumerate(OBJECTS, start=1)
+        ]
+        own = iface_("Custom"), iface_("Constants that are typed in or measured")
+        _items[language].append(("OWN", *own, "MATERIAL", 0))
+    return _items[language]
+
+
+def _in_use(settings: bpy.types.PropertyGroup) -> int:
+    from ..core.base import DimpleError
+    from ..core.everyday import OBJECTS, found
+    from ..core.material import Material
+
+    material = settings.id_data.active_material
+    try:
+        preset = found(Material(**material.dimple.to_params())) if material else None
+    except DimpleError:
+        return 0
+    return OBJECTS.index(preset) + 1 if preset else 0
+
+
+def _use(settings: bpy.types.PropertyGroup, number: int) -> None:
+    from ..core.everyday import OBJECTS
+
+    if number:
+        give(settings.id_data, OBJECTS[number - 1])
+
+
+class MaterialChoice:
+    """The property of an object that says which known material it has."""
+
+    material: EnumProperty(
+        name="Material", description="What the object is made of, from soft to hard: each picture is a press with 5 N",
+        items=choices, get=_in_use, set=_use, **FIXED,
+    )  # fmt: skip
+
+
+def draw_choice(layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
+    """Draw the picture of the material, which opens all of them, and its name, which opens the list."""
+    column = layout.column(align=True)
+    material = body.active_material
+    column.enabled = material is None or material.library is None
+    column.template_icon_view(body.dimple, "material", show_labels=True, scale=5.0, scale_popup=4.5)
+    column.prop(body.dimple, "material", text="")
+
+
+def register() -> None:
+    """Nothing is loaded before it is shown."""
+
+
+def unregister() -> None:
+    """Free the pictures."""
+    _items.clear()
+    while _pictures:
+        previews.remove(_pictures.pop())
