@@ -41,6 +41,7 @@ def brush(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from robot.key("ESC", *at)
     yield from robot.until(lambda: not sessions(), "Esc ends the poke", 30)
     bpy.data.objects.remove(bpy.data.objects[OTHER])
+    bpy.context.scene.dimple.press_by = "FORCE"  # as it was
     select("Cube")
     yield from robot.redrawn()
 

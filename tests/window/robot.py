@@ -161,6 +161,15 @@ def show_tab(name: str) -> Waits:
     yield from redrawn()
 
 
+def command_under(where: bpy.types.Region) -> str:
+    """Return the Python command of the button under the mouse in a region of the viewport, "" where there is none."""
+    with bpy.context.temp_override(window=window(), area=area(), region=where):
+        if not bpy.ops.ui.copy_python_command_button.poll():
+            return ""
+        bpy.ops.ui.copy_python_command_button()
+    return bpy.context.window_manager.clipboard
+
+
 def find_buttons(wanted: str = "", step: int = 14) -> Generator[float, None, dict[str, tuple[int, int]]]:
     """Find operator buttons of the sidebar by hovering down its middle and its quarters.
 
@@ -179,13 +188,10 @@ def find_buttons(wanted: str = "", step: int = 14) -> Generator[float, None, dic
         x = sidebar.x + round((sidebar.width - 30) * share)  # the tabs take the last pixels
         for y in range(sidebar.y + sidebar.height - 4, sidebar.y, -step):
             yield from move(x, y)
-            with bpy.context.temp_override(window=window(), area=area(), region=sidebar):
-                if bpy.ops.ui.copy_python_command_button.poll():
-                    bpy.ops.ui.copy_python_command_button()
-                    command = bpy.context.window_manager.clipboard
-                    found.setdefault(command, (x, y))
-                    if wanted and command.startswith(wanted):
-                        return found
+            if command := command_under(sidebar):
+                found.setdefault(command, (x, y))
+                if wanted and command.startswith(wanted):
+                    return found
     return found
 
 
