@@ -2,6 +2,7 @@
 
 from .. import operators
 from . import (
+    fingertip_gizmo,
     material_choice,
     overlay,
     panels,
@@ -19,7 +20,7 @@ from . import (
 # the preferences move the panels
 PARTS = (
     translations, material_choice, properties, operators, presets, panels, reduction, preferences, surface_colours,
-    overlay, tool, still_warning,
+    overlay, fingertip_gizmo, tool, still_warning,
 )  # fmt: skip
 
 

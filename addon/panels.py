@@ -5,6 +5,7 @@ What cannot be used now is greyed out, not hidden; a tooltip from the operator's
 
 import bpy
 
+from ..operators.fingertip_objects import body_of
 from ..operators.messages import Note
 from ..operators.names import MAPS, Op
 from ..operators.sessions import sessions
@@ -67,7 +68,7 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the operators, the surroundings and the numbers of the press."""
-        settings, layout, body = context.scene.dimple, self.layout, context.object
+        settings, layout, body = context.scene.dimple, self.layout, body_of(context.object, context.scene)
         entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)
         column.scale_y = 1.4
@@ -104,7 +105,7 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the numbers with units, then the notes."""
-        layout, body = self.layout, context.object
+        layout, body = self.layout, body_of(context.object, context.scene)
         entry = sessions.get(body.session_uid) if body else None
         if entry is None:
             layout.label(text="Nothing is being pressed")
@@ -139,10 +140,15 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         """Draw radius, direction and the three slots."""
         settings, layout = context.scene.dimple, self.layout
         layout.use_property_split = True
-        layout.prop(settings, "finger_radius_mm", text="Radius (mm)")
+        row = layout.row(align=True)
+        row.prop(settings, "finger_radius_mm", text="Radius (mm)")
+        row.prop(settings, "radius_follows", text="", icon="LINKED")
         layout.row().prop(settings, "press_by", expand=True)
         for name in amounts(settings):
-            layout.prop(settings, name)
+            row = layout.row(align=True)
+            row.prop(settings, name)
+            if name == "press_depth_mm":
+                row.prop(settings, "depth_follows", text="", icon="LINKED")
         row = layout.row()
         row.active = settings.press_by == "DEPTH"  # a force goes straight into the surface
         row.prop(settings, "poke_along")
@@ -153,7 +159,9 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         tips = [getattr(settings, f"finger_{number}") for number in (1, 2, 3)]
         if any(tip and tip.type != "EMPTY" for tip in tips):
             draw_notes(context, layout, ["A fingertip presses as a ball of this radius, whatever its shape."])
-        layout.operator(Op.ADD_FINGERTIP, icon="SPHERE")
+        column = layout.column(align=True)
+        column.operator(Op.ADD_FINGERTIP, icon="SPHERE")
+        column.operator(Op.KEY_PRESS, icon="KEYINGSET")
 
 
 def _bake_button(layout: bpy.types.UILayout, scene: bpy.types.Scene, target: str, *, text: str) -> None:
@@ -168,7 +176,8 @@ class DIMPLE_PT_animate(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the bake over the frames of the scene, the recording of a live press, and the export."""
-        layout, entry = self.layout, sessions.get(context.object.session_uid) if context.object else None
+        layout, body = self.layout, body_of(context.object, context.scene)
+        entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)
         column.scale_y = 1.4
         _bake_button(column, context.scene, "MESH_CACHE", text="Bake")

@@ -6,9 +6,19 @@ at its next step, and follows the keyframes of those that can be animated: const
 """
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
+from ..operators import sizing
 from ..operators.names import MAPS, PLACES
+from . import cursor
 from .contact import ContactSettings
 from .device import DevicePlace
 from .material_choice import MaterialChoice
@@ -72,6 +82,12 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
     knee_group: _map(1)
     spread_group: _map(2)
     thickness_group: _map(3)
+    presses: PointerProperty(
+        name="Presses",
+        description="The body that this fingertip was made for. While the fingertip is active, Bake and Export take "
+        "that body",
+        type=bpy.types.Object,
+    )  # fmt: skip
     twin: PointerProperty(
         name="Twin Of", description="The object that this is a twin of, with another material",
         type=bpy.types.Object,
@@ -101,6 +117,17 @@ def _finger(number: int) -> PointerProperty:
     )  # fmt: skip
 
 
+def _follows(setting: str) -> BoolProperty:
+    def follow(self: bpy.types.PropertyGroup, on: bool) -> None:
+        if on:
+            setattr(self, setting, sizing.fitted(self, setting))
+
+    return BoolProperty(
+        name="Follow Size", description="Follow the size of the body that is pressed; another value ends that",
+        get=lambda self: sizing.follows(self, setting), set=follow, **FIXED,
+    )  # fmt: skip
+
+
 def _set_grams(self: bpy.types.PropertyGroup, grams: float) -> None:
     self.press_force_n = grams * _WEIGHT_N
 
@@ -109,8 +136,15 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     """The fingertips and the surroundings of all sessions in a scene."""
 
     finger_radius_mm: FloatProperty(
-        name="Fingertip Radius (mm)", description="Radius of the fingertips, at the physical size of the body",
-        default=10.0, min=0.01, soft_min=1.0, soft_max=100.0, step=10, precision=1, **FIXED,
+        name="Fingertip Radius (mm)",
+        description="Radius of the fingertip of the tool and of those that are added, at the physical size of the body",
+        default=10.0, min=sizing.LEAST_MM, soft_min=0.1, soft_max=1000.0, step=10, precision=1, **FIXED,
+    )  # fmt: skip
+    radius_follows: _follows("finger_radius_mm")
+    depth_follows: _follows("press_depth_mm")
+    fitted_mm: FloatProperty(
+        name="Fitted Size (mm)", description="Size of the body that fingertip and depth were fitted to last",
+        default=165.0, **FIXED,
     )  # fmt: skip
     active_finger: IntProperty(
         name="Finger", description="The fingertip the mouse moves", default=1, min=1, max=3, **FIXED
@@ -119,16 +153,20 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     finger_2: _finger(2)
     finger_3: _finger(3)
     poke_along: EnumProperty(
-        name="Poke Along", description="Direction in which the fingertip presses", items=_POKE_ALONG, **FIXED
-    )
+        name="Poke Along", description="Direction in which the fingertip presses", items=_POKE_ALONG, default="NORMAL",
+        **FIXED,
+    )  # fmt: skip
     press_by: EnumProperty(
-        name="Press By", description="Whether a press, Ctrl + wheel and pen pressure set a depth or a force",
+        name="Press By", description="Whether a press, Ctrl F and pen pressure set a depth or a force",
         items=_PRESS_BY, **FIXED,
     )  # fmt: skip
     press_depth_mm: FloatProperty(
         name="Depth (mm)", description="How deep a press goes, by depth",
-        default=15.0, min=0.01, soft_min=0.1, soft_max=200.0, step=10, precision=2, **FIXED,
+        default=15.0, min=sizing.LEAST_MM, soft_min=0.1, soft_max=1000.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
+    by_force: BoolProperty(
+        name="By Force", description="A press is by force", get=lambda self: self.press_by == "FORCE", **FIXED
+    )
     press_force_n: FloatProperty(
         name="Force (N)", description="How strong a press is, by force",
         default=5.0, min=0.001, soft_min=0.1, soft_max=100.0, step=10, precision=2, **FIXED,
@@ -186,6 +224,14 @@ class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
     """The state of the interface, which is never saved."""
 
     state: StringProperty(name="State", description="What the session is doing", options={"SKIP_SAVE"})
+    radius_zoom: FloatVectorProperty(
+        name="Zoom", description="Pixels in a millimetre of the fingertip's radius", size=2, get=cursor.radius_zoom,
+        options={"SKIP_SAVE"},
+    )  # fmt: skip
+    amount_zoom: FloatVectorProperty(
+        name="Zoom", description="Pixels in a millimetre of depth, or in a newton", size=2, get=cursor.amount_zoom,
+        options={"SKIP_SAVE"},
+    )  # fmt: skip
 
 
 _POINTERS = (

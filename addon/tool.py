@@ -5,6 +5,8 @@ from pathlib import Path
 import bpy
 
 from ..operators.names import POKE_TOOL, Op
+from ..operators.sessions import sessions
+from . import cursor
 
 
 def amounts(settings: bpy.types.PropertyGroup) -> tuple[str, ...]:
@@ -21,20 +23,37 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
     bl_label = "Poke"
     bl_description = "Press a soft body with a fingertip and see how it responds"
     bl_icon = str(Path(__file__).with_name("poke_tool"))  # Blender adds .dat; tools/icon.py draws it
-    bl_keymap = ((Op.POKE, {"type": "LEFTMOUSE", "value": "PRESS"}, None),)
+    bl_keymap = (
+        (Op.POKE, {"type": "LEFTMOUSE", "value": "PRESS"}, None),
+        ("wm.radial_control", {"type": "F", "value": "PRESS"}, {"properties": [
+            ("data_path_primary", "scene.dimple.finger_radius_mm"), ("zoom_path", "window_manager.dimple.radius_zoom"),
+        ]}),
+        ("wm.radial_control", {"type": "F", "value": "PRESS", "ctrl": True}, {"properties": [
+            ("data_path_primary", "scene.dimple.press_depth_mm"), ("data_path_secondary", "scene.dimple.press_force_n"),
+            ("use_secondary", "scene.dimple.by_force"), ("zoom_path", "window_manager.dimple.amount_zoom"),
+        ]}),
+    )  # fmt: skip
 
     @staticmethod
     def draw_settings(context: bpy.types.Context, layout: bpy.types.UILayout, _tool: bpy.types.WorkSpaceTool) -> None:
         """Draw the fingertip's settings in the tool header."""
         settings = context.scene.dimple
-        layout.prop(settings, "active_finger")
-        layout.prop(settings, "finger_radius_mm")
+        row = layout.row(align=True)
+        row.prop(settings, "finger_radius_mm", text="Radius (mm)")
+        row.prop(settings, "radius_follows", text="", icon="LINKED")
         layout.prop(settings, "press_by", expand=True)
-        for name in amounts(settings):
-            layout.prop(settings, name)
-        along = layout.row()
-        along.active = settings.press_by == "DEPTH"  # a force goes straight into the surface
-        along.prop(settings, "poke_along")
+        row = layout.row(align=True)
+        row.prop(settings, amounts(settings)[0])
+        if settings.press_by == "DEPTH":
+            row.prop(settings, "depth_follows", text="", icon="LINKED")
+            layout.prop(settings, "poke_along")  # a force goes straight into the surface
+        recording = any(body.recording for body in sessions.values())
+        layout.operator(Op.RECORD, text="", icon="REC", depress=recording)
+
+    @staticmethod
+    def draw_cursor(context: bpy.types.Context, _tool: bpy.types.WorkSpaceTool, xy: tuple[int, int]) -> None:
+        """Draw a circle of the fingertip's size on the body under the mouse."""
+        cursor.draw(context, xy)
 
 
 class DIMPLE_MT_object(bpy.types.Menu):
@@ -47,8 +66,8 @@ class DIMPLE_MT_object(bpy.types.Menu):
         layout = self.layout
         layout.operator_context = "INVOKE_REGION_WIN"
         for verb in (
-            Op.MAKE_SOFT, Op.POKE, Op.PLAY, Op.RECORD, Op.RESET, Op.ADD_FINGERTIP, Op.BAKE, Op.COMPARE_MATERIALS,
-            Op.USE_MATERIAL,
+            Op.MAKE_SOFT, Op.POKE, Op.PLAY, Op.RECORD, Op.RESET, Op.ADD_FINGERTIP, Op.KEY_PRESS, Op.BAKE,
+            Op.COMPARE_MATERIALS, Op.USE_MATERIAL,
         ):  # fmt: skip
             layout.operator(verb)
 

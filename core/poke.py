@@ -16,10 +16,6 @@ from .session import Finger
 from .vectors import Vector, along, dot, length, scaled
 
 FINGERS = 3
-WHEEL_STEP = 1.1  # a click of the wheel changes radius, depth or force by this factor
-RADIUS_RANGE = (1e-5, 10.0)  # [m]
-DEPTH_RANGE = (1e-5, 10.0)  # [m]
-FORCE_RANGE = (1e-3, 1e4)  # [N]
 STEEP = 3.0  # times farther along the view than across it: no surface that the pointer goes along, but an edge of it
 OPPOSITE = -0.2  # cosine of the angle between two normals from which on two fingertips pinch
 
@@ -30,12 +26,8 @@ class Kind(Enum):
     MOVE = auto()
     PRESS = auto()
     RELEASE = auto()
-    RADIUS = auto()  # [clicks of the wheel]
-    AMOUNT = auto()  # of depth or force [clicks of the wheel]
-    BY_FORCE = auto()  # or by depth again
     FINGER = auto()  # [1, 2 or 3]
     PAUSE = auto()
-    RECORD = auto()
     KEEP = auto()
     LEAVE = auto()
     TICK = auto()  # [s]
@@ -45,7 +37,6 @@ class Effect(Enum):
     """Name what the caller must do."""
 
     STEP = auto()  # advance the sessions by the event's time
-    RECORD = auto()  # start or stop recording
     KEEP = auto()  # end and keep the shape
     RESTORE = auto()  # end and put the rest shape back
 
@@ -85,10 +76,9 @@ class PokeState:
     force: of the next press [N].
     by_force: that force pushes, and the depth is what comes of it.
     press_s, release_s: how long going in and coming out take [s].
-    along_normal: press along the surface normal rather than the view, as a force always does.
+    along_normal: press straight into the surface, as a force always does, not along the view.
     active: the finger the pointer moves.
     tips: of each finger, None where it is lifted.
-    hover: what the pointer is on.
     pressing: the active finger follows the pointer.
     paused: time stands still.
     """
@@ -99,10 +89,9 @@ class PokeState:
     by_force: bool = False
     press_s: float = 0.25
     release_s: float = 0.25
-    along_normal: bool = False
+    along_normal: bool = True
     active: int = 0
     tips: tuple[PokeTip | None, ...] = (None,) * FINGERS
-    hover: Hit | None = None
     pressing: bool = False
     paused: bool = False
 
@@ -119,19 +108,10 @@ def on_event(state: PokeState, event: PokeEvent) -> Result:
             return _press(state, event), ()
         case Kind.RELEASE:
             return _release(state), ()
-        case Kind.RADIUS:
-            radius = _clamped(state.radius * WHEEL_STEP**event.amount, RADIUS_RANGE)
-            return _reshaped(replace(state, radius=radius), event), ()
-        case Kind.AMOUNT:
-            return _reshaped(_scaled(state, WHEEL_STEP**event.amount), event), ()
-        case Kind.BY_FORCE:
-            return replace(state, by_force=not state.by_force), ()
         case Kind.FINGER:
             return _choose(state, int(event.amount) - 1), ()
         case Kind.PAUSE:
             return replace(state, paused=not state.paused), ()
-        case Kind.RECORD:
-            return state, (Effect.RECORD,)
         case Kind.KEEP:
             return state, (Effect.KEEP,)
         case Kind.LEAVE:
@@ -154,18 +134,22 @@ def fingers(state: PokeState, body: int) -> tuple[Finger | None, ...]:
 
 
 def with_settings(state: PokeState, **settings: float | bool) -> PokeState:
-    """Return a state whose settings were changed elsewhere than by an event; a press under way takes them too."""
-    return _reshaped(replace(state, **settings), PokeEvent(kind=Kind.AMOUNT))  # type: ignore[arg-type]
+    """Return a state whose settings were changed; a press under way takes them too."""
+    state = replace(state, **settings)  # type: ignore[arg-type]
+    tip = state.tips[state.active]
+    if not (state.pressing and tip):
+        return state
+    return _with_tip(state, replace(tip, radius=state.radius, wanted=_amount(state, tip.by_force)))
 
 
 def lifted(state: PokeState, body: int) -> PokeState:
     """Return a state whose fingertips are off a body: it has another size, so they would be elsewhere on it."""
     tips = tuple(None if tip and tip.body == body else tip for tip in state.tips)
-    return replace(state, tips=tips, pressing=state.pressing and tips[state.active] is not None, hover=None)
+    return replace(state, tips=tips, pressing=state.pressing and tips[state.active] is not None)
 
 
 def _move(state: PokeState, event: PokeEvent) -> PokeState:
-    state, tip = replace(state, hover=event.hit), state.tips[state.active]
+    tip = state.tips[state.active]
     if not (state.pressing and tip):
         return state
     on_body = event.hit and event.hit.body == tip.body
@@ -190,7 +174,7 @@ def _press(state: PokeState, event: PokeEvent) -> PokeState:
     tip = PokeTip(
         body=event.hit.body, aim=aim, goal=aim, radius=state.radius, wanted=wanted, by_force=state.by_force
     )  # fmt: skip
-    return _pinched(replace(_with_tip(state, tip), pressing=True, hover=event.hit))
+    return _pinched(replace(_with_tip(state, tip), pressing=True))
 
 
 def _pinched(state: PokeState) -> PokeState:
@@ -237,12 +221,6 @@ def _amount(state: PokeState, by_force: bool) -> float:
     return state.force if by_force else state.depth
 
 
-def _scaled(state: PokeState, factor: float) -> PokeState:
-    if state.by_force:
-        return replace(state, force=_clamped(factor * state.force, FORCE_RANGE))
-    return replace(state, depth=_clamped(factor * state.depth, DEPTH_RANGE))
-
-
 def _aim(state: PokeState, hit: Hit, view: Vector, *, by_force: bool) -> Aim:
     x, y, z = hit.normal
     # pushed askew, a fingertip would jam: it is led sideways, and the surface would hold it with any force there
@@ -253,14 +231,3 @@ def _aim(state: PokeState, hit: Hit, view: Vector, *, by_force: bool) -> Aim:
 def _with_tip(state: PokeState, tip: PokeTip) -> PokeState:
     return replace(state, tips=tuple(tip if i == state.active else old for i, old in enumerate(state.tips)))
 
-
-def _reshaped(state: PokeState, event: PokeEvent) -> PokeState:
-    tip = state.tips[state.active]
-    if not (state.pressing and tip):
-        return state
-    wanted = _amount(state, tip.by_force) * event.pressure
-    return _with_tip(state, replace(tip, radius=state.radius, wanted=wanted))
-
-
-def _clamped(value: float, limits: tuple[float, float]) -> float:
-    return min(max(value, limits[0]), limits[1])

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import StringProperty
 
-from . import polls
+from . import polls, sizing
 from .messages import say
 from .names import Op
 
@@ -48,9 +48,10 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
 
 
 def give(obj: bpy.types.Object, preset: "Preset") -> None:
-    """Make a mesh a soft body of a preset's material and size."""
+    """Make a mesh a soft body of a preset's material and size, which fingertip and depth follow."""
     apply(material_of(obj, preset.label).dimple, preset)
     obj.dimple.enabled, obj.dimple.size_mode, obj.dimple.size_mm = True, "CUSTOM", preset.size * 1e3
+    sizing.fit(bpy.context.scene, obj)
 
 
 def apply(settings: bpy.types.PropertyGroup, preset: "Preset") -> None:

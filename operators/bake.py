@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import EnumProperty, IntProperty
 
-from . import modal_runs, polls, sessions
+from . import fingertip_objects, modal_runs, polls, sessions
 from .messages import say
 from .names import Op
 from .working import READY, Working
@@ -81,7 +81,8 @@ class DIMPLE_OT_unbake(bpy.types.Operator):
         """Need Object Mode and a mesh."""
         if context.mode != "OBJECT":
             return polls.refuse(cls, "Go back to Object Mode first")
-        if not any(obj.type == "MESH" for obj in (*context.selected_objects, context.object) if obj):
+        chosen = (fingertip_objects.body_of(obj, context.scene) for obj in (*context.selected_objects, context.object))
+        if not any(obj.type == "MESH" for obj in chosen if obj):
             return polls.refuse(cls, "Select a mesh first")
         return True
 

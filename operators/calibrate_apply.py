@@ -5,7 +5,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty
 
-from . import calibration, polls
+from . import calibration, polls, sizing
 from .apply_preset import material_of
 from .names import Op
 
@@ -58,6 +58,7 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
         body.dimple.enabled = True
         if record["length"]:
             body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", record["length"]
+            sizing.fit(context.scene, body)
         return {"FINISHED"}
 
 

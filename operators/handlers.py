@@ -7,7 +7,7 @@ from itertools import chain
 
 import bpy
 
-from . import modal_runs, sessions, showing
+from . import live_press, modal_runs, sessions, showing
 from .names import OURS
 
 
@@ -22,6 +22,7 @@ def _rescue() -> None:
 @bpy.app.handlers.persistent
 def _on_load_pre(*_: object) -> None:
     sessions.stop_all()
+    live_press.presses.clear()
 
 
 @bpy.app.handlers.persistent

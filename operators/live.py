@@ -16,7 +16,9 @@ from . import (
     bridge,
     contact,
     final_mesh,
+    fingertip_objects,
     haptic,
+    live_press,
     props,
     sessions,
     showing,
@@ -35,17 +37,20 @@ SHORTEST_S = 0.002
 
 
 def candidates(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """Return the objects to press: the selected meshes, else the active object; fingertips are none.
+    """Return the objects to press: the selected meshes, else the active object; of a fingertip, the body it presses.
 
     Raises:
         DimpleError: nothing is selected.
     """
     fingers = sessions.fingertip_objects(context.scene)
-    selected = [obj for obj in context.selected_objects if obj not in fingers]
-    meshes = [obj for obj in selected if obj.type == "MESH"]
-    if meshes:
-        return meshes
-    if others := selected or [obj for obj in (context.object,) if obj and obj not in fingers]:
+    chosen = [*context.selected_objects, *([context.object] if context.object else [])]
+    others = [obj for obj in chosen if obj not in fingers]
+    if meshes := [obj for obj in others if obj.type == "MESH" and obj.select_get()]:
+        return list(dict.fromkeys(meshes))
+    bodies = [fingertip_objects.body_of(obj, context.scene) for obj in chosen if obj in fingers]
+    if pressed := list(dict.fromkeys(filter(None, bodies))):
+        return pressed
+    if others:
         return others[:1]
     if context.selected_objects:
         raise DimpleError("Only a fingertip is selected. Select the mesh to press.")
@@ -121,6 +126,7 @@ def advance(
         props.show(world)
     for uid, body in list(sessions.sessions.items()):
         messages += _trying(uid, finish, body)
+        live_press.note(context, body)
         if body.frame.note:
             sessions.disarm()  # it is back at rest at once, which may be on a fingertip
             messages.append(f'"{body.name}": {body.frame.note}')
@@ -196,8 +202,9 @@ def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger
         pressed = ()  # those were in metres of another size
         sessions.disarm()  # which may put it under a fingertip of the haptic device at once
     follow(context, obj, body)
-    others = haptic.fingertips(context.scene, body) or pressing(context.scene, body)
-    fingers = merged(others, pressed)
+    device = haptic.fingertips(context.scene, body)
+    fingers = merged(device or pressing(context.scene, body), pressed)
+    body.held = {i: finger for i, finger in enumerate(merged(device, pressed)) if finger}
     before, body.poked = body.poked, frozenset(i for i, finger in enumerate(pressed) if finger)
     # one that goes from hand to hand is lifted: it would fly through the body, and a device would render the flight
     body.session.set_fingers([None if i in before ^ body.poked else finger for i, finger in enumerate(fingers)])
@@ -234,10 +241,12 @@ def pressing(scene: bpy.types.Scene, body: LiveBody) -> Sequence[Finger | None]:
 
 def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:
     """Return the fingertip objects of a scene in a session's space."""
-    settings = scene.dimple
-    radius = settings.finger_radius_mm / 1e3
-    objects = (settings.finger_1, settings.finger_2, settings.finger_3)
-    return [Finger(tuple(scale * c for c in obj.matrix_world.translation), radius) if obj else None for obj in objects]
+    def finger(obj: bpy.types.Object) -> Finger:
+        place = tuple(scale * c for c in obj.matrix_world.translation)
+        return Finger(place, fingertip_objects.radius_of(obj, scene, scale))
+
+    objects = (getattr(scene.dimple, f"finger_{number}") for number in fingertip_objects.NUMBERS)
+    return [finger(obj) if obj else None for obj in objects]
 
 
 def merged(fingers: Sequence[Finger | None], pressed: Sequence[Finger | None]) -> tuple[Finger | None, ...]:

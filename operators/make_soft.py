@@ -7,8 +7,8 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from . import polls, sessions
 from .mesh_faults import Faults, faults, repair
 from .messages import gathered, report, say
-from .names import POKE_TOOL, Op
-from .sizing import settle_size
+from .names import Op
+from .sizing import fit, settle_size
 from .start import LARGE
 
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
@@ -79,7 +79,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set up every selected mesh; one that cannot be pressed is said and left as it was."""
         from ..core.base import DimpleError
-        from . import live
+        from . import live, pointer
 
         done, soft, wrong, noted = [], [], [], []
         try:
@@ -105,7 +105,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
             say(self, {"ERROR"}, *gathered(wrong))
             return {"CANCELLED"}
         report(self, [*wrong, *noted])
-        choose_tool(context)
+        pointer.choose_tool(context)
         if len(soft) > 1:
             soft = [f"{len(soft)} meshes are soft. Press them with the left mouse button."]
         say(self, {"INFO"}, *done, *soft)
@@ -150,6 +150,7 @@ def make_soft(
         with context.temp_override(object=obj, active_object=obj):
             bpy.ops.dimple.apply_preset(preset=preset)
     settle_size(context.scene, obj)
+    fit(context.scene, obj)
     obj.dimple.enabled = True
     if len(obj.data.vertices) > LARGE:
         return f'"{obj.name}" is soft: "{obj.active_material.name}". It is prepared when you press it first.', []
@@ -188,12 +189,6 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.type
     made = context.view_layer.objects.active if replaced else obj  # Blender removes a metaball
     made.name = name
     return made, f'"{made.name}" was {given}converted to a mesh.'
-
-
-def choose_tool(context: bpy.types.Context) -> None:
-    """Make the poke the tool of the viewport, where there is one."""
-    if context.area and context.area.type == "VIEW_3D" and context.window:
-        bpy.ops.wm.tool_set_by_id(name=POKE_TOOL)
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_make_soft])

@@ -61,6 +61,7 @@ class Op(StrEnum):
     EXPORT = "dimple.export_animation"
     APPLY_PRESET = "dimple.apply_preset"
     ADD_FINGERTIP = "dimple.add_fingertip"
+    KEY_PRESS = "dimple.key_press"
     CALIBRATE = "dimple.calibrate"
     SOFTNESS_FROM_POKES = "dimple.softness_from_pokes"
     CALIBRATE_TOGETHER = "dimple.calibrate_together"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -11,20 +12,32 @@ from bpy_extras import view3d_utils
 
 from ..core.mesh.ray import ray_hit
 from ..core.poke import Hit, Kind, PokeEvent
-from ..core.vectors import Vector
-from .names import DEAD_MAN
-from .sessions import LiveBody
+from ..core.vectors import Vector, along, dot, length
+from . import sizing
+from .names import DEAD_MAN, POKE_TOOL
+from .sessions import LiveBody, fingertip_objects, sessions
 
-KEYS = {"SPACE": Kind.PAUSE, "R": Kind.RECORD, "F": Kind.BY_FORCE, "RET": Kind.KEEP, "NUMPAD_ENTER": Kind.KEEP}
+KEYS = {"SPACE": Kind.PAUSE, "RET": Kind.KEEP, "NUMPAD_ENTER": Kind.KEEP}
 FINGERS = {"ONE": 1, "TWO": 2, "THREE": 3}
-WHEEL = {"WHEELUPMOUSE": 1, "WHEELDOWNMOUSE": -1}
-NAVIGATION = {"MIDDLEMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM", "HOME", "ACCENT_GRAVE"}
+NAVIGATION = {
+    "MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM",
+    "HOME", "ACCENT_GRAVE",
+}  # fmt: skip
 PASSING = {DEAD_MAN, *NAVIGATION}
+SIZING = "F"  # Blender's own, by the keymap of the tool; not in a stroke, whose end it would take
 SIDES = {"N", "T"}  # open and close the sidebar and the toolbar
 SAVE = "S"
 DOWN = {"PRESS", "DOUBLE_CLICK"}
 
 Shapes = Mapping[int, np.ndarray]
+
+
+class Under(NamedTuple):
+    """A mesh that the pointer is on, and where in the scene, with the normal there."""
+
+    obj: bpy.types.Object
+    point: Vector
+    normal: Vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +79,7 @@ def poke_event(
         return PokeEvent(kind=Kind.RELEASE) if pressing else None
     if view is None:
         return None
-    if kind == "MOUSEMOVE":
+    if kind == "MOUSEMOVE" and pressing:
         return _pointed(Kind.MOVE, event, view, bodies, shapes)
     if not down:
         return None
@@ -74,8 +87,6 @@ def poke_event(
         return _pointed(Kind.PRESS, event, view, bodies, {})
     if kind == "RIGHTMOUSE":
         return PokeEvent(kind=Kind.LEAVE)
-    if kind in WHEEL and not (event.shift or event.alt):
-        return PokeEvent(kind=Kind.AMOUNT if event.ctrl else Kind.RADIUS, amount=WHEEL[kind], pressure=_pressure(event))
     if event.ctrl or event.shift or event.alt or event.oskey:
         return None
     if kind in FINGERS:
@@ -83,11 +94,13 @@ def poke_event(
     return PokeEvent(kind=KEYS[kind]) if kind in KEYS else None
 
 
-def passes(event: bpy.types.Event, view: View | None, *, undo: bool = False) -> bool:
-    """Tell whether Blender may have an event too: navigation, the keys of sidebar and toolbar, the haptic device's
-    dead-man key, and all that happens outside the viewport.
+def passes(event: bpy.types.Event, view: View | None, *, pressing: bool, undo: bool = False) -> bool:
+    """Tell whether Blender may have an event that is not the poke's: navigation, what follows a click beside the
+    bodies, the keys that size the fingertip, those of sidebar and toolbar, the haptic device's dead-man key, and all
+    that happens outside the viewport.
 
     Args:
+        pressing: a stroke is under way.
         undo: there is something to undo that was done since the poke began; what was done before it stays.
     """
     if event.type == "Z" and (event.ctrl or event.oskey):
@@ -98,18 +111,54 @@ def passes(event: bpy.types.Event, view: View | None, *, undo: bool = False) -> 
         return True  # what is saved is at rest
     if event.type in SIDES:
         return not (event.ctrl or event.shift or event.alt or event.oskey)
-    moving = event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE"} and event.alt
-    return moving or event.type in WHEEL or event.type == "NONE"
+    if event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE", SIZING}:
+        return event.alt or not pressing
+    return event.type == "NONE"
 
 
-def unselected(context: bpy.types.Context, view: View, bodies: Mapping[int, LiveBody]) -> bpy.types.Object | None:
-    """Return the mesh under the pointer that no session presses."""
+def choose_tool(context: bpy.types.Context) -> None:
+    """Make the poke the tool of the viewport, where there is one."""
+    if context.area and context.area.type == "VIEW_3D" and context.window:
+        bpy.ops.wm.tool_set_by_id(name=POKE_TOOL)
+
+
+def under(context: bpy.types.Context, view: View) -> Under | None:
+    """Return what the pointer is on that a click with the tool presses: a selected mesh, or a soft body."""
     origin, direction = _ray(view)
     graph = context.evaluated_depsgraph_get()
-    hit, _, _, _, obj, _ = context.scene.ray_cast(graph, origin, direction)
-    original = obj.original if hit and obj else None
-    mesh = original is not None and original.type == "MESH" and original.session_uid not in bodies
-    return original if mesh else None
+    _, at, normal, _, found, _ = context.scene.ray_cast(graph, origin, direction)
+    obj = found.original if found else None
+    if obj is None or obj.type != "MESH" or not (obj.dimple.enabled or obj.select_get()):
+        return None
+    return Under(obj, tuple(at), tuple(normal))
+
+
+def touched(context: bpy.types.Context, view: View) -> tuple[Vector, Vector, float] | None:
+    """Return where the pointer is on a body, the normal there, and the fingertip's radius, all in scene units."""
+    radius = context.scene.dimple.finger_radius_mm / 1e3
+    if not sessions:
+        found = under(context, view)
+        return found and (found.point, found.normal, radius / sizing.metres_per_unit(context.scene, found.obj))
+    hit = nearest(*_ray(view), sessions, {})
+    if hit is None:
+        return None
+    body = sessions[hit.body]
+    return body.to_world(hit.point), hit.normal, radius / body.link.scale
+
+
+def fingertip_under(context: bpy.types.Context, view: View) -> bpy.types.Object | None:
+    """Return the fingertip object whose sphere the pointer is on, before any surface."""
+    origin, direction = _ray(view)
+    hit, place, *_ = context.scene.ray_cast(context.evaluated_depsgraph_get(), origin, direction)
+    first, found = length(along(tuple(place), origin, -1.0)) if hit else np.inf, None
+    for tip in fingertip_objects(context.scene):
+        if tip and tip.type == "EMPTY" and tip.visible_get():
+            centre = along(tuple(tip.matrix_world.translation), origin, -1.0)
+            radius, ahead = tip.empty_display_size * tip.matrix_world.median_scale, dot(centre, direction)
+            square = radius**2 - dot(centre, centre) + ahead**2
+            if square > 0 and 0 < (away := ahead - square**0.5) < first:
+                first, found = away, tip
+    return found
 
 
 def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, LiveBody], shapes: Shapes) -> Hit | None:

@@ -1,7 +1,6 @@
 """Press with mouse or pen, live and without the timeline; or, from a script, at a place, a depth and a time."""
 
 import time
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import bpy
@@ -71,12 +70,22 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         """Start to press live."""
         from ..core.base import DimpleError
         from ..core.poke import PokeState
-        from . import fingertip, live, pointer, start
+        from . import fingertip, live, pointer, sizing, start
 
+        view = pointer.view_under(context, event)
+        clicked = view if event.type == "LEFTMOUSE" and event.value in pointer.DOWN else None  # with the tool
+        if clicked and self._chosen(context, clicked):
+            return {"CANCELLED"}
+        found = pointer.under(context, clicked) if clicked else None
+        if clicked and found is None:
+            return {"PASS_THROUGH"}  # it selects
+        if found and not found.obj.select_get():
+            _select(context, found.obj)
         try:
             if start.takes_long(context):
                 bpy.ops.dimple.start("INVOKE_DEFAULT", then="poke")
                 return {"CANCELLED"}  # it is started anew when they are ready
+            sizing.fit(context.scene, found.obj if found else live.candidates(context)[0])
             self._tool = fingertip.settings_of(context.scene)
             self._state = PokeState(**self._tool)
             _, messages, wrong = live.start_all(context)
@@ -93,10 +102,10 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         self._settings = {uid: body.settings for uid, body in sessions.sessions.items()}
         self._contacts, self._typed = _contacts(context), {}
         modal_runs.show_status(context, self._run, self._help(context))
-        # started as a tool the button is down already
-        view = pointer.view_under(context, event)
-        if view and event.type == "LEFTMOUSE" and event.value in pointer.DOWN:
-            self._take(context, pointer.poke_event(event, view, sessions.sessions, {}, pressing=False))
+        if clicked:
+            self._take(context, pointer.poke_event(event, clicked, sessions.sessions, {}, pressing=False))
+        else:
+            pointer.choose_tool(context)  # its keys and its circle
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -118,18 +127,32 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         if event.type == "TIMER":
             return self._tick(context)
         if context.mode != "OBJECT" and event.type != "ESC":
-            self._state = replace(self._state, hover=None)
             return {"PASS_THROUGH"}  # weights are painted while fingertips rest
         view = pointer.view_under(context, event)
-        meant = pointer.poke_event(event, view, sessions.sessions, self._shapes, pressing=self._state.pressing)
+        pressing = self._state.pressing
+        meant = pointer.poke_event(event, view, sessions.sessions, self._shapes, pressing=pressing)
         if meant is None:
-            return {"PASS_THROUGH"} if pointer.passes(event, view, undo=self._tuned(context)) else {"RUNNING_MODAL"}
+            passes = pointer.passes(event, view, pressing=pressing, undo=self._tuned(context))
+            return {"PASS_THROUGH"} if passes else {"RUNNING_MODAL"}
+        if view and meant.kind is Kind.PRESS and self._chosen(context, view):
+            return {"CANCELLED"}
         if view and meant.kind is Kind.PRESS and meant.hit is None:
-            meant = self._joined(context, event, view) or meant
-        result = self._take(context, meant)
-        if meant.kind is Kind.MOVE and not self._state.pressing:
-            return {"PASS_THROUGH"}
-        return result
+            meant = self._joined(context, event, view)
+            if meant is None:
+                return {"PASS_THROUGH"}  # a click beside what is pressed selects
+        return self._take(context, meant)
+
+    def _chosen(self, context: bpy.types.Context, view: "View") -> bool:
+        """Select the fingertip object that is clicked, and leave the poke: what it is moved with is Blender's own."""
+        from . import bridge_write, fingertip_objects, pointer
+
+        tip = pointer.fingertip_under(context, view)
+        if tip is None:
+            return False
+        report(self, fingertip_objects.leave_poke())
+        fingertip_objects.select(context, tip)
+        bridge_write.remember("Select")
+        return True
 
     def _tick(self, context: bpy.types.Context) -> set[str]:
         """Let as much time pass as did since the last tick, or as this computer manages."""
@@ -140,7 +163,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         wall, self._clock = now - self._clock, now
         asked, self._budget = live.ask(context.scene, self._run, wall)
         tool = fingertip.settings_of(context.scene)
-        undone = not any(self._run.shown)  # then what wheel and keys changed, which is no step, may have gone back too
+        undone = not any(self._run.shown)  # then which finger is active, which is no step, may have gone back too
         for name in tool:
             if tool[name] != self._tool[name] and (name in self._typed or not undone):  # typed in a panel, or undone
                 if self._typed.setdefault(name, self._tool[name]) == tool[name]:
@@ -155,13 +178,10 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         result = self._take(context, PokeEvent(kind=Kind.TICK, amount=asked))
         return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
 
-    def _take(self, context: bpy.types.Context, event: "PokeEvent | None") -> set[str]:
+    def _take(self, context: bpy.types.Context, event: "PokeEvent") -> set[str]:
         """Let an event change the state, and do what it asks for."""
         from ..core.poke import Kind, on_event
-        from . import fingertip
 
-        if event is None:
-            return {"RUNNING_MODAL"}
         was_pressing = self._state.pressing
         self._state, effects = on_event(self._state, event)
         if self._run.paused != self._state.paused:
@@ -169,20 +189,18 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         if self._state.pressing and not was_pressing:
             # a drag follows the surface as it was: the dent would lead the fingertip deeper and deeper
             self._shapes = {uid: body.session.positions() for uid, body in sessions.sessions.items()}
-        if event.kind in (Kind.RADIUS, Kind.AMOUNT, Kind.BY_FORCE, Kind.FINGER):
-            self._tool = fingertip.store(context.scene, self._state)
-            modal_runs.show_status(context, self._run, self._help(context))
+        if event.kind is Kind.FINGER:
+            context.scene.dimple.active_finger = self._state.active + 1
+            self._tool["active"] = self._state.active
         for effect in effects:
             if result := self._do(context, effect, event.amount):
                 return result
-        self._show_hover()
         return {"RUNNING_MODAL"}
 
     def _do(self, context: bpy.types.Context, effect: "Effect", amount: float) -> set[str] | None:
         """Do what the state machine asks for; return how the operator ends, None when it goes on."""
-        from ..core.base import DimpleError
         from ..core.poke import Effect, fingers, lifted
-        from . import live, record
+        from . import bridge, live, sizing
 
         match effect:
             case Effect.STEP:
@@ -192,13 +210,9 @@ class DIMPLE_OT_poke(bpy.types.Operator):
                 for uid, body in sessions.sessions.items():
                     if body.link.scale != scales[uid]:
                         self._state = lifted(self._state, uid)
+                        sizing.fit(context.scene, bridge.find(uid, body.name))
                 live.adapt(self._run, amount)
                 return self._went_on(messages)
-            case Effect.RECORD:
-                try:  # an operator that another one calls says nothing to the artist
-                    report(self, record.switch(context))
-                except DimpleError as error:
-                    say(self, {"WARNING"}, str(error))
             case Effect.KEEP | Effect.RESTORE:
                 report(self, sessions.stop_all(restore=effect is Effect.RESTORE))
                 return {"FINISHED"} if effect is Effect.KEEP else {"CANCELLED"}
@@ -209,15 +223,11 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         from ..core.base import DimpleError
         from . import pointer
 
-        other = pointer.unselected(context, view, sessions.sessions)
-        if other is None:
-            return None
-        if not other.dimple.enabled:
-            text = polls.tip_("{} is not selected: leave the poke, select it and poke again to press it")
-            say(self, {"INFO"}, text.format(f'"{other.name}"'))
+        found = pointer.under(context, view)
+        if found is None or not found.obj.dimple.enabled or sessions.get(found.obj):
             return None
         try:
-            body, messages = sessions.start(other, context)
+            body, messages = sessions.start(found.obj, context)
         except DimpleError as error:
             say(self, {"WARNING"}, str(error))
             return None
@@ -241,7 +251,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
         if context.mode != "OBJECT":
             return polls.tip_("The fingertips stay where they are | Esc: leave the poke")
-        return fingertip.help_text(self._state, recording=any(body.recorder for body in sessions.sessions.values()))
+        return fingertip.help_text(self._state)
 
     def _went_on(self, messages: list[str]) -> set[str] | None:
         """Report what has happened; return how the operator ends when no session is left."""
@@ -251,21 +261,13 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         sessions.stop_all()
         return {"CANCELLED"}
 
-    def _show_hover(self) -> None:
-        """Let the overlay draw the fingertip that would press."""
-        from ..core.session import Finger
-        from ..core.vectors import along
 
-        hover, active = self._state.hover, self._state.active
-        for uid, body in sessions.sessions.items():
-            fingers = list(body.fingers)
-            if self._state.tips[active] is None:
-                fingers[active] = None
-                if hover and hover.body == uid:
-                    centre = along(hover.point, hover.normal, self._state.radius)
-                    fingers[active] = Finger(centre, self._state.radius)
-            body.fingers = tuple(fingers)
-        modal_runs.redraw()
+def _select(context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    """Select an object alone, as a click does."""
+    for other in context.selected_objects:
+        other.select_set(False)
+    obj.select_set(True)
+    context.view_layer.objects.active = obj
 
 
 def _contacts(context: bpy.types.Context) -> dict[int, tuple[float, ...]]:

@@ -4,7 +4,7 @@ import bpy
 from bpy.app.translations import pgettext_tip
 
 from ..core.errors import DimpleError
-from . import modal_runs, sessions
+from . import fingertip_objects, modal_runs, sessions
 
 LARGEST = 1e9  # of a number an operator takes; NaN and infinity are none either
 
@@ -51,6 +51,13 @@ def is_free(operator: type) -> bool:
     """Tell whether nothing runs that may not be disturbed."""
     if modal_runs.at_work():
         return refuse(operator, "A bake or a virtual press is running; Esc cancels it")
+    return True
+
+
+def has_free_fingertips(operator: type, scene: bpy.types.Scene, count: int) -> bool:
+    """Tell whether some fingertips are not in use."""
+    if len(fingertip_objects.free(scene)) < count:
+        return refuse(operator, "All three fingertips are in use; take one out of its slot first")
     return True
 
 

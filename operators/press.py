@@ -57,7 +57,6 @@ def new_state(context: bpy.types.Context, operator: bpy.types.Operator) -> PokeS
         by_force=operator.force_n > 0,
         press_s=operator.press_s,
         release_s=operator.release_s,
-        along_normal=context.scene.dimple.poke_along == "NORMAL",
         active=(operator.finger or context.scene.dimple.active_finger) - 1,
     )
 

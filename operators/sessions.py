@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from ..core.session import Finger, Frame, Session
     from ..core.steps import Parts
+    from ..core.stroke import Hand
     from .bridge import ObjectLink, Singles
     from .contact import LiveWorld
     from .planning import Around
@@ -47,6 +48,8 @@ class LiveBody:
     painted_at: when weights that are painted were read last [s].
     fingers: the fingertips to be drawn, in the session's space.
     poked: which fingertips are the poke's.
+    held: the fingertips of a hand, by number: the poke's and the haptic device's.
+    hand: what they have done.
     lead: simulated time that it is ahead of the slowest of those that run with it [s].
     done: how far it came in the last step, that lead included [s].
     recorder: of the recording under way.
@@ -62,6 +65,7 @@ class LiveBody:
     matrix: np.ndarray
     rest: Singles
     triangles: np.ndarray
+    hand: Hand
     refused: str = ""
     change: Generator[float, None, list[str]] | None = None
     changed_at: float | None = None
@@ -69,6 +73,7 @@ class LiveBody:
     painted_at: float = 0.0
     fingers: tuple[Finger | None, ...] = (None, None, None)
     poked: frozenset[int] = frozenset()
+    held: dict[int, Finger] = field(default_factory=dict)
     lead: float = 0.0
     done: float = 0.0
     recorder: Recorder | None = None
@@ -135,6 +140,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
         return body, []
     from ..core.mesh.surface import input_vertices
     from ..core.session import Session
+    from ..core.stroke import Hand
     from . import bridge, bridge_write, final_mesh, planning, sizing, timeline
     from .settings import settings_of
 
@@ -157,7 +163,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     settings = settings_of(context.scene, obj)
     body = sessions[link.uid] = LiveBody(
         link=link, session=session, settings=settings, seen=settings,
-        matrix=link.matrix, rest=link.rest, triangles=first[model.mesh.triangles],
+        matrix=link.matrix, rest=link.rest, triangles=first[model.mesh.triangles], hand=Hand(),
     )  # fmt: skip
     obj.dimple.enabled = True
     return body, messages

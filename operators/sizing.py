@@ -1,42 +1,64 @@
-"""How large a body is that nobody has given a size: what is modelled as large as a house stands for a small thing."""
+"""How large a body is that nobody has given a size, and the fingertip that fits it."""
+
+import math
 
 import bpy
 
 from .messages import Note
 
-LARGEST = 100  # fingertip radii: a larger body shows no dent, and is none that was measured
-SMALLEST_M = 0.01
+SMALLEST_M, LARGEST_M = 0.01, 1.0  # across: what is modelled outside of that stands for a thing that was measured
+SHARES = {"finger_radius_mm": 10 / 165, "press_depth_mm": 15 / 165}  # of a body's size, until they are typed
+LEAST_MM = 0.01  # of either
 
 
 def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> Note | None:
-    """Give a body that has no size yet one that a fingertip suits; return a note where that is not the modelled one."""
+    """Give a body that has no size yet one that was measured; return a note where that is not the modelled one."""
     if not is_unsuited(scene, obj):
         return None
     settings = obj.dimple
     settings.size_mode = "CUSTOM"
     return Note(
-        f'"{obj.name}": {_as_modelled(scene, obj):.3g} m across as modelled does not suit a fingertip of '
-        f"{scene.dimple.finger_radius_mm:.3g} mm: it is pressed as an object of {settings.size_mm:.3g} mm. "
+        f'"{obj.name}": {_as_modelled(scene, obj):.3g} m across as modelled, but constants are measured on what '
+        f"one can hold: it is pressed as an object of {settings.size_mm:.3g} mm. "
         "Physical Size in Physics > Dimple changes that."
     )
 
 
 def is_unsuited(scene: bpy.types.Scene, obj: bpy.types.Object) -> bool:
-    """Tell whether a body that nobody has given a size is too large or too small for a fingertip as it is modelled."""
+    """Tell whether a body that nobody has given a size is too large or too small to be pressed as it is modelled."""
     if obj.dimple.enabled or obj.dimple.is_property_set("size_mode"):
         return False
-    return not SMALLEST_M <= _as_modelled(scene, obj) <= LARGEST * scene.dimple.finger_radius_mm / 1e3
+    return not SMALLEST_M <= _as_modelled(scene, obj) <= LARGEST_M
 
 
 def _as_modelled(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
     return float(max(obj.dimensions)) * scene.unit_settings.scale_length
 
 
-def scales_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> tuple[float, float, float]:
-    """Return metres of the real object per unit of its mesh, along each axis of the mesh."""
+def metres_per_unit(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
+    """Return metres of the real object per unit of the scene."""
     settings, largest = obj.dimple, max(obj.dimensions)
-    per_unit = scene.unit_settings.scale_length
     if (settings.size_mode == "CUSTOM" or is_unsuited(scene, obj)) and largest > 0:
-        per_unit = settings.size_mm / 1e3 / largest
-    x, y, z = (per_unit * abs(each) for each in obj.matrix_world.to_scale())
-    return x, y, z
+        return float(settings.size_mm / 1e3 / largest)
+    return float(scene.unit_settings.scale_length)
+
+
+def fit(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
+    """Fit fingertip and depth to the size of a body: what was typed stays, and all where fingertips are keyframed."""
+    settings, size = scene.dimple, 1e3 * metres_per_unit(scene, obj) * max(obj.dimensions)
+    if size <= 0 or settings.finger_1 or settings.finger_2 or settings.finger_3:
+        return
+    following = [name for name in SHARES if follows(settings, name)]
+    settings.fitted_mm = size
+    for name in following:
+        setattr(settings, name, fitted(settings, name))
+
+
+def fitted(settings: bpy.types.PropertyGroup, name: str) -> float:
+    """Return what a setting of the fingertip [mm] is for the body that it was fitted to last."""
+    return max(SHARES[name] * settings.fitted_mm, LEAST_MM)
+
+
+def follows(settings: bpy.types.PropertyGroup, name: str) -> bool:
+    """Tell whether a setting of the fingertip follows the size of the body: nobody has typed another."""
+    return math.isclose(getattr(settings, name), fitted(settings, name), rel_tol=1e-6)

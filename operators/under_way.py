@@ -115,4 +115,4 @@ def seen_press(context: bpy.types.Context) -> PokeState:
 
     radius = context.scene.dimple.finger_radius_mm / 1e3
     state = PokeState(radius=radius, depth=radius, force=SEEN_N, by_force=True)
-    return replace(state, press_s=PRESS_S, release_s=RELEASE_S, along_normal=True)
+    return replace(state, press_s=PRESS_S, release_s=RELEASE_S)

@@ -213,7 +213,7 @@ def drag_rows(session: Session, name: str, count: int, seed: int) -> Iterator[Ro
     starts = [each for each in places(session.model, tip, count, rng) if DEEP <= THICKNESS * each.thickness]
     paths: dict[str, list[Floats]] = {"over the surface": [], "straight": []}
     for place in starts:
-        way = np.cross(place.outward, rng.normal(size=3))
+        way: Floats = np.asarray(np.cross(place.outward, rng.normal(size=3)), np.float64)
         way /= np.linalg.norm(way)
         begin = place.at + (tip - DEEP) * place.outward
         paths["over the surface"].append(over_surface(surface, place, tip, way))

@@ -6,14 +6,26 @@ from collections.abc import Iterator
 import bpy
 
 from ...operators.japanese import MESSAGES
-from . import calibration, contact, devices, everyday, experiments, exports, general, planner, polls, tuning
+from . import (
+    calibration,
+    contact,
+    devices,
+    everyday,
+    experiments,
+    exports,
+    fingertips,
+    general,
+    planner,
+    polls,
+    tuning,
+)
 
 # Blender translates some of our words in another sense: its "Air" is air drag, its "Measure" a ruler. A context of our
 # own avoids that: of every class of ours and its properties, and so of their labels and buttons
 CONTEXT = "Dimple"
 
 # one file for each subject; the messages of core and operators lie with the operators, which recognise them
-SUBJECTS = (general, calibration, planner, devices, experiments, exports, polls, tuning, everyday, contact)
+SUBJECTS = (general, calibration, planner, devices, experiments, exports, polls, tuning, everyday, contact, fingertips)
 EVERYTHING = {english: text for subject in SUBJECTS for english, text in subject.WORDS.items()} | MESSAGES
 JAPANESE = {(context, english): text for context in ("*", CONTEXT) for english, text in EVERYTHING.items()}
 

@@ -14,7 +14,6 @@ BUTTONS = {
     "Dimple Animation...": "Dimple アニメーション...",
     "Export Animation": "アニメーションをエクスポート",
     "Apply Preset": "プリセットを適用",
-    "Add Fingertip": "指先を追加",
     "Add Material Preset": "マテリアルプリセットを追加",
     "Nylon cube, air, 50 mm": "ナイロンの立方体、空気、50 mm",
     "Vinyl cube, air, 165 mm": "ビニールの立方体、空気、165 mm",
@@ -123,7 +122,6 @@ SESSION = {
     "Fingertip 3": "指先 3",
     "Object that presses as a fingertip; it can be keyframed": ("指先として押すオブジェクト。キーフレームで動かせます"),
     "Fingertip Radius (mm)": "指先の半径 (mm)",
-    "Radius of the fingertips, at the physical size of the body": "物体の実物の大きさでの、指先の半径",
     "Finger": "指",
     "The fingertip the mouse moves": "マウスで動かす指先",
     "Poke Along": "押す向き",
@@ -258,9 +256,6 @@ VERBS = {
     "Name of a measured object, such as object_2_vinyl_air": "測定した物体の名前。例: object_2_vinyl_air",
     "Give the active material the constants of a known object, and the body its size": (
         "アクティブマテリアルに測定した物体の定数を、物体に測定時の大きさを与えます"
-    ),
-    "Add a fingertip above the active object: an object that presses, to be moved and keyframed": (
-        "アクティブオブジェクトの上に指先を追加します。動かしたりキーフレームを付けたりできる、押すためのオブジェクトです"
     ),
     "Poking: Esc leaves, Enter keeps the shape": "押しています。Esc で終了、Enter で形を残します",
     "Playing: Esc ends and puts the rest shape back": "再生中です。Esc で終えて元の形に戻します",

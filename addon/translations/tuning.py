@@ -16,9 +16,22 @@ WORDS = {
         "へこみが指先の外へどこまで広がるか。0 なら表面の k が運ぶところまで"
     ),
     "Press By": "押し方",
-    "Whether a press, Ctrl + wheel and pen pressure set a depth or a force": (
-        "押すとき、Ctrl とホイール、ペンの筆圧が深さと力のどちらを決めるか"
+    "Whether a press, Ctrl F and pen pressure set a depth or a force": (
+        "押すとき、Ctrl+F、ペンの筆圧が深さと力のどちらを決めるか"
     ),
+    "Follow Size": "大きさに合わせる",
+    "Follow the size of the body that is pressed; another value ends that": (
+        "押す物体の大きさに合わせます。別の値にすると合わせなくなります"
+    ),
+    "Fitted Size (mm)": "合わせた大きさ (mm)",
+    "Size of the body that fingertip and depth were fitted to last": (
+        "指先と深さを最後に合わせた物体の大きさ"
+    ),
+    "By Force": "力で押す",
+    "A press is by force": "力で押します",
+    "Zoom": "拡大",
+    "Pixels in a millimetre of the fingertip's radius": "指先の半径 1 ミリあたりのピクセル数",
+    "Pixels in a millimetre of depth, or in a newton": "深さ 1 ミリ、または力 1 ニュートンあたりのピクセル数",
     "Depth": "深さ",
     "The fingertip goes to a set depth; the force is what the body answers": (
         "指先は指定した深さまで入ります。力は物体の応答です"
@@ -33,17 +46,11 @@ WORDS = {
     "The same force, as the weight of so many grams": "同じ力を、何グラムの重さかで表します",
     "Force (N)": "力 (N)",
     "Force to press with; 0 presses to the depth": "押す力。0 は深さまで押し込みます",
-    "Left drag: press with {} | Ctrl wheel: force | F: by depth": (
-        "左ドラッグ: {} で押す | Ctrl+ホイール: 力 | F: 深さで押す"
-    ),
-    "Left drag: press {} deep | Ctrl wheel: depth | F: by force": (
-        "左ドラッグ: {} 押し込む | Ctrl+ホイール: 深さ | F: 力で押す"
-    ),
-    "Wheel: radius | 1 2 3: finger": "ホイール: 半径 | 1 2 3: 指",
+    "Left drag: press with {} | F: radius {} | Ctrl F: force": "左ドラッグ: {} で押す | F: 半径 {} | Ctrl+F: 力",
+    "Left drag: press {} deep | F: radius {} | Ctrl F: depth": "左ドラッグ: {} 押し込む | F: 半径 {} | Ctrl+F: 深さ",
+    "1 2 3: finger": "1 2 3: 指",
     "Space: pause": "Space: 一時停止",
     "Space: go on": "Space: 続ける",
-    "R: record": "R: 記録",
-    "R: stop recording": "R: 記録を止める",
     "The fingertips stay where they are | Esc: leave the poke": "指先はそのまま止まります | Esc: 押すのを終える",
     "Enter: keep | Esc: leave": "Enter: 形を残す | Esc: 終了",
     "Paused: Play goes on, Esc ends and puts the rest shape back": (
@@ -51,9 +58,6 @@ WORDS = {
     ),
     "Paused: Space or Play goes on, Esc ends and puts the rest shape back": (
         "一時停止中です。Space または再生で続け、Esc で終えて元の形に戻します"
-    ),
-    "{} is not selected: leave the poke, select it and poke again to press it": (
-        "{} は選択されていません。押すのを終え、選択してからもう一度押してください"
     ),
     "The object is linked from another file: make it local first": (
         "オブジェクトは別のファイルからリンクされています。先にローカル化してください"

@@ -335,7 +335,7 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
         double drag = 2 * b->laws[f->material][DM_DAMPING] * sqrt(f->slope * b->mass_total) / seconds, up = 0;
         for (int c = 0; c < 3; c++) up += drag * (x[c] - before[c]) * f->outward[c];
         for (int c = 0; c < 3; c++) force[c] -= drag * (x[c] - before[c]) - up * f->outward[c];
-        push = push - up > 0 ? push - up : 0;
+        push -= up > law ? law : up < -law ? -law : up; /* no more than the law: a touch begins without a jump */
         double size = sqrt(dm_inner3(force, force)), limit = friction * push;
         for (int c = 0; c < 3; c++) force[c] *= size > limit ? limit / size : 1;
     }

@@ -243,6 +243,9 @@ MESSAGES = {
     "No surface lies along the direction of the press at ({}). Choose another location.": (
         "({}) で押す向きに表面がありません。別の位置を選んでください。"
     ),
+    'The press on "{}" is keyframed from frame {} to {}.': (
+        '"{}" を押した動きを、フレーム {} から {} までのキーフレームにしました。'
+    ),
     "That is beyond the scene's last frame {}.": "シーンの最終フレーム {} を超えています。",
     'Recorded {} frames of "{}" to {}: when its session has ended, it plays them from frame {} to {}.': (
         '"{1}" の {0} フレームを {2} に記録しました。押し終えると、フレーム {3} から {4} まで再生します。'
@@ -265,10 +268,10 @@ MESSAGES = {
     '"{}" was edited while it was pressed, so its session has ended. The edit is kept.': (
         '"{}" が押している間に編集されたため、終了しました。編集は残っています。'
     ),
-    '"{}": {} m across as modelled does not suit a fingertip of {} mm: it is pressed as an object of {} '
+    '"{}": {} m across as modelled, but constants are measured on what one can hold: it is pressed as an object of {} '
     "mm. Physical Size in Physics > Dimple changes that.": (
-        '"{}": {} m で作られていて {} mm の指先に合わないため、{} mm の物体として押します。物理演算 > Dimple の「'
-        "実物の大きさ」で変えられます。"
+        '"{}": {} m で作られていますが、定数は手に持てる物で測ったものなので、{} mm の物体として押します。'
+        "物理演算 > Dimple の「実物の大きさ」で変えられます。"
     ),
     "The mesh has too few vertices to hold the map. Subdivide it first.": (
         "マップを持つには頂点が少なすぎます。先にメッシュを細分化してください。"

@@ -394,7 +394,8 @@ def press(a: Around, tip: Tip, centre: Floats, seconds: float = 0.0) -> None:
     if seconds > 0 and was:
         drag = 2 * float(of_material[DAMPING]) * math.sqrt(tip.slope * s.mass) / seconds * (x - before)
         up = float(drag @ tip.outward)
-        force, push = force - drag + up * tip.outward, max(push - up, 0.0)
+        # no more than the law: a touch begins without a jump
+        force, push = force - drag + up * tip.outward, push - min(max(up, -law), law)
         size = math.sqrt(force @ force)
         force *= friction * push / size if size > friction * push else 1.0
     force = force + push * tip.outward

@@ -29,7 +29,7 @@ def traces(bpy: ModuleType) -> set[str]:
 
     found = set()
     for base in TYPES:
-        registered = (c for c in subclasses(getattr(bpy.types, base)) if ours(c) and c.is_registered)
+        registered = (c for c in subclasses(getattr(bpy.types, base)) if ours(c) and "bl_rna" in vars(c))
         found |= {f"{base} {c.__name__}" for c in registered}
     found |= {f"{owner}.dimple" for owner in OWNERS if hasattr(getattr(bpy.types, owner), "dimple")}
     for name in dir(bpy.app.handlers):

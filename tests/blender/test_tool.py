@@ -1,5 +1,6 @@
 """The poke is at hand: a tool with an icon of its own and its settings, in the Object menu, and found by F3."""
 
+import math
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
@@ -24,7 +25,7 @@ def drawn(function: Any, *given: Any) -> list[str]:
         names.append(str(arguments[-1]))
         return SimpleNamespace()
 
-    layout = SimpleNamespace(prop=note, operator=note, menu=note, separator=lambda: None, row=lambda: layout)
+    layout = SimpleNamespace(prop=note, operator=note, menu=note, separator=lambda: None, row=lambda **_: layout)
     function(*[layout if each == "layout" else SimpleNamespace(layout=layout) if each == "self" else each
                for each in given])  # fmt: skip
     return names
@@ -37,8 +38,47 @@ def test_the_header_of_the_tool_has_depth_or_force(bpy: ModuleType, empty_file: 
     for by, shown, hidden in (("DEPTH", depth, force), ("FORCE", force, depth)):
         bpy.context.scene.dimple.press_by = by
         names = drawn(DIMPLE_WT_poke.draw_settings, bpy.context, "layout", None)
-        assert {"press_by", shown, "finger_radius_mm"} <= set(names) and hidden not in names
-        assert ("press_force_g" in names) == (by == "FORCE")
+        assert {"press_by", shown, "finger_radius_mm", "dimple.record"} <= set(names) and hidden not in names
+
+
+def test_the_keys_that_size_the_fingertip_lead_to_settings_there_are(bpy: ModuleType, empty_file: ModuleType) -> None:
+    from bl_ext.user_default.dimple.addon.tool import DIMPLE_WT_poke
+
+    for operator, event, more in DIMPLE_WT_poke.bl_keymap[1:]:
+        assert operator == "wm.radial_control" and event["type"] == "F"
+        for name, path in more["properties"]:
+            value = bpy.context.path_resolve(path)
+            assert (len(value) == 2) if name == "zoom_path" else isinstance(value, float | bool)
+
+
+def test_the_circle_under_the_mouse_is_as_large_as_the_fingertip_and_lies_on_the_body(
+    bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.addon import cursor
+    from bl_ext.user_default.dimple.operators import pointer
+    from mathutils import Quaternion, Vector
+
+    bpy.ops.mesh.primitive_cube_add(size=2.0)
+    cube, scale = bpy.context.object, 100  # [px] of a unit, seen from above
+    cube.dimple.size_mode = "CUSTOM"
+    views = SimpleNamespace(
+        region_2d_to_origin_3d=lambda _r, _v, at: (at[0] / scale, at[1] / scale, 10.0),
+        region_2d_to_vector_3d=lambda *_: Vector((0.0, 0.0, -1.0)),
+    )
+    monkeypatch.setattr(pointer, "view3d_utils", views)
+    monkeypatch.setattr(cursor, "location_3d_to_region_2d", lambda _r, _v, at: scale * Vector(at[:2]))
+    look = SimpleNamespace(view_rotation=Quaternion())
+    sides = cursor.circle(bpy.context, pointer.View(None, look, (30, 40)))
+    per_mm = scale * 2 / 165
+    assert all(math.dist(a, (30, 40)) == pytest.approx(10 * per_mm) for a, _ in sides) and len(sides) > 8
+    assert cursor.radius_zoom(None) == pytest.approx((per_mm, per_mm)) == cursor.amount_zoom(None)
+    bpy.context.scene.dimple.press_by = "FORCE"
+    assert cursor.amount_zoom(None) != cursor.radius_zoom(None)
+    assert not cursor.circle(bpy.context, pointer.View(None, look, (130, 0))), "beside it"
+    cube.select_set(False)
+    assert not cursor.circle(bpy.context, pointer.View(None, look, (30, 40))), "a click would select it"
+    cube.dimple.enabled = True
+    assert cursor.circle(bpy.context, pointer.View(None, look, (30, 40)))
 
 
 def test_a_press_is_given_in_grams_as_well_as_in_newtons(bpy: ModuleType, empty_file: ModuleType) -> None:

@@ -204,7 +204,7 @@ def test_a_body_that_flies_and_spins_gains_the_momentum_and_the_moment_that_the_
         turned -= np.cross(start, touch.impulse)  # through its centre, but for what a foot may be aside
     gained = (body.velocities() - velocities) @ mass
     spun = np.cross(body.positions(), body.velocities(), axis=0) @ mass - np.cross(rest, velocities, axis=0) @ mass
-    assert np.linalg.norm(given) > 1e-3
+    assert np.linalg.norm(given) > 1e-4
     np.testing.assert_allclose(gained, given, atol=1e-10 * np.linalg.norm(given))
     np.testing.assert_allclose(spun, turned, atol=1e-3 * RADIUS * np.linalg.norm(given))
 

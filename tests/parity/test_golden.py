@@ -30,9 +30,9 @@ GOLDEN = {
     ("liquid", 32, "SSE2"): "b78c3b87a4e7a7988d361e68ef0eb0c061c02c8a971c17639f67f42d45e3a3e3",
     ("liquid", 32, "AVX2"): "788ea3ddfd9b0bc252836bb182a834687a3b14a261d58ffceb69372fcae818b3",
     ("liquid", 64, ""): "c6af458bdab071f979532f609001884fe10101373c050171bf05ded62e215a4b",
-    ("free on the ground", 32, "SSE2"): "77ca6f06a843ac4db3dae486702ff9ad0a4780a00372defe81df65d4e9cfc6ee",
-    ("free on the ground", 32, "AVX2"): "734c1f3a983659d2177b4300f9098fecc042ea7882f48ead33cb65d6d26bdc91",
-    ("free on the ground", 64, ""): "5bb349c390a237d3d55fb628125067f4ffe8f455a0da5624a82074da4f04be00",
+    ("free on the ground", 32, "SSE2"): "51f9c1a49e7f1799da29e681aba6f57767388a67ba7a9e9c8ecfbe32854eae4f",
+    ("free on the ground", 32, "AVX2"): "dbe9b7d146535e42dbac5d82e16b1ab5fe5c62dc614001d81840ed939defca79",
+    ("free on the ground", 64, ""): "f249680cc2394960fdf51dcbaee3e256f479284c5fe98292c76812fefe90522d",
 }
 NUMPY = {
     "liquid": "0f3a7d3df11d6fc67708aab536301f614c72050019deb413f995663b958c0329",

@@ -60,7 +60,7 @@ def test_pressed_by_a_fingertip_implicit_midpoint_rattles_where_backward_euler_i
     wanted = exact(case, None)
     rattling, still = (run(case, method, 17, wanted) for method in ("implicit_midpoint", "backward_euler"))
     assert still.error < 0.1
-    assert rattling.error > 3 * still.error
+    assert rattling.error > 1.5 * still.error
 
 
 def test_a_step_that_finds_no_solution_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -27,6 +27,7 @@ FLOORS = {
     "core.poke_tip": 3,
     "core.fingertip": 3,
     "core.frame": 3,
+    "core.stroke": 3,
     "core.fields": 4,
     "core.energy": 4,
     "core.props": 5,

@@ -57,11 +57,11 @@ def test_the_press_is_the_same_however_time_is_cut_up() -> None:
     assert fine.tips[0].reached == pytest.approx(coarse.tips[0].reached)
 
 
-def test_a_press_goes_along_the_view_or_along_the_normal() -> None:
+def test_a_press_goes_straight_in_or_along_the_view() -> None:
     slanted = (0.0, math.sin(0.5), -math.cos(0.5))
     event = PokeEvent(kind=Kind.PRESS, hit=TOP, view=slanted)
-    along_view, _ = run(START, event, *ticks(1.0))
-    along_normal, _ = run(replace(START, along_normal=True), event, *ticks(1.0))
+    along_normal, _ = run(START, event, *ticks(1.0))
+    along_view, _ = run(replace(START, along_normal=False), event, *ticks(1.0))
     assert fingers(along_view, 7)[0].position[1] == pytest.approx(0.02 * math.sin(0.5))
     assert fingers(along_normal, 7)[0].position == (0.0, 0.0, pytest.approx(0.09))
 
@@ -102,7 +102,7 @@ def on_ball(angle: float) -> Hit:
 
 @pytest.mark.parametrize("dt", [0.016, 0.1])
 def test_however_fast_a_drag_is_the_fingertip_goes_round_the_body_and_not_through_it(dt: float) -> None:
-    state, _ = run(replace(START, depth=0.007, along_normal=True), press(on_ball(-0.7)), *ticks(0.3))
+    state, _ = run(replace(START, depth=0.007), press(on_ball(-0.7)), *ticks(0.3))
     places, moves = [], round(dt / 0.004)
     for begin in np.arange(-0.7, 0.7, dt / 0.08):  # 1 m/s
         way = [PokeEvent(kind=Kind.MOVE, hit=on_ball(begin + 0.05 * j)) for j in range(1, moves + 1)]
@@ -141,23 +141,8 @@ def test_pen_pressure_is_depth() -> None:
     assert state.tips[0].reached == pytest.approx(0.002)
 
 
-@pytest.mark.parametrize(
-    ("kind", "by_force", "name"),
-    [(Kind.RADIUS, False, "radius"), (Kind.AMOUNT, False, "depth"), (Kind.AMOUNT, True, "force")],
-)
-def test_the_wheel_changes_radius_depth_or_force_also_while_pressing(kind: Kind, by_force: bool, name: str) -> None:
-    start = replace(START, by_force=by_force)
-    state, _ = run(start, press(), PokeEvent(kind=kind, amount=2), *ticks(1.0))
-    assert getattr(state, name) == pytest.approx(getattr(START, name) * 1.21)
-    assert (state.tips[0].radius if name == "radius" else state.tips[0].reached) == pytest.approx(getattr(state, name))
-    others = {"radius", "depth", "force"} - {name}
-    assert all(getattr(state, other) == getattr(START, other) for other in others)
-    state, _ = run(state, PokeEvent(kind=kind, amount=-1e4))
-    assert getattr(state, name) > 0
-
-
 def test_by_force_the_fingertip_stays_where_it_touches_and_its_force_grows_and_fades() -> None:
-    state, _ = run(START, PokeEvent(kind=Kind.BY_FORCE), press(), *ticks(0.125))
+    state, _ = run(replace(START, by_force=True), press(), *ticks(0.125))
     half = fingers(state, 7)[0]
     assert half.force == pytest.approx(START.force / 2) and half.inward == (0.0, 0.0, -1.0)
     assert half.position == pytest.approx((0.0, 0.0, 0.11))
@@ -165,7 +150,7 @@ def test_by_force_the_fingertip_stays_where_it_touches_and_its_force_grows_and_f
     assert fingers(state, 7)[0].force == pytest.approx(START.force)
     state, _ = run(state, RELEASE, *ticks(0.125))
     assert fingers(state, 7)[0].force == pytest.approx(START.force / 2)
-    state, _ = run(state, *ticks(0.2), PokeEvent(kind=Kind.BY_FORCE), press(), *ticks(0.3))
+    state, _ = run(with_settings(state, by_force=False), *ticks(0.2), press(), *ticks(0.3))
     assert fingers(state, 7)[0].force is None, "by depth again"
 
 
@@ -191,7 +176,7 @@ def test_settings_that_were_changed_in_a_panel_reach_a_press_under_way() -> None
 
 def test_a_body_of_another_size_is_let_go_of() -> None:
     state, _ = run(START, press(), *ticks(0.3))
-    assert lifted(state, 8) == replace(state, hover=None)
+    assert lifted(state, 8) == state
     assert lifted(state, 7).tips == (None, None, None) and not lifted(state, 7).pressing
 
 
@@ -215,10 +200,7 @@ def test_a_paused_poke_does_not_step() -> None:
     assert done == (Effect.STEP, Effect.STEP)
 
 
-@pytest.mark.parametrize(
-    ("kind", "effect"),
-    [(Kind.LEAVE, Effect.RESTORE), (Kind.KEEP, Effect.KEEP), (Kind.RECORD, Effect.RECORD)],
-)
+@pytest.mark.parametrize(("kind", "effect"), [(Kind.LEAVE, Effect.RESTORE), (Kind.KEEP, Effect.KEEP)])
 def test_keys_say_what_must_be_done(kind: Kind, effect: Effect) -> None:
     for state in (START, run(START, press(), *ticks(0.1))[0], replace(START, paused=True)):
         assert run(state, PokeEvent(kind=kind)) == (state, (effect,))
@@ -309,4 +291,5 @@ def test_two_fingertips_on_one_side_or_on_two_bodies_press_as_they_are_told() ->
     near = Hit(point=(-0.02, 0.0, 0.1), normal=(0.0, 0.0, 1.0), body=7)
     for second in (near, replace(RIGHT, body=8)):
         state, _ = run(START, press(LEFT), *ticks(0.3), finger(2), press(second), *ticks(0.5))
-        assert all(tip.aim.inward == pytest.approx((0.0, 0.0, -1.0)) for tip in state.tips[:2])
+        for tip, hit in zip(state.tips, (LEFT, second), strict=False):
+            assert tip.aim.inward == pytest.approx(tuple(-c for c in hit.normal))

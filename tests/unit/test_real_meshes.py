@@ -49,4 +49,4 @@ def test_a_real_mesh_can_be_pressed(mesh: Mesh) -> None:
     session.set_fingers([Finger((top[0], top[1], top[2] + 0.0095), 0.010)])
     frame = session.step(0.001)
     assert frame.finite and np.isfinite(session.positions()).all()
-    assert (frame.finger_forces[0, 2] > 0) == (not session.model.pinned.all())
+    assert frame.finger_forces[0, 2] > 0

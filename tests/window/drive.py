@@ -17,6 +17,7 @@ import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
+import animating
 import calibrating
 import clicking
 import closing
@@ -374,6 +375,7 @@ ON_BALL = {
     "calibrating": lambda at, *_: calibrating.calibrate(at, BODY, OUT, check),
     "device": lambda *_: device.feel(BODY, (0.0, 0.0, 1.2), OUT, check),
     "judging": lambda *_: judging.judge(BODY, OUT, check),
+    "animating": lambda at, *_: animating.animate(at, BODY, OUT, check),
     "exporting": lambda at, *_: exporting.export(at, BODY, OUT, check),
     "panels": lambda *_: show_panels(),
     "japanese": lambda *_: in_japanese(),

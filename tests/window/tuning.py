@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import bpy
+import brushing
 import clicking
 import large
 import playing
@@ -307,13 +308,13 @@ def record(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     robot.area().spaces.active.show_region_ui = False
     yield from robot.redrawn()
     before = robot.screenshot(out / "0-recording.png")
-    yield from robot.key("R", *at)
+    bpy.ops.dimple.record()
     yield from robot.until(lambda: (body().recorder or None) and body().recorder.frames > 2, "it records", 60)
     yield from robot.redrawn()
     pictures = before, robot.screenshot(out / "0-recording.png")
     red = [int(((each[..., 0] > 150) & (each[..., 1:] < 100).all(axis=2))[300:, 60:360].sum()) for each in pictures]
     check("a recording is seen with the sidebar closed", red[1] > red[0] + 20, f"{red[0]} and {red[1]} red pixels")
-    yield from robot.key("R", *at)
+    bpy.ops.dimple.record()
     yield from robot.looks(10)
     yield from leave(at)
     yield from robot.redrawn()
@@ -328,6 +329,7 @@ def record(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 SCENES: dict[str, Scene] = {
     "making": by_hand,
     "tuning": press_and_undo,
+    "brushing": brushing.brush,
     "keyframing": playing.keyframes,
     "search": search,
     "recording": record,

@@ -266,13 +266,13 @@ def test_that_a_mesh_is_coarse_for_a_smaller_fingertip_is_said_once(bpy: ModuleT
     assert sum("subdivided further when the body is started again" in each for each in said) == 1
 
 
-def test_undo_passes_for_whatever_was_changed_in_a_panel_and_not_for_the_wheel(
+def test_undo_passes_for_whatever_was_changed_in_a_panel_and_not_for_what_a_key_chose(
     bpy: ModuleType, hand: Any, ball: Any
 ) -> None:
     obj, poke = ball(), hand("poke")
     poke.invoke()
     poke.ticks(2)
-    poke.send("WHEELUPMOUSE")
+    poke.send("TWO")
     poke.ticks(2)
     assert poke.send("Z", ctrl=True) == {"RUNNING_MODAL"}
     changes = [(obj.dimple, "collider_friction", 0.1), (obj.dimple, "prop_mass_kg", 3.0)]

@@ -1,0 +1,73 @@
+"""Fingertips as objects of the scene: made, selected, and what they press."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+from bpy_extras.object_utils import object_data_add
+from mathutils import Matrix, Vector
+
+from . import modal_runs, sessions
+
+NUMBERS = (1, 2, 3)
+
+
+def free(scene: bpy.types.Scene) -> list[int]:
+    """Return the numbers of the fingertips that no object is."""
+    return [number for number in NUMBERS if not getattr(scene.dimple, f"finger_{number}")]
+
+
+def body_of(obj: bpy.types.Object | None, scene: bpy.types.Scene) -> bpy.types.Object | None:
+    """Return what an object stands for: a fingertip for the body that it was made for, any other for itself."""
+    if obj is None or obj not in sessions.fingertip_objects(scene):
+        return obj
+    body = obj.dimple.presses
+    return body if body and body.name in scene.objects else None
+
+
+def radius_of(obj: bpy.types.Object, scene: bpy.types.Scene, scale: float) -> float:
+    """Return the radius of a fingertip [m]: of the sphere that is drawn; of what is no sphere, the scene's.
+
+    Args:
+        scale: physical metres per scene unit.
+    """
+    if obj.type == "EMPTY" and obj.empty_display_type == "SPHERE":
+        return scale * obj.empty_display_size * obj.matrix_world.median_scale
+    return scene.dimple.finger_radius_mm / 1e3
+
+
+def leave_poke() -> list[str]:
+    """End a poke, which would take the mouse and the keys of who animates; return sentences for the artist."""
+    return sessions.stop_all() if any(run.kind == "poke" for run in modal_runs.runs) else []
+
+
+def make(
+    context: bpy.types.Context,
+    body: bpy.types.Object,
+    number: int,
+    centre: Sequence[float],
+    radius: float,
+    outward: Sequence[float],
+) -> bpy.types.Object:
+    """Add an empty as a fingertip of a body and select it alone: moved and keyed with it, the body would go too.
+
+    Args:
+        centre, radius: [scene units].
+        outward: direction in which it comes off the surface; its own Z axis.
+    """
+    tip = object_data_add(context, None, name=f"Fingertip {number}")
+    tip.empty_display_type, tip.empty_display_size = "SPHERE", radius
+    turn = Vector((0.0, 0.0, 1.0)).rotation_difference(Vector(outward))
+    tip.matrix_world = Matrix.LocRotScale(Vector(centre), turn, None)
+    tip.dimple.presses = body
+    setattr(context.scene.dimple, f"finger_{number}", tip)
+    return tip
+
+
+def select(context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    """Select an object alone, as a click does."""
+    for other in context.selected_objects:
+        other.select_set(False)
+    obj.select_set(True)
+    context.view_layer.objects.active = obj

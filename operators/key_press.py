@@ -1,0 +1,86 @@
+"""A press by hand becomes fingertips that are keyframed to repeat it."""
+
+import bpy
+
+from . import fingertip_objects, live_press, polls
+from .messages import Note, report
+from .names import Op
+
+STRAIGHT_M = 5e-5  # how far the ways between keyframes may lead past the press, at the body's physical size
+
+
+class DIMPLE_OT_key_press(bpy.types.Operator):
+    """Keyframe a fingertip by the last press."""
+
+    bl_idname = Op.KEY_PRESS
+    bl_label = "Key This Press"
+    bl_description = (
+        "Turn the last press by mouse, pen or haptic device into a keyframed fingertip, from the current frame on. "
+        "Baked, it gives the motion that was seen"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need Object Mode, a press by hand, and a free slot for each of its fingertips."""
+        if context.mode != "OBJECT":
+            return polls.refuse(cls, "Go back to Object Mode first")
+        press = _wanted(context)
+        if press is None:
+            return polls.refuse(cls, "Press a body first: there is nothing to keyframe")
+        return polls.has_free_fingertips(cls, context.scene, len(press.ways)) and polls.is_free(cls)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Add a fingertip for each that pressed."""
+        from . import bridge
+
+        press, scene = _wanted(context), context.scene
+        body = press and bridge.find(press.uid, press.name)
+        if body is None:
+            return {"CANCELLED"}
+        report(self, fingertip_objects.leave_poke())
+        first, last = key(context, press, body)
+        beyond = f" That is beyond the scene's last frame {scene.frame_end}." if last > scene.frame_end else ""
+        said = f'The press on "{body.name}" is keyframed from frame {first} to {last}.{beyond}'
+        report(self, [said if beyond else Note(said)])
+        return {"FINISHED"}
+
+
+def key(context: bpy.types.Context, press: live_press.LivePress, body: bpy.types.Object) -> tuple[int, int]:
+    """Add fingertips that repeat a press, and return its first and last frame."""
+    from ..core.stroke import keys
+    from . import timeline
+    from .shape_keys import curve_bags
+
+    scene = context.scene
+    frame, frame_s = scene.frame_current if press.frame is None else press.frame, timeline.frame_s(scene)
+    tips, shown = [], []
+    for number, way in zip(fingertip_objects.free(scene), press.ways.values(), strict=False):
+        frames, places = keys(way, press.start, frame, frame_s, STRAIGHT_M)
+        places /= press.scale
+        tip = fingertip_objects.make(context, body, number, places[0, :3], places[0, 3], way.outward)
+        resized = any(places[:, 3] != places[0, 3])
+        for at, place in zip(frames.tolist(), places, strict=True):
+            tip.location = place[:3]
+            tip.keyframe_insert("location", frame=at)
+            if resized:
+                tip.scale = [place[3] / places[0, 3]] * 3
+                tip.keyframe_insert("scale", frame=at)
+        for bag in curve_bags(tip):
+            for curve in bag.fcurves:
+                for point in curve.keyframe_points:
+                    point.interpolation = "LINEAR"
+        tips.append(tip)
+        shown += [int(frames[0]), int(frames[-1])]
+    for tip in tips:
+        tip.select_set(True)
+    scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)  # shows where they are now
+    return min(shown), max(shown)
+
+
+def _wanted(context: bpy.types.Context) -> live_press.LivePress | None:
+    """Return the last press on the active body, or on what the active fingertip presses."""
+    return live_press.last(context.scene, fingertip_objects.body_of(context.object, context.scene))
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_key_press])
