@@ -239,9 +239,9 @@ def test_every_material_has_a_picture_of_its_own(empty_file: ModuleType) -> None
 
 
 def test_the_fingertip_follows_the_size_of_a_material_that_is_chosen(empty_file: ModuleType) -> None:
-    body, settings = empty_file.data.objects.new("Body", empty_file.data.meshes.new("Body")), empty_file.context.scene
-    empty_file.context.collection.objects.link(body)
+    empty_file.ops.mesh.primitive_cube_add()
+    body, settings = empty_file.context.object, empty_file.context.scene.dimple
     body.dimple.material = "pillow"
-    large = settings.dimple.finger_radius_mm
+    large = settings.finger_radius_mm
     body.dimple.material = "marshmallow"
-    assert settings.dimple.finger_radius_mm < large / 5
+    assert settings.finger_radius_mm < large / 5
