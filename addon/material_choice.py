@@ -73,7 +73,7 @@ def draw_choice(layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
     column = layout.column(align=True)
     material = body.active_material
     column.enabled = material is None or material.library is None
-    column.template_icon_view(body.dimple, "material", show_labels=True, scale=5.0, scale_popup=4.5)
+    column.template_icon_view(body.dimple, "material", show_labels=True, scale=5.0, scale_popup=4.2)
     column.prop(body.dimple, "material", text="")
 
 

@@ -67,7 +67,7 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         room.note_readout(context.area, shown=False)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the operators, the surroundings and the state of the session."""
+        """Draw the operators, the surroundings and the numbers of the press."""
         settings, layout, body = context.scene.dimple, self.layout, body_of(context.object, context.scene)
         entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)
@@ -89,8 +89,6 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
             draw_notes(context, layout, readout.warnings(entry) if entry else [], "ERROR")
         if body is None or body.type != "MESH":
             draw_notes(context, layout, ["Select a mesh to press it."])
-        elif context.window_manager.dimple.state:
-            draw_notes(context, layout, [context.window_manager.dimple.state])
 
 
 class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
@@ -114,6 +112,23 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
             return
         draw_rows(layout, readout.more_rows(entry.frame, entry.session.clock.tick))
         draw_notes(context, layout, [note for note in entry.session.model.notes if isinstance(note, Note)])
+
+
+class DIMPLE_PT_state(SidebarPanel, bpy.types.Panel):
+    """What the session is doing: below the material, so that no field of it moves away under the mouse."""
+
+    bl_label = ""
+    bl_parent_id = "DIMPLE_PT_object_material"
+    bl_options = {"HIDE_HEADER"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Show while something runs."""
+        return bool(context.window_manager.dimple.state)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw it."""
+        draw_notes(context, self.layout, [context.window_manager.dimple.state])
 
 
 class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
@@ -210,8 +225,8 @@ class DIMPLE_PT_display(SidebarPanel, bpy.types.Panel):
 
 # in the order of work, then the laboratory
 _SIDEBAR = (
-    DIMPLE_PT_session, DIMPLE_PT_readout, *materials.SIDEBAR, DIMPLE_PT_fingertips, DIMPLE_PT_animate, DIMPLE_PT_bake,
-    DIMPLE_PT_display, *calibration.SIDEBAR, *device.SIDEBAR, *experiment.SIDEBAR,
+    DIMPLE_PT_session, DIMPLE_PT_readout, *materials.SIDEBAR, DIMPLE_PT_state, DIMPLE_PT_fingertips, DIMPLE_PT_animate,
+    DIMPLE_PT_bake, DIMPLE_PT_display, *calibration.SIDEBAR, *device.SIDEBAR, *experiment.SIDEBAR,
 )  # fmt: skip
 _register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)
 _register_properties, _unregister_properties = bpy.utils.register_classes_factory(

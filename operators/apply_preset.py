@@ -44,14 +44,14 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
             say(self, {"ERROR"}, f'There is no preset "{self.preset}". There are: {known}.')
             return {"CANCELLED"}
         give(context.object, preset)
-        sizing.fit(context.scene, context.object)
         return {"FINISHED"}
 
 
 def give(obj: bpy.types.Object, preset: "Preset") -> None:
-    """Make a mesh a soft body of a preset's material and size."""
+    """Make a mesh a soft body of a preset's material and size, which fingertip and depth follow."""
     apply(material_of(obj, preset.label).dimple, preset)
     obj.dimple.enabled, obj.dimple.size_mode, obj.dimple.size_mm = True, "CUSTOM", preset.size * 1e3
+    sizing.fit(bpy.context.scene, obj)
 
 
 def apply(settings: bpy.types.PropertyGroup, preset: "Preset") -> None:

@@ -100,9 +100,9 @@ def test_every_panel_draws_on_a_mesh_on_nothing_and_on_a_curve(bpy: ModuleType, 
     assert len(found) >= 11
     places = ({}, {"object": body, "material": body.active_material}, {"object": curve})
     drawn = {panel.__name__ for panel in found for place in places if draw(bpy, panel, **place)}
-    # for a calibration, below, and a file browser
-    waiting = {"DIMPLE_PT_calibration_notes", "DIMPLE_PT_material_calibration", "DIMPLE_PT_still_warning"}
-    assert drawn == {panel.__name__ for panel in found} - waiting
+    # for something that runs, a calibration, below, and a file browser
+    waiting = {"state", "calibration_notes", "material_calibration", "still_warning"}
+    assert drawn == {panel.__name__ for panel in found} - {f"DIMPLE_PT_{name}" for name in waiting}
 
 
 def test_move_apart_is_offered_for_a_pinned_body_too(bpy: ModuleType, body: Any) -> None:
@@ -225,7 +225,7 @@ def test_the_sidebar_is_in_the_order_of_work_and_the_laboratory_is_closed(bpy: M
         "Press", "Material", "Fingertips", "Animate", "Display", "Calibration", "Haptic Device", "Sensory Comparison"
     ]  # fmt: skip
     assert not any("DEFAULT_CLOSED" in getattr(panel, "bl_options", ()) for panel in first[:4])
-    children = [panel for panel in panels._SIDEBAR if panel not in first]
+    children = [panel for panel in panels._SIDEBAR if panel not in (*first, panels.DIMPLE_PT_state)]
     assert all("DEFAULT_CLOSED" in getattr(panel, "bl_options", ()) for panel in [*first[4:], *children])
 
 

@@ -236,3 +236,12 @@ def test_every_material_has_a_picture_of_its_own(empty_file: ModuleType) -> None
     assert all(tuple(picture.image_size) == (256, 256) for picture in pictures)
     assert len({tuple(picture.image_pixels) for picture in pictures}) == len(pictures)
     assert sum(path.stat().st_size for path in material_choice.PICTURES.iterdir()) < 150_000
+
+
+def test_the_fingertip_follows_the_size_of_a_material_that_is_chosen(empty_file: ModuleType) -> None:
+    empty_file.ops.mesh.primitive_cube_add()
+    body, settings = empty_file.context.object, empty_file.context.scene.dimple
+    body.dimple.material = "pillow"
+    large = settings.finger_radius_mm
+    body.dimple.material = "marshmallow"
+    assert settings.finger_radius_mm < large / 5
