@@ -3,7 +3,7 @@
 import bpy
 from mathutils import Vector
 
-from . import fingertip_objects, polls
+from . import fingertip_objects, polls, sizing
 from .messages import report, say
 from .names import Op
 
@@ -41,6 +41,7 @@ class DIMPLE_OT_add_fingertip(bpy.types.Operator):
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         report(self, fingertip_objects.leave_poke())
+        sizing.fit(scene, body)
         radius = scene.dimple.finger_radius_mm / 1e3 / scale
         place, outward = _at_cursor(context, body, radius) or (Vector(top), Vector((0.0, 0.0, 1.0)))
         number = fingertip_objects.free(scene)[0]

@@ -26,17 +26,6 @@ def body_of(obj: bpy.types.Object | None, scene: bpy.types.Scene) -> bpy.types.O
     return body if body and body.name in scene.objects else None
 
 
-def radius_of(obj: bpy.types.Object, scene: bpy.types.Scene, scale: float) -> float:
-    """Return the radius of a fingertip [m]: of the sphere that is drawn; of what is no sphere, the scene's.
-
-    Args:
-        scale: physical metres per scene unit.
-    """
-    if obj.type == "EMPTY" and obj.empty_display_type == "SPHERE":
-        return scale * obj.empty_display_size * obj.matrix_world.median_scale
-    return scene.dimple.finger_radius_mm / 1e3
-
-
 def leave_poke() -> list[str]:
     """End a poke, which would take the mouse and the keys of who animates; return sentences for the artist."""
     return sessions.stop_all() if any(run.kind == "poke" for run in modal_runs.runs) else []
@@ -60,7 +49,7 @@ def make(
     tip.empty_display_type, tip.empty_display_size = "SPHERE", radius
     turn = Vector((0.0, 0.0, 1.0)).rotation_difference(Vector(outward))
     tip.matrix_world = Matrix.LocRotScale(Vector(centre), turn, None)
-    tip.dimple.presses = body
+    tip.dimple.presses, body.dimple.enabled = body, True
     setattr(context.scene.dimple, f"finger_{number}", tip)
     return tip
 

@@ -22,6 +22,7 @@ from . import (
     props,
     sessions,
     showing,
+    sizing,
     tuning,
     twins,
 )
@@ -243,7 +244,7 @@ def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:
     """Return the fingertip objects of a scene in a session's space."""
     def finger(obj: bpy.types.Object) -> Finger:
         place = tuple(scale * c for c in obj.matrix_world.translation)
-        return Finger(place, fingertip_objects.radius_of(obj, scene, scale))
+        return Finger(place, sizing.radius_of(obj, scene, scale))
 
     objects = (getattr(scene.dimple, f"finger_{number}") for number in fingertip_objects.NUMBERS)
     return [finger(obj) if obj else None for obj in objects]

@@ -44,9 +44,12 @@ def metres_per_unit(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
 
 
 def fit(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
-    """Fit fingertip and depth to the size of a body: what was typed stays, and all where fingertips are keyframed."""
+    """Fit fingertip and depth to the size of a body: what was typed stays, and all where an object that is drawn as no
+    sphere presses as the scene's fingertip.
+    """
     settings, size = scene.dimple, 1e3 * metres_per_unit(scene, obj) * max(obj.dimensions)
-    if size <= 0 or settings.finger_1 or settings.finger_2 or settings.finger_3:
+    tips = filter(None, (settings.finger_1, settings.finger_2, settings.finger_3))
+    if size <= 0 or not all(map(is_sphere, tips)):
         return
     following = [name for name in SHARES if follows(settings, name)]
     settings.fitted_mm = size
@@ -62,3 +65,19 @@ def fitted(settings: bpy.types.PropertyGroup, name: str) -> float:
 def follows(settings: bpy.types.PropertyGroup, name: str) -> bool:
     """Tell whether a setting of the fingertip follows the size of the body: nobody has typed another."""
     return math.isclose(getattr(settings, name), fitted(settings, name), rel_tol=1e-6)
+
+
+def is_sphere(obj: bpy.types.Object) -> bool:
+    """Tell whether a sphere is drawn for an object."""
+    return obj.type == "EMPTY" and obj.empty_display_type == "SPHERE"
+
+
+def radius_of(obj: bpy.types.Object, scene: bpy.types.Scene, scale: float) -> float:
+    """Return the radius of a fingertip [m]: of the sphere that is drawn; of what is no sphere, the scene's.
+
+    Args:
+        scale: physical metres per scene unit.
+    """
+    if is_sphere(obj):
+        return scale * obj.empty_display_size * obj.matrix_world.median_scale
+    return scene.dimple.finger_radius_mm / 1e3

@@ -17,7 +17,9 @@ NEAR_MM = 0.5  # that a baked surface may be from what was seen
 def soft(bpy: ModuleType, scene: Any, ball: Add) -> Any:
     """A ball that a fingertip of 10 mm presses as it is; the scene shows 25 frames a second."""
     scene.render.fps = FPS
-    return ball("Ball", 4)
+    obj = ball("Ball", 4)
+    obj.dimple.enabled = True
+    return obj
 
 
 def curves(tip: Any) -> dict[tuple[str, int], list[tuple[float, float]]]:
@@ -172,7 +174,7 @@ def test_a_pinch_becomes_two_fingertips_and_a_changed_radius_is_keyed(
     poke.send("TWO")
     poke.send("LEFTMOUSE", at=(600, 500))
     poke.ticks(10)
-    poke.send("WHEELUPMOUSE")
+    scene.dimple.finger_radius_mm *= 1.1
     poke.ticks(10)
     assert bpy.ops.dimple.key_press() == {"FINISHED"}, "while it is under way"
     first, second = scene.dimple.finger_1, scene.dimple.finger_2
