@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from .names import BAKED_PRESS
+from .names import BAKED_PRESS, PRESS
 
 # where these move the surface they hold it too: the body goes where they go
 CARRYING = frozenset({"ARMATURE", "LATTICE", "CURVE", "MESH_DEFORM", "SURFACE_DEFORM", "HOOK"})
@@ -27,7 +27,8 @@ def is_cache(modifier: bpy.types.Modifier) -> bool:
 
 def is_shaped(body: bpy.types.Object) -> bool:
     """Tell whether shape keys or modifiers make the shape at rest of the coordinates of a mesh."""
-    return bool(body.data.shape_keys) or any(each.show_viewport for each in body.modifiers)
+    others = [each for each in body.modifiers if each.show_viewport and not shows(each, PRESS)]
+    return bool(body.data.shape_keys) or bool(others)
 
 
 def is_deformed(body: bpy.types.Object) -> bool:
