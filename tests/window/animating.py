@@ -34,7 +34,7 @@ def animate(at: Place, body: str, out: Path, check: Check) -> robot.Waits:
     check("I keys it at both frames", keyed(name) == [1, LAST], f"{keyed(name)}")
     yield from drag_circle(name, at, out, check)
     yield from clicking.search("Bake", at)
-    yield from robot.until(lambda: any(each.type == "MESH_CACHE" for each in obj.modifiers), "it is baked", 400)
+    yield from robot.until(lambda: "Dimple" in obj.modifiers, "it is baked", 400)
     check("Bake with the fingertip active bakes what it presses", True)
     dented = robot.positions(body)[:, 2].max()
     check("and it is dented", dented < 0.95, f"{dented:.3f} m high")
