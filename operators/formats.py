@@ -228,7 +228,7 @@ FORMATS = {
     ),
     "FBX": Format(
         "FBX", ".fbx", "Y up, -Z forward, UnitScaleFactor says the unit, after modifiers", _fbx,
-        lambda size: 15 * size.vertices, keyed=True, exporter="export_scene.fbx",  # it is compressed
+        lambda size: 17 * size.vertices, keyed=True, exporter="export_scene.fbx",  # it is compressed
     ),
     "PC2": Format("PC2", ".pc2", OBJECT, _pc2, lambda size: 12 * size.vertices),
     "MDD": Format("MDD", ".mdd", OBJECT, _mdd, lambda size: 12 * size.vertices),
