@@ -7,6 +7,7 @@ from pathlib import Path
 
 import bpy
 from make_pictures import pictures
+from make_press import press_picture
 from mathutils import Vector
 from scene_parts import frame, install, key_press, look, painted, press_ball, save
 
@@ -97,3 +98,4 @@ if __name__ == "__main__":
     three_objects()
     suzanne()
     pictures()
+    press_picture()
