@@ -106,7 +106,7 @@ typedef struct { /* what a fingertip may meet within a tick */
 } dm_near;
 
 typedef struct { /* a triangle of the surface at rest, below which fingertips are measured */
-    double corner[3][3], normal[3];
+    double corner[3][3], normal[3], middle[3], extent; /* extent: of the corners from the middle [m] */
     uint32_t vertex[3]; /* of the surface, in the caller's order */
     int64_t index, material;
 } dm_facet;

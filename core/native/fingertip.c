@@ -62,8 +62,11 @@ static void dm_look_round(const dm_state *b, int64_t first, const double *x, dou
         }
         if (dm_gap_to_box(b->facet_boxes[k], x) > reach) continue;
         int64_t end = (k + 1) * DM_FACET_BLOCK < b->facet_count ? (k + 1) * DM_FACET_BLOCK : b->facet_count;
-        for (int64_t i = k * DM_FACET_BLOCK; i < end; i++)
-            dm_offset_from(b->facets + i, x, offset), dm_note_facet(r, b->facets + i, offset, seat);
+        for (int64_t i = k * DM_FACET_BLOCK; i < end; i++) {
+            const dm_facet *f = b->facets + i;
+            if (dm_apart(x, f->middle) > (1 + 1e-9) * (reach + f->extent)) continue;
+            dm_offset_from(f, x, offset), dm_note_facet(r, f, offset, seat);
+        }
     }
 }
 
@@ -208,12 +211,6 @@ static int dm_is_beside_others(const dm_state *b, int finger) {
     return others;
 }
 
-/* How far a sphere is from where one began [m]. */
-static double dm_gone(const double *from, const double *to) {
-    double way[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-    return sqrt(dm_inner3(way, way));
-}
-
 /* Lead a foot on until it lies straight above x, no farther from the anchor than the most. Tell whether it does. */
 static int dm_straighten(const dm_state *b, dm_tip *f, const double *x, const double *touched, double most,
                          dm_round *round) {
@@ -221,7 +218,7 @@ static int dm_straighten(const dm_state *b, dm_tip *f, const double *x, const do
     if (memcmp(f->foot, f->anchor, sizeof f->foot)) dm_look_round(b, f->facet, f->foot, f->radius, round);
     for (int step = 0; step <= DM_FOOT_STEPS; step++) {
         for (int c = 0; c < 3; c++) at[c] = f->foot[c] - round->offset[c];
-        if (dm_gone(touched, at) > most) return 0;
+        if (dm_apart(touched, at) > most) return 0;
         for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
         dm_along_normals(round, way, along, aside);
         double far = sqrt(dm_inner3(aside, aside));
@@ -282,7 +279,7 @@ static void dm_place_tip(dm_state *b, int finger, const double *pose, const doub
     dm_tip *f = b->fingers + finger;
     dm_round round;
     double along[3], place[3], deep = f->met ? dm_find_foot(b, f, x, &round) : 0;
-    double most = f->deep + dm_gone(before, x);
+    double most = f->deep + dm_apart(before, x);
     f->met = deep > 0, deep = deep > most ? most : deep;
     if (!f->met) deep = dm_find_gap(b, f, x, &round), f->met = deep > 0;
     if (round.facet) dm_take_place(b, f, &round);

@@ -3,6 +3,11 @@
 
 enum { DM_FACET_BLOCK = 16 }; /* facets that share a bounding box, and boxes that share one */
 
+static double dm_apart(const double *from, const double *to) {
+    double way[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+    return sqrt(dm_inner3(way, way));
+}
+
 /* Put the facets where their vertices are (3, n), and box them in runs. */
 static void dm_shape_facets(dm_state *b, const double *x, int64_t n) {
     for (int64_t k = 0; k < b->facet_count; k++) {
@@ -15,6 +20,12 @@ static void dm_shape_facets(dm_state *b, const double *x, int64_t n) {
         dm_cross3(along, across, f->normal);
         double size = sqrt(dm_inner3(f->normal, f->normal));
         for (int c = 0; c < 3; c++) f->normal[c] /= size > 1e-30 ? size : 1e-30;
+        f->extent = 0;
+        for (int c = 0; c < 3; c++) f->middle[c] = (f->corner[0][c] + f->corner[1][c] + f->corner[2][c]) / 3;
+        for (int p = 0; p < 3; p++) {
+            double away = dm_apart(f->corner[p], f->middle);
+            f->extent = away > f->extent ? away : f->extent;
+        }
         double *box = b->facet_boxes[k / DM_FACET_BLOCK];
         for (int p = 0; p < 3; p++)
             for (int c = 0; c < 3; c++) {
