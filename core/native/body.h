@@ -117,7 +117,7 @@ typedef struct { /* a fingertip; vectors but centre and force are in the space o
     double way;                      /* [m] that a force has pushed it */
     const double *factors;           /* of the force of another tip, null where it is the measuring one, */
     double factors_end;              /* at depths up to this [m] */
-    int met, felt, beside;           /* it lies on the surface at rest; touches the skin; others did when */
+    int met, in_contact, beside;           /* it lies on the surface at rest; touches the skin; others did when */
     double deep, depth, zero, height; /* it began. How far it is from its foot; its x [m], from `zero` on; where the skin is */
     double foot[3], anchor[3];       /* spheres on that surface: above it; where friction holds it */
     double outward[3], local[3];     /* unit; its centre when it was evaluated last */

@@ -207,7 +207,7 @@ static double dm_skin_height(const dm_state *b, const dm_tip *f, const double *p
 /* Does anything touch the body, other than this fingertip? */
 static int dm_is_beside_others(const dm_state *b, int finger) {
     int others = b->meets;
-    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) others |= k != finger && b->fingers[k].felt;
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) others |= k != finger && b->fingers[k].in_contact;
     return others;
 }
 
@@ -283,11 +283,11 @@ static void dm_place_tip(dm_state *b, int finger, const double *pose, const doub
     f->met = deep > 0, deep = deep > most ? most : deep;
     if (!f->met) deep = dm_find_gap(b, f, x, &round), f->met = deep > 0;
     if (round.facet) dm_take_place(b, f, &round);
-    if (!f->felt) f->zero = -f->height, f->stick = 0, f->beside = b->comes_back > 0 || dm_is_beside_others(b, finger);
+    if (!f->in_contact) f->zero = -f->height, f->stick = 0, f->beside = b->comes_back > 0 || dm_is_beside_others(b, finger);
     f->deep = deep, f->depth = deep - f->zero;
-    int felt = f->depth > 0;
-    if (!f->felt) memcpy(f->anchor, f->foot, sizeof f->anchor);
-    f->felt = felt;
+    int in_contact = f->depth > 0;
+    if (!f->in_contact) memcpy(f->anchor, f->foot, sizeof f->anchor);
+    f->in_contact = in_contact;
     for (int c = 0; c < 3; c++) aside[c] = f->anchor[c] - f->foot[c];
     if (f->met) {
         for (int c = 0; c < 3; c++) along[c] = f->anchor[c] - x[c];
@@ -296,7 +296,7 @@ static void dm_place_tip(dm_state *b, int finger, const double *pose, const doub
     double up = dm_inner3(aside, f->outward);
     for (int c = 0; c < 3; c++) aside[c] -= up * f->outward[c], place[c] = f->foot[c] - f->radius * f->outward[c];
     /* while it moves the skin itself, that says nothing */
-    if (!felt && round.facet && b->fingers[finger].kept_count == 0)
+    if (!in_contact && round.facet && b->fingers[finger].kept_count == 0)
         f->height = deep > -f->radius ? dm_skin_height(b, f, pose, place) : 0;
 }
 
@@ -307,12 +307,12 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
     double from[3], x[3], aside[3], force[3], before[3];
     for (int c = 0; c < 3; c++) from[c] = centre[c] - pose[9 + c];
     for (int c = 0; c < 3; c++) x[c] = pose[c] * from[0] + pose[3 + c] * from[1] + pose[6 + c] * from[2];
-    int was = f->felt;
+    int was = f->in_contact;
     memcpy(before, f->local, sizeof before), memcpy(f->local, x, sizeof x);
     dm_place_tip(b, finger, pose, before, x, aside);
     memset(f->force, 0, sizeof f->force);
     f->law = f->slope = f->slides = 0;
-    if (!f->felt) return;
+    if (!f->in_contact) return;
     double law = dm_force_at(b, f, f->depth), step = 1e-4 * f->depth + 1e-9 * f->radius;
     double slope = (law - dm_force_at(b, f, f->depth - step)) / step;
     f->slope = slope > 0 ? slope : 0, f->law = law;
@@ -339,13 +339,13 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
     for (int c = 0; c < 3; c++) force[c] += push * f->outward[c];
     if (dm_inner3(force, force) + f->slope < INFINITY)
         for (int c = 0; c < 3; c++) f->force[c] = dm_inner3(pose + 3 * c, force);
-    else f->law = f->slope = f->slides = 0, f->felt = 0; /* what is beyond all measure is no force */
+    else f->law = f->slope = f->slides = 0, f->in_contact = 0; /* what is beyond all measure is no force */
 }
 
 /* Let the depth be counted from the surface at rest again, where what had moved the skin has gone. */
 static void dm_count_anew(dm_state *b, int finger, double tick) {
     dm_tip *f = b->fingers + finger;
-    if (f->felt && f->beside && !dm_is_beside_others(b, finger)) f->zero *= exp(-tick / DM_BACK_TIME);
+    if (f->in_contact && f->beside && !dm_is_beside_others(b, finger)) f->zero *= exp(-tick / DM_BACK_TIME);
 }
 
 /* Where the shape at rest is now; free: where it was fitted as the substep began. */
@@ -372,7 +372,7 @@ static void dm_push_on(const dm_state *b, dm_tip *f, const dm_fingertip *to, dou
 }
 
 static void dm_lift(dm_tip *f) {
-    f->met = f->felt = 0, f->slides = 0;
+    f->met = f->in_contact = 0, f->slides = 0;
     f->way = f->zero = f->height = f->law = f->slope = f->stick = f->thickness = 0;
     memset(f->force, 0, sizeof f->force);
 }
@@ -423,7 +423,7 @@ static void dm_take_fingertip(dm_state *b, dm_tip *f, const dm_fingertip *to) {
     if (!to->down || to->fresh) dm_lift(f);
     if (!to->down) return;
     for (int c = 0; c < 3; c++) { /* another radius lies on the same place */
-        double more = (to->radius - f->radius) * f->outward[c] * (f->met || f->felt);
+        double more = (to->radius - f->radius) * f->outward[c] * (f->met || f->in_contact);
         f->anchor[c] += more, f->foot[c] += more;
     }
     f->deep += to->radius - f->radius;

@@ -71,7 +71,7 @@ class Tip:
     radius: float = 0.0
     factors: tuple[Floats, float] | None = None
     met: bool = False
-    felt: bool = False
+    in_contact: bool = False
     slides: float = 0.0
     beside: bool = False
     way: float = 0.0
@@ -348,15 +348,15 @@ def place_tip(a: Around, tip: Tip, before: Floats, x: Floats) -> Floats:
         deep, found = find_gap(a.surface, tip, x)
         tip.met = deep > 0
     take_place(a.surface, tip, found)
-    if not tip.felt:
+    if not tip.in_contact:
         tip.zero, tip.beside, tip.stick = -tip.height, a.others, 0.0
     tip.deep, tip.depth = deep, deep - tip.zero
-    if not tip.felt:
+    if not tip.in_contact:
         tip.anchor = tip.foot.copy()
-    tip.felt = tip.depth > 0
+    tip.in_contact = tip.depth > 0
     aside = along_normals(found, tip.anchor - x)[1] if tip.met else tip.anchor - tip.foot
     aside = aside - (aside @ tip.outward) * tip.outward
-    if not tip.felt and not a.pushes:  # while it moves the skin itself, that says nothing
+    if not tip.in_contact and not a.pushes:  # while it moves the skin itself, that says nothing
         tip.height = skin_height(a, tip, tip.foot - tip.radius * tip.outward) if deep > -tip.radius else 0.0
     return aside
 
@@ -367,14 +367,14 @@ def press(a: Around, tip: Tip, centre: Floats, seconds: float = 0.0) -> None:
     Args:
         seconds: since the last time, where the body is free: what holds a body between springs would ring undamped.
     """
-    s, rotation, was = a.surface, a.pose[0], tip.felt
+    s, rotation, was = a.surface, a.pose[0], tip.in_contact
     before, x = tip.local, rotation.T @ (centre - a.pose[1])
     tip.local, tip.force, tip.law, tip.slope, tip.slides = x, np.zeros(3), 0.0, 0.0, 0.0
     if not np.isfinite(x).all():  # of a body that has blown up
-        tip.met = tip.felt = False
+        tip.met = tip.in_contact = False
         return
     aside = place_tip(a, tip, before, x)
-    if not tip.felt:
+    if not tip.in_contact:
         return
     law, step = force_at(s, tip, tip.depth), 1e-4 * tip.depth + 1e-9 * tip.radius
     tip.law, tip.slope = law, max((law - force_at(s, tip, tip.depth - step)) / step, 0.0)
@@ -402,12 +402,12 @@ def press(a: Around, tip: Tip, centre: Floats, seconds: float = 0.0) -> None:
     if math.sqrt(force @ force) + tip.slope < math.inf:
         tip.force = rotation @ force
     else:  # what is beyond all measure is no force
-        tip.law, tip.slope, tip.slides, tip.felt = 0.0, 0.0, 0.0, False
+        tip.law, tip.slope, tip.slides, tip.in_contact = 0.0, 0.0, 0.0, False
 
 
 def count_anew(tip: Tip, tick: float, *, others: bool) -> None:
     """Let the depth be counted from the surface at rest again, where what had moved the skin has gone."""
-    if tip.felt and tip.beside and not others:
+    if tip.in_contact and tip.beside and not others:
         tip.zero *= math.exp(-tick / BACK_TIME)
 
 
@@ -422,7 +422,7 @@ def push_on(s: RestSurface, pose: Pose, tip: Tip, to: FingertipMotion, tick: flo
 
 def lift(tip: Tip) -> None:
     """Take a fingertip away."""
-    tip.met = tip.felt = False
+    tip.met = tip.in_contact = False
     tip.way = tip.slides = tip.zero = tip.height = tip.law = tip.slope = tip.stick = tip.thickness = 0.0
     tip.force = np.zeros(3)
 
@@ -457,7 +457,7 @@ def take(a: Around, tip: Tip, to: FingertipMotion | None) -> None:
         lift(tip)
     if to is None:
         return
-    if tip.met or tip.felt:  # another radius lies on the same place
+    if tip.met or tip.in_contact:  # another radius lies on the same place
         more = (to.radius - tip.radius) * tip.outward
         tip.anchor, tip.foot = tip.anchor + more, tip.foot + more
     tip.deep += to.radius - tip.radius

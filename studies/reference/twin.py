@@ -280,7 +280,7 @@ class Twin:
         )  # fmt: skip
 
     def _is_beside_others(self, finger: int | None) -> bool:
-        return self.meets or any(tip.felt for k, tip in enumerate(self._tips) if k != finger)
+        return self.meets or any(tip.in_contact for k, tip in enumerate(self._tips) if k != finger)
 
     def _enter_tick(self, call: Call) -> None:
         motion, call.moved = call.motion, True
