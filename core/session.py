@@ -173,7 +173,7 @@ class Session:
         self._done += result.ticks
         self._total += result.ticks * self.substeps
         if result.moved:
-            self._skin.body_moved()
+            self._skin.reset()
         self._pins.take()
         for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch:
@@ -231,15 +231,8 @@ class Session:
         return self.body.law(index, np.asarray(depths), table).tolist()
 
     def positions(self) -> Singles:
-        """Return where the input vertices (N, 3) [m] are now, to be read."""
+        """Return where the input vertices (N, 3) [m] are, to be read: the same array as long as nothing moves."""
         return self._skin.positions(self.body, self.placed)
-
-    def seen(self) -> Singles:
-        """Return where the input vertices (N, 3) [m] are, as near as can be seen; to be read before the next call.
-
-        It is the same array as long as nothing can be seen to move, and exact where the body sleeps.
-        """
-        return self._skin.seen(self.body, self.placed, exact=not self._last.moved)
 
     def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0) -> None:
         """Go on as another model of the same vertices, from where the body is: nothing moves at the change.
@@ -291,7 +284,7 @@ class Session:
             if tip:
                 tip.origin, tip.target = tip.place(share), tip.target._replace(via=(), anew=False)
         if self._pins.move(share):
-            self._skin.pins_moved()
+            self._skin.reset()
 
     def _motions(self, first: float, last: float) -> tuple[motion.FingertipMotion | None, ...]:
         """Return the motion of each fingertip in some ticks."""

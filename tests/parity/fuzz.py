@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from core import native
 from core.native.body import CFrame, CMotion
-from core.native.carry import CBinding, CKept
+from core.native.carry import CBinding
 from core.native.cells import CCells
 from core.native.definition import BodyDef, Constants
 from core.native.scene import CColliderMotion, CCrossings, ColliderDef, CProp, CSceneFrame
@@ -223,10 +223,7 @@ def main(seed: int) -> None:
             code = library.dm_set_constants(body, address(constants))
         elif name == "carry":
             room = (fuzzer.array(a, 8) for a in ("positions", "motions", "skin"))
-            bound = address(fuzzer.binding())
-            code = library.dm_carry(bound, *room)
-            kept = address(fuzzer.fill(CKept(), 8))
-            code = max(code, library.dm_carry_moved(bound, fuzzer.array("positions", 8), kept, fuzzer.array("skin", 8)))
+            code = library.dm_carry(address(fuzzer.binding()), *room)
         elif name == "cells":
             cells, around, joined, *lists = (
                 fuzzer.array(a, 6) for a in ("cells", "around", "joined", "first", "followed", "weights")
