@@ -14,8 +14,7 @@ import numpy as np
 from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
-from .clock import Clock
-from .crowd import step_all
+from .clock import Clock, step_all
 from .fingertip import NOWHERE, FingerOnItsWay, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
@@ -124,12 +123,7 @@ class Session:
         Raises:
             DimpleError: dt is negative or not a number.
         """
-        if budget is not None:
-            return step_all([self], [dt], budget=budget)[0]
-        self.begin(dt)
-        while due := self.due:
-            self.take(self.body.step(self.next_motion(min(due, self.most))))
-        return self.finish()
+        return step_all([self], [dt], budget=budget)[0]
 
     def begin(self, dt: float) -> None:
         """Begin a step of dt [s]; its ticks follow in motions, and `finish` ends it.

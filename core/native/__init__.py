@@ -59,6 +59,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
         POINTER(c_double),
         c_int64,
         POINTER(ColliderDef),
+        POINTER(CCrossings),
     ),
     "dm_scene_find_crossings": (c_void_p, POINTER(CCrossings)),
     "dm_scene_set_collider": (c_void_p, c_int64, c_void_p),

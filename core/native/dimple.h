@@ -281,11 +281,12 @@ typedef struct { /* what passes through each other */
 } dm_crossings;
 
 /* Bodies and colliders that nothing passes through, stepped together; the bodies stay the caller's, outlive the scene
- * and are all of one precision and instruction set. self: (bodies,) whether each meets itself too: 0 not, 1 it does, 2 all
- * but those faces of it that pass through others of it now. offset: (bodies,) the distance that each holds [m], 0 for a
- * share of its edges; a collider holds the least. */
+ * and are all of one precision and instruction set. self: (bodies,) whether each meets itself too, but for the faces that
+ * pass through others of it now: left_out (bodies,) says how many. offset: (bodies,) the distance that each holds [m], 0
+ * for a share of its edges; a collider holds the least. */
 DM_API int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, const uint8_t *self,
-                               const double *offset, int64_t colliders, const dm_collider_def *collider);
+                               const double *offset, int64_t colliders, const dm_collider_def *collider,
+                               dm_crossings *left_out);
 DM_API void dm_scene_destroy(dm_scene *scene); /* null is taken */
 DM_API int32_t dm_scene_find_crossings(dm_scene *scene, dm_crossings *found);
 /* Put a collider elsewhere at once. */

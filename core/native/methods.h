@@ -25,7 +25,8 @@ typedef struct {
     void (*carry)(const dm_binding *binding, const float *motions, float *skin);
     /* null where this library has none: in double precision, but for tests */
     int32_t (*scene_create)(dm_scene_state **scene, int64_t bodies, dm_state *const *body, const uint8_t *self,
-                            const double *offset, int64_t colliders, const dm_collider_def *collider);
+                            const double *offset, int64_t colliders, const dm_collider_def *collider,
+                            dm_crossings *left_out);
     void (*scene_destroy)(dm_scene_state *scene);
     void (*scene_find)(dm_scene_state *scene, dm_crossings *found);
     void (*scene_place)(dm_scene_state *scene, int64_t collider, const double *positions);

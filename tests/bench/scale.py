@@ -21,7 +21,7 @@ import numpy as np
 from core import native
 from core.base import TICK
 from core.body.model import build_model
-from core.crowd import step_all
+from core.clock import step_all
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.native.body import step_many
 from core.reduction.binding import carry

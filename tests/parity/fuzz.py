@@ -145,8 +145,8 @@ class Scenes:
         colliders = (ColliderDef * 3)(*(self.fuzzer.collider() for _ in range(3)))
         flags = (ctypes.c_uint8 * 4)(*rng.integers(0, 2, 4).tolist())
         held = (ctypes.c_double * 4)(*(rng.choice([0.0, 1e-3, -1.0], 4, p=[0.6, 0.38, 0.02])))
-        create = native.library().dm_scene_create
-        code = int(create(ctypes.byref(handle), len(some), handles, flags, held, count, colliders))
+        create, out = native.library().dm_scene_create, (CCrossings * 4)()
+        code = int(create(ctypes.byref(handle), len(some), handles, flags, held, count, colliders, out))
         if code:
             bodies += some
         else:
