@@ -32,13 +32,6 @@ class ContactSettings:
     self_contact: BoolProperty(
         name="Self Contact", description="The body does not pass through itself where it folds", default=False, **FIXED
     )
-    move_apart: BoolProperty(
-        name="Move Apart",
-        description="Where the body intersects something at the start, it is moved out as a whole by the shortest way, "
-        "or pressed flat towards its pins; where it passes through itself, those faces are left out of Self Contact; "
-        "otherwise that is refused",
-        default=False, **FIXED,
-    )  # fmt: skip
 
 
 class DIMPLE_PT_contact(bpy.types.Panel):
@@ -73,6 +66,3 @@ class DIMPLE_PT_contact(bpy.types.Panel):
         row = layout.row()
         row.active = settings.enabled
         row.prop(settings, "self_contact")
-        row = layout.row()
-        row.active = settings.enabled
-        row.prop(settings, "move_apart")

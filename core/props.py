@@ -18,9 +18,9 @@ import numpy as np
 
 from .base import Floats
 from .session import Session
-from .solver import rigid
+from .solver import motion, rigid
 from .solver.rigid import RigidShape
-from .solver.scene import OFFSET, Collider, Fall, Falling, SceneFrame, Way
+from .solver.scene import OFFSET, Collider, Fall, Falling, Way
 from .world import World
 
 LEAST_SHARE = 0.1  # of the lightest body's mass: what a prop has at least when it moves
@@ -36,7 +36,7 @@ class PropWorld(World):
     ground: height [m] of a plane that props land on, or None; one that begins below it lies as low as it begins.
 
     Args:
-        sessions, colliders, itself, apart, names: as for a World.
+        sessions, colliders, itself, names: as for a World.
         masses: of the colliders [kg], None for one that is led.
 
     Raises:
@@ -52,7 +52,6 @@ class PropWorld(World):
         gravity: Sequence[float] = (0.0, 0.0, -9.81),
         ground: float | None = None,
         itself: Sequence[bool] | None = None,
-        apart: Sequence[bool] | None = None,
         names: Sequence[str] = (),
     ) -> None:
         gap = min(map(touching_gap, sessions))
@@ -66,7 +65,7 @@ class PropWorld(World):
             c._replace(positions=np.ascontiguousarray(self.positions(i).T), falling=falling[i]) if i in falling else c
             for i, c in enumerate(colliders)
         ]
-        super().__init__(sessions, touching, itself=itself, apart=apart, names=names)
+        super().__init__(sessions, touching, itself=itself, names=names)
 
     def positions(self, index: int) -> Floats:
         """Return where the vertices (m, 3) [m] are of what touches of a prop."""
@@ -91,11 +90,11 @@ class PropWorld(World):
         ground = -math.inf if self.ground is None else min(self.ground, self._lowest[index])
         return Fall(self.states[index], pull, ground)
 
-    def _run(self, ticks: int, substeps: int, done: int, whole: int) -> SceneFrame:
-        frame = super()._run(ticks, substeps, done, whole)
+    def _run(self, sessions: Sequence[Session], at_once: int) -> tuple[Sequence[motion.Frame], int]:
+        found = super()._run(sessions, at_once)
         for i in self.states:
             self._at[i] = np.ascontiguousarray(self.positions(i).T)
-        return frame
+        return found
 
 
 def touching_gap(session: Session) -> float:

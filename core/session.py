@@ -14,8 +14,7 @@ import numpy as np
 from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
-from .clock import Clock
-from .crowd import step_all
+from .clock import Clock, step_all
 from .fingertip import NOWHERE, FingerOnItsWay, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
@@ -124,12 +123,7 @@ class Session:
         Raises:
             DimpleError: dt is negative or not a number.
         """
-        if budget is not None:
-            return step_all([self], [dt], budget=budget)[0]
-        self.begin(dt)
-        while due := self.due:
-            self.take(self.body.step(self.next_motion(min(due, self.most))))
-        return self.finish()
+        return step_all([self], [dt], budget=budget)[0]
 
     def begin(self, dt: float) -> None:
         """Begin a step of dt [s]; its ticks follow in motions, and `finish` ends it.
@@ -173,7 +167,7 @@ class Session:
         self._done += result.ticks
         self._total += result.ticks * self.substeps
         if result.moved:
-            self._skin.body_moved()
+            self._skin.reset()
         self._pins.take()
         for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch:
@@ -231,15 +225,8 @@ class Session:
         return self.body.law(index, np.asarray(depths), table).tolist()
 
     def positions(self) -> Singles:
-        """Return where the input vertices (N, 3) [m] are now, to be read."""
+        """Return where the input vertices (N, 3) [m] are, to be read: the same array as long as nothing moves."""
         return self._skin.positions(self.body, self.placed)
-
-    def seen(self) -> Singles:
-        """Return where the input vertices (N, 3) [m] are, as near as can be seen; to be read before the next call.
-
-        It is the same array as long as nothing can be seen to move, and exact where the body sleeps.
-        """
-        return self._skin.seen(self.body, self.placed, exact=not self._last.moved)
 
     def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0) -> None:
         """Go on as another model of the same vertices, from where the body is: nothing moves at the change.
@@ -291,7 +278,7 @@ class Session:
             if tip:
                 tip.origin, tip.target = tip.place(share), tip.target._replace(via=(), anew=False)
         if self._pins.move(share):
-            self._skin.pins_moved()
+            self._skin.reset()
 
     def _motions(self, first: float, last: float) -> tuple[motion.FingertipMotion | None, ...]:
         """Return the motion of each fingertip in some ticks."""

@@ -16,7 +16,6 @@ from .mesh.surface import input_vertices
 from .native import Body
 from .pins import Pins
 from .reduction.binding import blend, carry
-from .reduction.kept_skin import KeptSkin
 from .reduction.proxy import Proxy
 
 NO_WAY = 1e-3  # of the radius: so near to the centre there is no way out
@@ -37,20 +36,8 @@ class Skin:
         self.reset()
 
     def reset(self) -> None:
-        """Forget all that was shown."""
+        """Forget what was shown: something has moved."""
         self._shown: Singles | None = None  # what `positions` returned, until something moves
-        self._kept: KeptSkin | None = None
-        self._seen: Singles | None = None  # what `seen` returned,
-        self._seen_pins: Floats | None = None  # where pins were then,
-        self._seen_now = False  # until the body moves
-
-    def body_moved(self) -> None:
-        """Look at the body again when it is asked for next."""
-        self._shown, self._seen_now = None, False
-
-    def pins_moved(self) -> None:
-        """Look at the pins again when they are asked for next."""
-        self._shown = None
 
     def positions(self, body: Body, tips: Sequence[Finger | None]) -> Singles:
         """Return where the input vertices (N, 3) [m] are, to be read."""
@@ -58,27 +45,6 @@ class Skin:
             self._shown = self._of_input(np.asarray(self.on(tips, self.surface(body)), np.float32))
             self._shown.setflags(write=False)
         return self._shown
-
-    def seen(self, body: Body, tips: Sequence[Finger | None], *, exact: bool) -> Singles:
-        """Return where the input vertices (N, 3) [m] are, as near as can be seen; to be read before the next call.
-
-        It is the same array as long as nothing can be seen to move.
-
-        Args:
-            exact: to the bit.
-        """
-        if self._proxy is None:
-            return self.positions(body, tips)
-        kept, led = self._kept or KeptSkin(self._proxy.binding), self._pins.origin
-        seen = self._seen if self._seen_pins is led else None
-        if seen is None or not self._seen_now or (exact and not kept.exact):
-            carried = kept.follow(body.positions(), exact=exact)
-            if carried or seen is None or self._yields_somewhere:
-                self._pins.put_still(kept.positions)
-                seen = self._of_input(np.asarray(self.on(tips, kept.positions), np.float32)).view()
-                seen.setflags(write=False)
-            self._kept, self._seen, self._seen_pins, self._seen_now = kept, seen, led, True
-        return seen
 
     def on(self, tips: Sequence[Finger | None], surface: Floats | Singles) -> Floats | Singles:
         """Return a surface (n, 3) [m] that lies on the fingertips where its skin has given way."""

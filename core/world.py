@@ -5,20 +5,19 @@ A session alone, with nothing to meet, needs none of this and pays nothing for i
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from . import native
-from .apart import pressed_clear, way_out
 from .base import DimpleError, Floats
-from .crowd import is_spent, ticks_that_fit
+from .clock import step_all
 from .session import Session
+from .solver import motion
 from .solver.motion import MAX_STEPS
-from .solver.scene import LEAVES_OUT, ColliderMotion, Crossings, SceneFrame, Way
 from .solver.scene import Collider as Collider
+from .solver.scene import ColliderMotion, Crossings, SceneFrame, Way
 
 
 class Meeting(NamedTuple):
@@ -50,9 +49,8 @@ class World:
     Args:
         sessions: of one tick and one precision.
         colliders: where they are now.
-        itself: whether each body meets itself too.
-        apart: whether each body is moved out of what it intersects at the start; what is pinned stays. Where it passes
-            through itself, those faces are left out of self contact.
+        itself: whether each body meets itself too. Where it passes through itself at the start, those faces are left
+            out of that.
         names: of the bodies, then of the colliders, for messages.
 
     Raises:
@@ -65,12 +63,10 @@ class World:
         colliders: Sequence[Collider] = (),
         *,
         itself: Sequence[bool] | None = None,
-        apart: Sequence[bool] | None = None,
         names: Sequence[str] = (),
     ) -> None:
         self.sessions, self.colliders = list(sessions), list(colliders)
         self._itself = list(itself) if itself is not None else [False] * len(self.sessions)
-        self._apart = list(apart) if apart is not None else [False] * len(self.sessions)
         self._names = [*names, *(f"{i + 1}" for i in range(len(names), len(self.sessions) + len(self.colliders)))]
         if len({(session.clock.tick, session.backend) for session in self.sessions}) > 1:
             raise DimpleError("Bodies that meet must be stepped by the same backend, with the same tick.")
@@ -78,7 +74,6 @@ class World:
         self._ends: list[Floats | None] = [None] * len(self.colliders)
         self.meeting = Meeting()
         self._make()
-        self._move_apart()
         self.check()
 
     def check(self) -> None:
@@ -87,12 +82,6 @@ class World:
         if found.pairs:
             first, second = (self._names[i] for i in found.surfaces)
             where = _where(found)
-            if first == second:
-                raise DimpleError(
-                    f'"{first}" passes through itself at ({where}) mm, {found.pairs} pairs of faces in all. Repair the '
-                    "mesh there, switch off Self Contact in Physics > Dimple > Contact, or switch on Move Apart there, "
-                    "which leaves these faces out of it."
-                )
             if min(found.surfaces) >= len(self.sessions):
                 raise DimpleError(
                     f'What falls must be clear of other colliders: "{first}" and "{second}" intersect at ({where}) mm, '
@@ -100,7 +89,7 @@ class World:
                 )
             raise DimpleError(
                 f'"{first}" and "{second}" intersect at ({where}) mm, {found.pairs} pairs of faces in all. Move them '
-                "apart, or switch on Move Apart for a body that has room."
+                "apart."
             )
 
     def set_colliders(self, ends: Sequence[Floats | None]) -> None:
@@ -137,28 +126,11 @@ class World:
         """
         if any(session.body is not body for session, body in zip(self.sessions, self._bodies, strict=True)):
             self._make()
-        started, early, parts = time.perf_counter(), False, []
-        for session in self.sessions:
-            session.begin(dt)
-        substeps = max(session.substeps for session in self.sessions)
-        most = min([MAX_STEPS // substeps - 1, *(session.most for session in self.sessions)])
-        whole, share, spent = min(session.due for session in self.sessions), 0, 0.0
-        while share < whole:
-            ticks = min(whole - share, most, ticks_that_fit(share, spent, budget))
-            parts.append(self._run(ticks, substeps, share, whole))
-            share += ticks
-            results = [s.take(f) for s, f in zip(self.sessions, parts[-1].frames, strict=True)]
-            if not all(results):
-                self._place()
-                break
-            spent = time.perf_counter() - started
-            early = share < whole and is_spent(share, spent, budget)
-            if early:
-                break
-        self._arrive(share / whole if early else 1.0)
-        for session in self.sessions:
-            session.finish(early=early)
-        self.meeting = _sum(parts, max(share, 1) * self.sessions[0].clock.tick)
+        self._parts: list[SceneFrame] = []
+        step_all(self.sessions, [dt] * len(self.sessions), budget=budget, together=self._run)
+        done, left = sum(part.ticks for part in self._parts), min(session.due for session in self.sessions)
+        self._arrive(done / (done + left) if left else 1.0)
+        self.meeting = _sum(self._parts, max(done, 1) * self.sessions[0].clock.tick)
         return self.meeting
 
     def reset(self) -> None:
@@ -168,32 +140,6 @@ class World:
         self._at = [np.array(collider.positions, np.float64) for collider in self.colliders]
         self._ends, self.meeting = [None] * len(self.colliders), Meeting()
         self._place()
-        self._move_apart()
-
-    def _move_apart(self) -> None:
-        """Move bodies out of what they intersect, the one that goes least first, where that is wanted."""
-        for _ in range(4 * len(self.sessions) + 4):
-            found = self._scene.crossings()
-            pair = [i for i in found.surfaces if i < len(self.sessions)]
-            if not found.pairs or found.surfaces[0] == found.surfaces[1]:
-                return
-            clear = [(i, self._cleared(i, [other for other in pair if other != i])) for i in pair if self._apart[i]]
-            places = [(self._bodies[i], x) for i, x in clear if x is not None]
-            if not places:
-                return
-            body, x = min(places, key=lambda each: float(np.abs(each[1] - each[0].positions()).max()))
-            body.set_state(x, body.velocities())
-
-    def _cleared(self, index: int, others: Sequence[int]) -> Floats | None:
-        """Return where a body (3, n) [m] is clear of some other bodies and all colliders, None where nowhere."""
-        body, bodies = self._bodies[index], [self._bodies[i] for i in others]
-        at = [Collider(other.positions(), other.model.mesh.triangles) for other in bodies]
-        at += [c._replace(positions=x) for c, x in zip(self.colliders, self._at, strict=True)]
-        triangles = body.model.mesh.triangles
-        if not body.model.free:
-            return pressed_clear(body, body.model.pinned, triangles, at)
-        way = way_out(body, body.positions().T, triangles, at)
-        return None if way is None else body.positions() + way[:, None]
 
     def _make(self) -> None:
         """Make what steps, of the bodies that the sessions have now; what slept may rest on something else."""
@@ -201,25 +147,27 @@ class World:
             session.wake()
         self._bodies = [session.body for session in self.sessions]
         now = [collider._replace(positions=at) for collider, at in zip(self.colliders, self._at, strict=True)]
-        itself = [int(meets) for meets in self._itself]
-        notes = [""] * len(itself)
-        for i, body in enumerate(self._bodies):
-            if itself[i] and self._apart[i]:
-                found = native.Scene([body], (), native.library(), itself=[True]).crossings()
-                if found.pairs:
-                    itself[i], notes[i] = LEAVES_OUT, _left_out(found)
         offsets = [session.proxy.offset if session.proxy else 0.0 for session in self.sessions]
-        self._scene = native.Scene(self._bodies, now, native.library(), itself=itself, offsets=offsets)
-        self.notes = notes
+        self._scene = native.Scene(self._bodies, now, native.library(), itself=self._itself, offsets=offsets)
+        self.notes = [_left_out(found) if found.pairs else "" for found in self._scene.left_out]
 
     def _place(self) -> None:
         for i, at in enumerate(self._at):
             self._scene.set_collider(i, at)
 
-    def _run(self, ticks: int, substeps: int, done: int, whole: int) -> SceneFrame:
+    def _run(self, sessions: Sequence[Session], at_once: int) -> tuple[Sequence[motion.Frame], int]:
+        """Run all by some ticks of the step under way."""
+        substeps = max(session.substeps for session in sessions)
+        done, left = sum(part.ticks for part in self._parts), min(session.due for session in sessions)
+        ticks = min([left, at_once, MAX_STEPS // substeps - 1, *(session.most for session in sessions)])
         ways = [self._way(i) for i in range(len(self._at))]
-        motions = [session.next_motion(ticks, substeps=substeps) for session in self.sessions]
-        return self._scene.step(motions, ways, (done + 1) / whole, (done + ticks) / whole)
+        motions = [session.next_motion(ticks, substeps=substeps) for session in sessions]
+        whole = done + left
+        part = self._scene.step(motions, ways, (done + 1) / whole, (done + ticks) / whole)
+        self._parts.append(part)
+        if not all(frame.finite for frame in part.frames):
+            self._place()
+        return part.frames, ticks
 
     def _way(self, index: int) -> Way:
         """Return the way of a collider in the step."""
@@ -235,22 +183,20 @@ class World:
 
 
 def drop_proxies(
-    sessions: Sequence[Session], colliders: Sequence[Collider], apart: Sequence[bool], names: Sequence[str]
+    sessions: Sequence[Session], colliders: Sequence[Collider], names: Sequence[str]
 ) -> list[str]:
     """Simulate bodies in full whose proxies intersect something, for their meshes may not; return a note for each.
 
-    Those that are to be moved apart keep their proxies.
-
     Args:
-        colliders, apart, names: as for a World.
+        colliders, names: as for a World.
     """
     notes = [""] * len(sessions)
     while any(session.proxy for session in sessions):
         bodies = [session.body for session in sessions]
-        found = native.Scene(bodies, colliders, native.library(), itself=[0] * len(bodies)).crossings()
+        found = native.Scene(bodies, colliders, native.library(), itself=[False] * len(bodies)).crossings()
         pair = [i for i in found.surfaces if i < len(sessions)] if found.pairs else []
         proxied = [i for i in pair if sessions[i].proxy]
-        if not proxied or any(apart[i] for i in pair):
+        if not proxied:
             break
         for i in proxied:
             sessions[i].change(sessions[i].model, proxy=None)

@@ -17,7 +17,7 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
-from ..core.crowd import step_all
+from ..core.clock import step_all
 from ..core.recording import PointCache
 from ..core.session import Session
 from ..core.steps import Parts, as_share, beside

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ..core.base import DimpleError
-from ..core.crowd import step_all
+from ..core.clock import step_all
 from ..core.session import MAX_FINGERS, Finger
 from ..core.steps import Parts, at_once
 from . import (

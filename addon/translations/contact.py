@@ -19,12 +19,4 @@ WORDS = {
     "Mass of what falls": "落ちるものの質量",
     "Self Contact": "自己接触",
     "The body does not pass through itself where it folds": "折り重なったところで、物体が自分自身を突き抜けません",
-    "Move Apart": "引き離す",
-    "Where the body intersects something at the start, it is moved out as a whole by the shortest way, "
-    "or pressed flat towards its pins; where it passes through itself, those faces are left out of Self Contact; "
-    "otherwise that is refused": (
-        "開始時に物体が何かと交差していれば、物体全体を最短の向きに動かして離すか、固定部分に向けて押しつぶします。"
-        "自分自身と交差する面は、自己接触から外します。"
-        "オフのときは、交差があれば開始できません"
-    ),
 }

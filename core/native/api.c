@@ -146,29 +146,8 @@ static int32_t dm_check_binding(const dm_binding *b) {
 int32_t dm_carry(const dm_binding *b, const double *positions, float *motions, float *skin) {
     if (!positions || !motions || !skin) return DM_SIZE;
     DM_CHECK(dm_check_binding(b));
-    uint8_t *moved = malloc((size_t)b->seeds);
-    if (!moved) return DM_MEMORY;
-    memset(moved, 1, (size_t)b->seeds);
     int32_t code = dm_find_motions(b, positions, motions);
-    if (code == DM_OK) dm_choose(32, DM_SET_BEST)->carry(b, motions, moved, skin);
-    free(moved);
-    return code;
-}
-
-int32_t dm_carry_moved(const dm_binding *b, const double *positions, dm_kept *kept, float *skin) {
-    if (!positions || !skin || !kept || !kept->lengths || !kept->motions || !kept->before)
-        return DM_SIZE;
-    if (!(kept->slack >= 0) || kept->ahead < 0) return DM_NUMBER;
-    DM_CHECK(dm_check_binding(b));
-    float *motions = malloc((size_t)b->seeds * (12 * sizeof *motions + 1));
-    if (!motions) return DM_MEMORY;
-    uint8_t *moved = (uint8_t *)(motions + 12 * b->seeds);
-    int32_t code = dm_find_motions(b, positions, motions);
-    if (code == DM_OK) {
-        dm_keep_moved(b, kept, motions, moved);
-        kept->carried = dm_choose(32, DM_SET_BEST)->carry(b, kept->motions, moved, skin);
-    }
-    free(motions);
+    if (code == DM_OK) dm_choose(32, DM_SET_BEST)->carry(b, motions, skin);
     return code;
 }
 

@@ -283,8 +283,8 @@ def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int
     Raises:
         NativeError: a motion has a number that is none, or a body is there twice; none has moved.
     """
-    if not bodies:
-        return []
+    if len(bodies) <= 1:  # quicker to call alone
+        return [body.step(motion) for body, motion in zip(bodies, motions, strict=True)]
     library, count = bodies[0].library, len(bodies)
     kept = [body.pack(motion, body._motion) for body, motion in zip(bodies, motions, strict=True)]
     places = [(body._handle.value, addressof(body._motion), addressof(body._frame)) for body in bodies]

@@ -29,12 +29,6 @@ class CBinding(Structure):
     )  # fmt: skip
 
 
-class CKept(Structure):
-    """What a skin was carried by: dm_kept."""
-
-    _fields_ = fields(lengths="p", slack="d", ahead="n", motions="p", before="p", carried="n")
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Binding:
     """What carries a fine surface of n vertices along with a coarse mesh of m.
@@ -91,33 +85,6 @@ def carry(library: ctypes.CDLL, binding: Binding, positions: Floats) -> tuple[Si
     if code:
         raise NativeError(library.dm_message(code).decode(), code)
     return skin, motions
-
-
-def carry_moved(
-    library: ctypes.CDLL, binding: Binding, positions: Floats, lengths: Floats, slack: float, ahead: int,
-    motions: Singles, before: Singles, skin: Singles,
-) -> int:  # fmt: skip
-    """Carry again what has moved of a surface; return how many eights of its vertices that was.
-
-    Args:
-        positions: of the coarse mesh, (3, m) [m].
-        lengths: (m,) of the edges round each vertex of it [m].
-        slack: over that length, how far a motion may be from the one kept; 0: it is kept to the bit.
-        ahead: calls until there is another chance: what would then be too far is kept now.
-        motions, before: (m, 12) that carried the surface, and that were at the call before; both are brought up to
-            date.
-        skin: (n, 3) [m] where it is, brought up to date.
-    """
-    m = len(binding.coarse_rest)
-    if (lengths.shape, motions.shape, before.shape, skin.shape) != ((m,), (m, 12), (m, 12), (binding.vertices, 3)):
-        raise NativeError("an array has the wrong size")
-    with Arrays() as arrays:
-        given = _given(binding, positions, arrays)
-        kept = CKept(arrays.double(lengths), slack, ahead, motions.ctypes.data, before.ctypes.data, 0)
-        code = library.dm_carry_moved(byref(given), arrays.double(positions), byref(kept), skin.ctypes.data)
-    if code:
-        raise NativeError(library.dm_message(code).decode(), code)
-    return int(kept.carried)
 
 
 def _given(binding: Binding, positions: Floats, arrays: Arrays) -> CBinding:

@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 25 /* changes with anything below */
+#define DM_ABI 26 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -27,7 +27,6 @@
 #define DM_MAX_BODIES 4096   /* in one call */
 #define DM_MAX_WORKERS 64
 #define DM_FOLLOWED 8 /* vertices of a proxy that a vertex of its surface follows */
-#define DM_CARRY_REACH 1.5 /* edges of a proxy: as far from a vertex of it a gradient carries what follows it */
 
 #define DM_MAX_SURFACES 1024 /* in one scene */
 #define DM_SCENE_IMPULSES 64
@@ -210,19 +209,6 @@ typedef struct {
 /* Set the skin (vertices, 3) [m] of a proxy at positions (3, seeds) [m], and the motions (seeds, 12) that carry it. */
 DM_API int32_t dm_carry(const dm_binding *binding, const double *positions, float *motions, float *skin);
 
-/* What a skin was carried by, that only what moves is carried again. */
-typedef struct {
-    const double *lengths; /* (seeds,) of the edges of the proxy round each of its vertices [m] */
-    double slack;          /* over that length, how far a motion may be from the one kept; 0: it is kept to the bit */
-    int64_t ahead;         /* calls until there is another chance: what would then be too far is kept now */
-    float *motions;        /* (seeds, 12) that carried the skin */
-    float *before;         /* (seeds, 12) at the call before */
-    int64_t carried;       /* how many eights of vertices were carried again */
-} dm_kept;
-
-/* Set what has moved of a skin: all of it is then where the motions that are kept carry it. */
-DM_API int32_t dm_carry_moved(const dm_binding *binding, const double *positions, dm_kept *kept, float *skin);
-
 /* Seeds on a fine surface, whose vertices have places in the space of position and normal. */
 typedef struct {
     int64_t vertices;
@@ -295,11 +281,12 @@ typedef struct { /* what passes through each other */
 } dm_crossings;
 
 /* Bodies and colliders that nothing passes through, stepped together; the bodies stay the caller's, outlive the scene
- * and are all of one precision and instruction set. self: (bodies,) whether each meets itself too: 0 not, 1 it does, 2 all
- * but those faces of it that pass through others of it now. offset: (bodies,) the distance that each holds [m], 0 for a
- * share of its edges; a collider holds the least. */
+ * and are all of one precision and instruction set. self: (bodies,) whether each meets itself too, but for the faces that
+ * pass through others of it now: left_out (bodies,) says how many. offset: (bodies,) the distance that each holds [m], 0
+ * for a share of its edges; a collider holds the least. */
 DM_API int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, const uint8_t *self,
-                               const double *offset, int64_t colliders, const dm_collider_def *collider);
+                               const double *offset, int64_t colliders, const dm_collider_def *collider,
+                               dm_crossings *left_out);
 DM_API void dm_scene_destroy(dm_scene *scene); /* null is taken */
 DM_API int32_t dm_scene_find_crossings(dm_scene *scene, dm_crossings *found);
 /* Put a collider elsewhere at once. */

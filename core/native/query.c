@@ -111,7 +111,7 @@ static void dm_search(dm_scene_state *s) {
         for (uint32_t j = i; j < s->surface_count && dm_has_room(s); j++) {
             const dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
             if (!dm_may_touch(f, g) || (f != g && dm_boxes_apart(f->low, f->high, g->low, g->high) > s->wide)) continue;
-            s->leaves_out = f == g && f->self == DM_LEAVES_OUT;
+            s->within = f == g;
             dm_visit_pairs(s, f, g, s->wide, dm_keep_triangles);
             dm_keep_waiting(s, 1), dm_keep_waiting(s, 2);
             s->runs = dm_grown(s, s->runs, s->run_count, &s->run_room, sizeof *s->runs);

@@ -99,7 +99,8 @@ static int32_t dm_lay_surfaces(dm_scene_state *s, int64_t bodies, const dm_colli
 }
 
 static int32_t dm_scene_state_create(dm_scene_state **made, int64_t bodies, dm_state *const *body, const uint8_t *self,
-                                     const double *offset, int64_t colliders, const dm_collider_def *collider) {
+                                     const double *offset, int64_t colliders, const dm_collider_def *collider,
+                                     dm_crossings *left_out) {
     dm_scene_state *s = *made = dm_alloc(1, sizeof *s);
     if (!s) return DM_MEMORY;
     s->surfaces = dm_alloc(bodies + colliders, sizeof *s->surfaces);
@@ -119,7 +120,7 @@ static int32_t dm_scene_state_create(dm_scene_state **made, int64_t bodies, dm_s
     s->due = 1, s->renewal = 1;
     int32_t code = dm_allocate_scene(s);
     if (code == DM_OK) code = dm_lay_surfaces(s, bodies, collider);
-    if (code == DM_OK) dm_leave_out(s);
+    if (code == DM_OK) dm_leave_out(s, left_out);
     if (code != DM_OK) dm_scene_state_destroy(s), *made = NULL;
     return code;
 }

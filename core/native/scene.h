@@ -37,7 +37,6 @@
 #define DM_SHARP 0.05          /* and above which it is one */
 #define DM_ROLL_PART 0.1      /* of rolling resistance, as in studies/reference/rolling.py */
 #define DM_ROLL_KEPT 0.0025
-#define DM_LEAVES_OUT 2       /* of `self`: a body meets itself, but for the faces that pass through others of it at the start */
 #define DM_HALVINGS 8         /* of the way of a prop that is held back */
 #define DM_SELF_SHARE 0.5     /* of the distance at rest: nearer, a body touches itself */
 
@@ -175,7 +174,7 @@ typedef struct dm_scene_state {
     int32_t code;
     dm_scene_frame *out;
     dm_crossings *found;
-    int leaves_out; /* what is searched now is a body that leaves some of itself out */
+    int within;           /* one surface is searched now, for what of it is near itself */
 } dm_scene_state;
 
 /* Make room for one more; null where there is none, and the scene knows. */

@@ -62,9 +62,11 @@ class Scene:
         bodies: of one precision; they may still be given other numbers, and be put elsewhere between two calls.
         colliders: meshes that go where they are led.
         library: that runs it.
-        itself: whether each body meets itself too; LEAVES_OUT: but for what passes through itself now.
+        itself: whether each body meets itself too, but for the faces that pass through others of it now.
         offsets: the distance [m] that each body holds, 0 for a share of its edges, as all do by default; colliders hold
             the least of them.
+
+    left_out: of each body, the faces that are left out of its self contact.
 
     Raises:
         NativeError: the library refused it.
@@ -76,20 +78,20 @@ class Scene:
         colliders: Sequence[Collider],
         library: ctypes.CDLL,
         *,
-        itself: Sequence[int],
+        itself: Sequence[bool],
         offsets: Sequence[float] = (),
     ) -> None:
         self._library, self.bodies, self._handle = library, list(bodies), c_void_p()
         self._shapes = [np.shape(collider.positions) for collider in colliders]
         handles = (c_void_p * len(bodies))(*(body.handle for body in bodies))
         flags, kept = (c_uint8 * len(bodies))(*itself), (c_double * len(bodies))(*offsets)
+        out = (CCrossings * len(bodies))()
         with Arrays() as arrays:
-            made = (ColliderDef * max(len(colliders), 1))(
-                *(_collider(c, arrays) for c in colliders)
-            )
+            made = (ColliderDef * max(len(colliders), 1))(*(_collider(c, arrays) for c in colliders))
             self._call(
-                "dm_scene_create", byref(self._handle), len(bodies), handles, flags, kept, len(colliders), made
+                "dm_scene_create", byref(self._handle), len(bodies), handles, flags, kept, len(colliders), made, out
             )
+        self.left_out = [_crossings(found) for found in out]
         weakref.finalize(self, library.dm_scene_destroy, self._handle.value)
         self._motions = (CMotion * len(bodies))()
         self._ways = (CColliderMotion * max(len(colliders), 1))()
@@ -142,9 +144,7 @@ class Scene:
         """Return what passes through each other now."""
         found = CCrossings()
         self._call("dm_scene_find_crossings", self._handle, byref(found))
-        a, b = found.surfaces
-        x, y, z = found.place
-        return Crossings(found.count, (a, b), (x, y, z))
+        return _crossings(found)
 
     def set_collider(self, index: int, positions: Floats) -> None:
         """Put a collider at positions (3, m) [m] at once."""
@@ -164,6 +164,12 @@ class Scene:
         code = getattr(self._library, name)(*values)
         if code:
             raise NativeError(f"{name}: {self._library.dm_message(code).decode()}", code)
+
+
+def _crossings(found: CCrossings) -> Crossings:
+    a, b = found.surfaces
+    x, y, z = found.place
+    return Crossings(found.count, (a, b), (x, y, z))
 
 
 def _collider(c: Collider, arrays: Arrays) -> ColliderDef:

@@ -11,7 +11,6 @@ from .motion import Frame
 from .rigid import RigidShape, RigidState
 
 OFFSET = 0.05  # of the mean edge: each of two surfaces holds this distance
-LEAVES_OUT = 2  # for `itself`: a body meets itself, but for the faces that pass through others of it at the start
 MAX_IMPULSES = 64  # surfaces of which a frame says what they got
 
 

@@ -179,12 +179,6 @@ MESSAGES = {
     "Bodies that meet must be stepped by the same backend, with the same tick.": (
         "触れ合う物体は、同じ計算方式と同じ刻みで計算する必要があります。"
     ),
-    '"{}" passes through itself at ({}) mm, {} pairs of faces in all. Repair the mesh there, switch off Self Contact '
-    "in Physics > Dimple > Contact, or switch on Move Apart there, which leaves these faces out of it.": (
-        '"{}" が自分自身と交差しています。位置 ({}) mm、交差する面は全部で {} 組です。そこのメッシュを直すか、'
-        "物理演算 > Dimple > 接触で自己接触をオフにするか、そこの「引き離す」をオンにして、これらの面を自己接触から"
-        "外してください。"
-    ),
     "The mesh passes through itself at ({}) mm: {} pairs of faces, and those beside them, are left out of Self "
     "Contact.": (
         "メッシュが自分自身と交差しています。位置 ({}) mm：{} 組の面と、その隣の面は自己接触から外します。"
@@ -194,10 +188,8 @@ MESSAGES = {
         "落ちるものは、ほかのコライダーから離れていなければなりません。「{}」と「{}」が ({}) mm で交差しています"
         "（面の組は全部で {}）。離してください。"
     ),
-    '"{}" and "{}" intersect at ({}) mm, {} pairs of faces in all. Move them apart, or switch on Move Apart for a body '
-    "that has room.": (
-        '"{}" と "{}" が交差しています。位置 ({}) mm、交差する面は全部で {} 組です。離すか、逃げ場のある物体の'
-        "「引き離す」をオンにしてください。"
+    '"{}" and "{}" intersect at ({}) mm, {} pairs of faces in all. Move them apart.': (
+        '"{}" と "{}" が交差しています。位置 ({}) mm、交差する面は全部で {} 組です。離してください。'
     ),
     'Collider "{}" has another number of vertices than at the start, or a coordinate that is not a number. Reset, '
     "and start again.": (

@@ -8,7 +8,7 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 from core.solver.motion import Motion
-from core.solver.scene import LEAVES_OUT, OFFSET, Collider, ColliderMotion, Crossings, SceneFrame, Way
+from core.solver.scene import OFFSET, Collider, ColliderMotion, Crossings, SceneFrame, Way
 
 from . import touching
 from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed
@@ -38,7 +38,7 @@ class TwinScene:
         bodies: Sequence[Twin],
         colliders: Sequence[Collider],
         *,
-        itself: Sequence[int],
+        itself: Sequence[bool],
         offsets: Sequence[float] = (),
     ) -> None:
         self._bodies, self._itself = list(bodies), list(itself)
@@ -69,7 +69,10 @@ class TwinScene:
         self._looks, self._looked, self._near = True, self._positions(), np.zeros(0, np.int64)
         self._known = [(body.model, body.positions()) for body in bodies]
         self._left_out = np.zeros(len(s.of_vertex), bool)  # of self contact
-        for i in np.flatnonzero(np.array(self._itself) == LEAVES_OUT).tolist():
+        itself_alone = [[k == i and meets for k, meets in enumerate(itself)] for i in range(len(bodies))]
+        none, nothing = np.zeros_like(self._free), self._left_out
+        self.left_out = [find_crossings(s, self._positions(), none, each, nothing) for each in itself_alone]
+        for i in np.flatnonzero(self._itself).tolist():
             self._left_out[crossing_vertices(s, self._positions(), i)] = True
 
     def crossings(self) -> Crossings:

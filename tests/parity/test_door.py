@@ -20,7 +20,7 @@ from core.body.model import Model
 from core.mesh.surface import mesh_from_triangles
 from core.native import first_use
 from core.native.body import CFrame, CMotion, CTouch, Fingertip
-from core.native.carry import CBinding, CKept
+from core.native.carry import CBinding
 from core.native.cells import CCells
 from core.native.definition import Arrays, BodyDef, Constants, define
 from core.native.scene import CColliderMotion, ColliderDef, CProp
@@ -31,7 +31,6 @@ from core.solver import motion, scene
 from core.solver.motion import FingertipMotion, Motion
 from studies.reference import (
     bounds,
-    carry,
     contact,
     facets,
     falling,
@@ -55,7 +54,6 @@ HEADER = (SOURCES / "dimple.h").read_text()
 STRUCTURES = {
     "dm_constants": Constants, "dm_body_def": BodyDef, "dm_fingertip": Fingertip,
     "dm_motion": CMotion, "dm_touch": CTouch, "dm_frame": CFrame, "dm_binding": CBinding, "dm_cells": CCells,
-    "dm_kept": CKept,
     "dm_collider_def": ColliderDef, "dm_prop": CProp, "dm_collider_motion": CColliderMotion,
 }  # fmt: skip
 C_TYPES = {"double": "c_double", "int64_t": "c_int64", "int32_t": "c_int32"}
@@ -102,7 +100,7 @@ TWINS = (
 RENAMED = {
     "ABI": native.ABI, "PINNED_GIVE": contact.PINNED_GIVE, "SWEEPS": bounds.SWEEPS,
     "SCENE_IMPULSES": scene.MAX_IMPULSES, "ROLL_ARM": rolling.ARM, "ROLL_PART": rolling.PART, "PART": touching.PART,
-    "ROLL_KEPT": rolling.KEPT, "MAX_FINGERTIPS": MAX_FINGERS, "CARRY_REACH": carry.REACH,
+    "ROLL_KEPT": rolling.KEPT, "MAX_FINGERTIPS": MAX_FINGERS,
 }  # fmt: skip
 # what only C has: how much it takes, how it searches and lays things out, and what numpy writes into a formula
 OF_C = set(
@@ -271,20 +269,7 @@ def test_a_binding_to_what_is_not_there_is_refused() -> None:
             native.carry(native.library(), replace(whole, **{name: getattr(whole, name)[..., :-1]}), x)
     with pytest.raises(native.NativeError, match="size"):
         native.carry(native.library(), whole, x[:, :3])
-    few = np.zeros((4, 12), np.float32), np.zeros((4, 12), np.float32), np.zeros((9, 3), np.float32)
-
-    def kept(*given: Any, lengths: Floats = x[0] + 1, slack: float = 0.0, ahead: int = 1) -> int:
-        return native.carry_moved(native.library(), whole, x, lengths, slack, ahead, *(given or few))
-
-    assert kept() == 2 and not kept()  # the corners move once
-    assert code_of(lambda: kept(slack=-1.0)) == code_of(lambda: kept(ahead=-1)) == NUMBER
-    for i in range(3):
-        with pytest.raises(native.NativeError, match="size"):
-            kept(*few[:i], few[i][1:], *few[i + 1 :])
-    with pytest.raises(native.NativeError, match="size"):
-        kept(lengths=x[0, 1:])
     room = x.ctypes.data
-    assert native.library().dm_carry_moved(ctypes.byref(CBinding()), room, ctypes.byref(CKept()), room) == SIZE
     assert native.library().dm_carry(ctypes.byref(CBinding()), room, room, room) == SIZE
     assert native.library().dm_carry(None, room, room, room) == SIZE
 
