@@ -4,6 +4,7 @@ import bpy
 
 from ..operators import twins
 from ..operators.names import Op
+from ..operators.sessions import sessions
 from .drawing import MaterialPanel, SidebarPanel, draw_notes
 from .material_choice import draw_choice
 from .presets import DIMPLE_PT_material_presets
@@ -56,6 +57,18 @@ def draw_constants(context: bpy.types.Context, layout: bpy.types.UILayout, setti
         draw_notes(context, layout, [settings.provenance], "BOOKMARKS")
 
 
+def draw_sway(layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
+    """Draw how a body sways."""
+    settings, live = body.dimple, sessions.get(body.session_uid)
+    column = layout.column(align=True)
+    column.enabled = settings.enabled
+    column.prop(settings, "sway")
+    if settings.sway > 0:
+        hz = live.session.sway_hz if live and not settings.sway_hz else 0.0
+        column.prop(settings, "sway_hz", text=f"Frequency ({hz:.3g} Hz)" if hz else "Frequency (Hz)")
+        column.prop(settings, "sway_damping")
+
+
 class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):
     """The constants of the active material."""
 
@@ -97,6 +110,7 @@ class DIMPLE_PT_object_material(SidebarPanel, bpy.types.Panel):
             draw_softness(context, layout, body.active_material)
         else:
             draw_choice(layout, body)
+        draw_sway(layout, body)
         paired = twins.other(body, context.scene) is not None
         layout.operator(Op.USE_MATERIAL if paired else Op.COMPARE_MATERIALS, icon="MOD_MIRROR")
 

@@ -92,6 +92,21 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
         name="Twin Of", description="The object that this is a twin of, with another material",
         type=bpy.types.Object,
     )  # fmt: skip
+    sway: FloatProperty(
+        name="Sway",
+        description="How much the whole body swings, sags and trembles when it, its rig or a fingertip moves; 0 is not "
+        "at all. Pins hold it where their weight is 1, and less where it is less",
+        default=0.0, min=0.0, max=1.0, subtype="FACTOR", **KEYED,
+    )  # fmt: skip
+    sway_hz: FloatProperty(
+        name="Frequency (Hz)",
+        description="How often it swings in a second, in its slowest way; 0 is as often as its material would",
+        default=0.0, min=0.0, soft_max=10.0, max=100.0, step=10, precision=2, **KEYED,
+    )  # fmt: skip
+    sway_damping: FloatProperty(
+        name="Sway Damping", description="How soon it stops swinging; 1 is without a swing back",
+        default=0.1, min=0.0, max=1.0, subtype="FACTOR", **KEYED,
+    )  # fmt: skip
     size_mode: EnumProperty(
         name="Physical Size", description="How large the real object is", items=_SIZE_MODES, **FIXED
     )
@@ -100,12 +115,15 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
         default=165.0, min=0.001, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **FIXED,
     )  # fmt: skip
 
-    def to_params(self) -> dict[str, float | str | None]:
-        """Return pinned, pin_group, the groups of the maps, and size: the largest [m], None as modelled."""
+    def to_params(self) -> dict[str, float | str | tuple[float, float, float] | None]:
+        """Return pinned, pin_group, the groups of the maps, size: the largest [m], None as modelled; and sway: amount,
+        frequency [Hz] and damping, None where it does not.
+        """
         return {
             "pinned": self.pinned.lower(),
             "pin_group": self.pin_group,
             **{f"{name}_group": getattr(self, f"{name}_group") for name, _, _ in MAPS},
+            "sway": (self.sway, self.sway_hz, self.sway_damping) if self.sway > 0 else None,
             "size": exact(self.size_mm, -1) if self.size_mode == "CUSTOM" else None,
         }
 

@@ -52,7 +52,7 @@ def _rubber(name: str, label: str, brand: str, psi: float, density: float) -> Pr
         f"Data sheet of Smooth-On, {brand}: stress at 100 % strain {psi:g} psi; K = 8 a E / 3 for a flat punch of 5 "
         f"mm, {0.8 * stiffness / 1e3:.2g} to {1.2 * stiffness / 1e3:.2g} N/mm if E may be 20 % off (our guess)"
     )
-    return Preset(name=name, label=label, material=material, size=0.05, provenance=source)
+    return Preset(name=name, label=label, material=material, size=0.05, provenance=source, sway=1.0)
 
 
 def _foam(name: str, label: str, pounds: tuple[float, float], kind: str) -> Preset:
@@ -83,7 +83,7 @@ def _flesh(name: str, label: str, kpa: tuple[float, float], what: str, density: 
         f"Hertz with a ball of 10 mm, so {share * (kpa[0] - kpa[1]) / 1e3:.2g} to "
         f"{share * (kpa[0] + kpa[1]) / 1e3:.2g} N/mm up to the knee"
     )
-    return Preset(name=name, label=label, material=material, size=0.15, provenance=source)
+    return Preset(name=name, label=label, material=material, size=0.15, provenance=source, sway=1.0)
 
 
 def _jelly(name: str, label: str, bloom: tuple[float, float]) -> Preset:
@@ -98,7 +98,7 @@ def _jelly(name: str, label: str, bloom: tuple[float, float]) -> Preset:
         f"Bloom test of gelatin (6.67 % in water, 10 °C, a flat plunger of 12.7 mm, 4 mm deep): {bloom[0]:g} to "
         f"{bloom[1]:g} g, so {low / 1e3:.3g} to {high / 1e3:.3g} N/mm; a dessert takes less gelatin"
     )
-    return Preset(name=name, label=label, material=material, size=0.1, provenance=source)
+    return Preset(name=name, label=label, material=material, size=0.1, provenance=source, sway=1.0)
 
 
 def _made_up(name: str, label: str, material: Material, size: float) -> Preset:

@@ -145,6 +145,7 @@ class Preset:
     material: its constants.
     size: length of its edge [m].
     provenance: where the numbers come from.
+    sway: how much of its sway shows, 0 to 1.
     """
 
     name: str
@@ -152,6 +153,7 @@ class Preset:
     material: Material
     size: float
     provenance: str
+    sway: float = 0.0
 
 
 def _require(holds: bool, rule: str, value: float | str, unit: str = "") -> None:

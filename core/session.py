@@ -22,11 +22,14 @@ from .native import Body, create
 from .other_tip import factors
 from .pins import Pins
 from .reduction.proxy import Proxy
+from .rest import Rest
 from .skin import Skin
 from .solver import motion
 from .solver.motion import MAX_STEPS, Motion
+from .sway import Push, push_of
 
 MAX_FINGERS = 3
+CLOSE = 1e-5  # of its size: a body so near its shape at rest shows no dent
 
 
 class Session:
@@ -47,17 +50,16 @@ class Session:
     ) -> None:
         self.clock = Clock(tick)
         self.backend, self.contact_note = backend, ""
-        self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
         self.substeps: int  # in a tick
-        self.body = self._create(self._define(model, proxy), model)
+        self.body = self._create(self._define(model, Rest(model, proxy), proxy), model)
         self.reset()
 
     def reset(self) -> None:
         """Put the body back to rest, in the shape of its model, and let go of it."""
-        if self._bent is not None:  # made anew, so that the same motion gives the same bits again
+        if self._rest.bent:  # made anew, so that the same motion gives the same bits again
             self.body = self._create(self._moves, self.model)
-        self._bent = None
-        self._bent_target: Floats | None = None  # the shape at rest at the end of the next step
+        self._rest.reset()
+        self._rides = False
         self.body.set_state(self._moves.matching.rest)
         self._work, self._total = 0.0, 0
         self.clock.reset()
@@ -100,7 +102,7 @@ class Session:
         """Say which shape at rest the input vertices (N, 3) [m] have at the end of the next step, as a rig bends it.
 
         Where the model is rigged that is also where it is; else only the shape counts. What carries the skin of a proxy
-        knows one shape alone, so the mesh is simulated in full from then on.
+        knows one shape alone: unless the body only sways, the mesh is simulated in full from then on.
 
         Raises:
             DimpleError: another number of vertices, or positions that are not numbers.
@@ -110,9 +112,9 @@ class Session:
             raise DimpleError(f"The mesh has {len(self.model.mesh.source)} vertices: give a position for each.")
         if not np.isfinite(positions).all():
             raise DimpleError("The shape at rest has a position that is not a number.")
-        if self.proxy is not None:
+        if self.proxy is not None and not self._rest.sway:
             self.change(self.model)
-        self._bent_target = positions[self._skin.input_of].T
+        self._rest.target = positions[self._skin.input_of].T
 
     def step(self, dt: float, *, budget: float | None = None) -> Frame:
         """Advance by dt [s] in whole ticks; what is left over is carried to the next call.
@@ -125,13 +127,17 @@ class Session:
         """
         return step_all([self], [dt], budget=budget)[0]
 
-    def begin(self, dt: float) -> None:
+    def begin(self, dt: float, *, alone: bool = True) -> None:
         """Begin a step of dt [s]; its ticks follow in motions, and `finish` ends it.
+
+        Args:
+            alone: it meets nothing but its fingertips.
 
         Raises:
             DimpleError: dt is negative or not a number.
         """
         self.clock.start(dt)
+        self._ride(alone and not any(self._tips))
         self._done, self._note, self._started = 0, "", time.perf_counter()
         self.most = MAX_STEPS // self.substeps - 1
         for tip in self._tips:
@@ -152,12 +158,15 @@ class Session:
             substeps: in each of them, if not as many as the model needs.
         """
         clock = self.clock
+        pushes = self._pushes() if self._rest.sway else []
+        if ticks and (self._rest.moves or pushes):
+            self._bend(ticks, pushes)
+        if self._rides:
+            return Motion(ticks, self.substeps, clock.tick, (None,) * len(self._tips))
         first = last = clock.share_after(ticks)
         if ticks > 1:
             first = max(clock.share_after(1), 0.0)  # it may begin before the step does
         pins = self._pins.lead(first, last)
-        if self._bent_target is not None and ticks:
-            self._bend(self._bent_target, ticks)
         return Motion(ticks, substeps or self.substeps, clock.tick, self._motions(first, last), pins)
 
     def take(self, result: motion.Frame) -> bool:
@@ -196,15 +205,21 @@ class Session:
 
     def bent_model(self) -> Model:
         """Return the model that moves, with the shape at rest that a rig has given it."""
-        return self._moves if self._bent is None else with_rest(self._moves, self._bent)
+        return with_rest(self._moves, self._rest.of_body) if self._rest.bent else self._moves
 
     @property
     def moved(self) -> bool:
         """Tell whether anything moved in the last step; False where the body slept all the time."""
-        return self._last.moved
+        return self._last.moved or (self._rides and self._rest.moves)
+
+    @property
+    def sway_hz(self) -> float:
+        """Return how often the body sways in a second in its slowest way [Hz], 0 where it does not."""
+        return self._rest.sway.frequency if self._rest.sway else 0.0
 
     def wake(self) -> None:
         """Let the body move again where it sleeps: what it rested on may be gone."""
+        self._ride(False)
         self.body.wake()
 
     @property
@@ -226,6 +241,7 @@ class Session:
 
     def positions(self) -> Singles:
         """Return where the input vertices (N, 3) [m] are, to be read: the same array as long as nothing moves."""
+        self._lay()
         return self._skin.positions(self.body, self.placed)
 
     def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0) -> None:
@@ -244,6 +260,7 @@ class Session:
         moves.substeps(self.clock.tick)
         if len(model.matching.rest.T) != len(surface.matching.rest.T):
             raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
+        self._ride(False)
         skin = scale * np.asarray(self._skin.surface(self.body), np.float64)
         led = self._pins.target
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
@@ -256,16 +273,19 @@ class Session:
             self.body.set_state(at.T, speed.T)
             for tip in filter(None, self._tips):
                 tip.scale(scale)
-            led = self._bent = self._bent_target = None
-        self._define(model, proxy)
+            led = None
+        self._define(model, Rest(model, proxy, self._rest), proxy)
+        if self._rest.bent and moves.mesh is not before.mesh:
+            self.body.set_rest(self._rest.of_body)
         self._pins.origin, self._pins.target = skin.T, led
 
-    def _define(self, model: Model, proxy: Proxy | None) -> Model:
-        """Set what follows from a model and its proxy; return the one that moves."""
+    def _define(self, model: Model, rest: Rest, proxy: Proxy | None) -> Model:
+        """Set what follows from a model, its shape at rest and its proxy; return the one that moves."""
         moves = proxy.model if proxy else model
         self.substeps = moves.substeps(self.clock.tick)
         self.model, self.proxy, self._moves = model, proxy, moves
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
+        self._rest = rest
         self._pins = Pins(model, proxy)
         self._skin = Skin(model, proxy, self._pins)
         return moves
@@ -291,23 +311,47 @@ class Session:
         """Measure fingertips that were put down or lifted without a tick."""
         return self.body.step(Motion(0, self.substeps, self.clock.tick, self._motions(0.0, 0.0)))
 
-    def _bend(self, target: Floats, ticks: int) -> None:
-        """Let the shape at rest go on towards a target in the ticks that follow."""
-        before = self._moves.matching.rest if self._bent is None else self._bent
+    def _pushes(self) -> list[Push]:
+        """Return what the fingertips that touch do to a body that sways."""
+        tips = zip(self._tips, self._last.touches, strict=False)
+        return [push_of(touch, tip.target) for tip, touch in tips if tip and touch and any(touch.force)]
+
+    def _bend(self, ticks: int, pushes: Sequence[Push]) -> None:
+        """Let the shape at rest go on in the ticks that follow, and the body with it."""
+        seconds = ticks * self.clock.tick
         share, left = self.clock.share_after(ticks), 1 - max(self.clock.share_after(0), 0.0)
-        done = 1.0 if share >= 1 else 1 - (1 - share) / left
-        self._bent = target if done == 1 else before + done * (target - before)
-        self.body.set_rest(self._bent, (self._bent - before) / (ticks * self.clock.tick))
-        if done == 1:
-            self._bent_target = None
+        before = None if self._rides else self._rest.of_body
+        self._rest.advance(1.0 if share >= 1 else 1 - (1 - share) / left, seconds, pushes)
+        if before is not None:
+            self.body.set_rest(self._rest.of_body, (self._rest.of_body - before) / seconds)
+        else:
+            self._skin.laid = None
+            self._skin.reset()
+
+    def _ride(self, wanted: bool) -> None:
+        """Leave a body that sways to its shape at rest where nothing shows that it is not on it, or step it again."""
+        rest = self._rest
+        if wanted and rest.sway and not self._rides:
+            off = self.body.positions() - rest.of_body
+            self._rides = float(np.abs(off).max()) <= CLOSE * self.model.mesh.size
+        elif self._rides and not wanted:
+            self._rides, self._skin.laid = False, None
+            self.body.set_rest(rest.of_body)
+            self.body.set_state(rest.of_body, rest.rate_of_body)
+
+    def _lay(self) -> None:
+        """Let the skin lie on the shape at rest where the body rides on it."""
+        if self._rides and self._skin.laid is None:
+            self._skin.laid = self._rest.whole
 
     def skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""
+        self._lay()
         return np.asarray(self._skin.on(self.placed, self._skin.surface(self.body)), np.float64)
 
     def _show(self, impulses: tuple[motion.Vector, ...], seconds: float) -> Frame:
         last, scale, rest = self._last, self._volume_scale, self.model.mesh.volume
-        if self._bent is not None:  # asking the body costs a call
+        if self._rest.bent and not self._rides:  # asking the body costs a call
             rest = self.body.rest_volume * scale
         return Frame(
             self.clock.time, impulses, seconds, last.touches, self.model.mesh, last.pressure, last.volume * scale, rest,

@@ -33,6 +33,7 @@ class Skin:
         self._yields = model.compliance > 0
         self._yields_somewhere = bool(self._yields.any())
         self._unwelded = len(self._source) == len(model.mass) and bool((self._source[1:] > self._source[:-1]).all())
+        self.laid: Floats | None = None  # (3, n) where the body rests on its shape at rest, and is not stepped
         self.reset()
 
     def reset(self) -> None:
@@ -56,6 +57,8 @@ class Skin:
 
     def surface(self, body: Body) -> Floats | Singles:
         """Return where the vertices (n, 3) [m] of the mesh are."""
+        if self.laid is not None:
+            return self.laid.T
         x = body.positions()
         if self._proxy is None:
             return x.T

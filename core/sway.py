@@ -9,27 +9,46 @@ by the modal rotation, so that a body that bends far does not grow); Mueller, Be
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from .base import Floats, Ints
-from .body.modes import Modes
+from .body.model import Model
+from .body.modes import Modes, modes_of
+from .fingertip import Finger
 from .material import Material
+from .mesh.surface import Mesh
+from .solver.motion import Touch
 
 FOLLOWS = 3  # rounds in which a node's rotation is followed in a step: each squares what is left of it
+After = Callable[[Floats], tuple[Floats, Floats]]
+STILL = 1e-6  # [m] that no vertex sways beyond: it is at rest
 
 
-class Push:
-    """What a fingertip does to a body: its force (3,) [N], its place (3,) and how both change with the surface.
+class Push(NamedTuple):
+    """What a fingertip does to a body.
 
     place: (3,) where it acts [m].
     force: (3,) on the body [N].
-    slope: (3, 3) by which the force is less for each metre that the surface gives way [N/m].
+    slope: (3, 3) by how much less that is for each metre that the surface gives way [N/m].
     """
 
-    def __init__(self, place: Floats, force: Floats, slope: Floats) -> None:
-        self.place, self.force, self.slope = place, force, slope
+    place: Floats
+    force: Floats
+    slope: Floats
+
+
+def push_of(touch: Touch, finger: Finger) -> Push:
+    """Return what a fingertip that touches does to a body; one that a force pushes keeps that.
+
+    Source: Mindlin, who has two thirds of the slope along the surface.
+    """
+    outward = np.array(touch.outward)
+    slope = touch.slope if finger.force is None else 0.0
+    place = np.array(touch.centre) - finger.radius * outward
+    return Push(place, -np.array(touch.force), slope * (2 / 3 * np.eye(3) + np.outer(outward, outward) / 3))
 
 
 class Sway:
@@ -39,26 +58,30 @@ class Sway:
     """
 
     def __init__(
-        self, modes: Modes, rest: Floats, *, frequency: float, density: float, damping: float, amount: float = 1.0,
-        gravity: Sequence[float] = (0.0, 0.0, 0.0),
-    ) -> None:
+        self, mesh: Mesh, held: Floats, modes: Modes, *, frequency: float, density: float, damping: float,
+        amount: float = 1.0, gravity: Sequence[float] | Floats = (0.0, 0.0, 0.0),
+    ) -> None:  # fmt: skip
         """Begin at rest.
 
         Args:
-            rest: (n, 3) of the vertices that the modes were made of [m].
+            mesh, held: what the modes were made of.
+            modes: of the body.
             frequency: of the first mode [Hz].
             density: [kg/m3].
             damping: ratio.
-            gravity: (3,) in which the body has the shape at rest [m/s2].
+            gravity: (3,) [m/s2]; the body has its shape at rest in it.
         """
-        self.modes, self.amount = modes, amount
+        self.mesh, self.held, self.modes, self.amount = mesh, held, modes, amount
         self._rates = modes.rates * (2 * math.pi * frequency / modes.rates[0])
-        self._damping, self._density, self._gravity = damping, density, np.asarray(gravity, np.float64)
+        self._damping, self._density = damping, density
+        self._gravity = self._modelled = np.asarray(gravity, np.float64)  # now, and in which it has its shape at rest
+        rest = mesh.rest_positions
         self._anchors, self._near = _anchors(modes, rest)
         self._arms = rest[self._anchors]
         self._middles = self._near @ self._arms
         self._flat = modes.shapes.reshape(len(modes.rates), -1)
         self._loads = self._flat * np.repeat(modes.volume, 3)
+        self._reach = np.abs(self._flat).max(axis=1)
         self.reset()
 
     def reset(self) -> None:
@@ -68,6 +91,22 @@ class Sway:
         self._turn = np.broadcast_to(np.eye(3), (len(self.modes.volume), 3, 3)).copy()
         self._at = self.modes.lattice.nodes
         self._speed: Floats | None = None  # of the nodes, None before a second place is known
+
+    def go_on(self, before: Sway) -> None:
+        """Go on as the same body moved before."""
+        self._q, self._v, self._turn = before._q, before._v, before._turn
+        self._at, self._speed, self._modelled = before._at, before._speed, before._modelled
+
+    @property
+    def moves(self) -> bool:
+        """Tell whether anything sways, or is led."""
+        far = np.abs(self._q) + np.abs(self._v) / self._rates
+        return self._speed is None or bool(self._speed.any()) or bool((far * self._reach).sum() > STILL)
+
+    @property
+    def frequency(self) -> float:
+        """Return how often it sways in a second in its slowest way [Hz]."""
+        return float(self._rates[0]) / (2 * math.pi)
 
     @property
     def energy(self) -> float:
@@ -84,20 +123,31 @@ class Sway:
         at = self._follow(led)
         speed = (at - self._at) / seconds
         before, self._at, self._speed = (speed if self._speed is None else self._speed), at, speed
-        pull = np.einsum("mji,mj->mi", self._turn, self._gravity - (speed - before) / seconds) - self._gravity
+        pull = np.einsum("mji,mj->mi", self._turn, self._gravity - (speed - before) / seconds) - self._modelled
         self._swing(self._loads @ pull.ravel(), seconds, pushes)
 
     def displacement(self) -> Floats:
         """Return how far (n, 3) each vertex is from where it is led [m]."""
-        moved = self.node_displacement()
-        carried = self.modes.nodes
-        return self.amount * sum(self.modes.shares[:, c, None] * moved[carried[:, c]] for c in range(8))
+        return self.amount * self._carried(self.node_displacement())
 
     def node_displacement(self) -> Floats:
         """Return how far (m, 3) each node is from where it is led [m]."""
         linear = (self._q @ self._flat).reshape(-1, 3)
         warped = _warped(np.einsum("kma,k->ma", self.modes.turns, self._q), linear)
         return np.einsum("mij,mj->mi", self._turn, warped)
+
+    def velocity(self) -> Floats:
+        """Return how fast (n, 3) each vertex goes with it [m/s]."""
+        swings = self.amount * np.einsum("mij,mj->mi", self._turn, (self._v @ self._flat).reshape(-1, 3))
+        led = np.zeros_like(swings) if self._speed is None else self._speed
+        return self._carried(led + swings)
+
+    def _carried(self, nodes: Floats) -> Floats:
+        """Return what the vertices (n, 3) have of values (m, 3) of the nodes."""
+        carried = np.zeros((len(self.modes.nodes), 3))
+        for node, share in zip(self.modes.nodes.T, self.modes.shares.T, strict=True):
+            carried += share[:, None] * nodes[node]
+        return carried
 
     def _follow(self, led: Floats) -> Floats:
         """Return where the nodes (m, 3) are led, and turn them along."""
@@ -122,13 +172,14 @@ class Sway:
             still = load / rate**2
             a = self._q - still
             b = (self._v + z * rate * a) / swing
-            return still + decay * (a * c + b * s), decay * ((b * swing - z * rate * a) * c - (a * swing + z * rate * b) * s)
+            q = still + decay * (a * c + b * s)
+            return q, decay * ((b * swing - z * rate * a) * c - (a * swing + z * rate * b) * s)
 
         if pushes:
             load = load + self._answer(load, after, (1 - decay * (c + z * rate / swing * s)) / rate**2, pushes)
         self._q, self._v = after(load)
 
-    def _answer(self, load: Floats, after: object, gain: Floats, pushes: Sequence[Push]) -> Floats:
+    def _answer(self, load: Floats, after: After, gain: Floats, pushes: Sequence[Push]) -> Floats:
         """Return the load (k,) of what pushes, each less by its slope times how far the surface has gone by then."""
         ways = [self._way(push) for push in pushes]
         total = np.zeros_like(load)
@@ -149,17 +200,36 @@ class Sway:
         return self.amount * local
 
 
+def sway_of(model: Model, before: Sway | None = None) -> Sway | None:
+    """Return the sway of a model at rest, None where it has none; `before`, of the same body, goes on with it."""
+    wanted = model.sway
+    if wanted is None:
+        return None
+    mesh = model.mesh
+    goes_on = before is not None and before.mesh is mesh and np.array_equal(before.held, wanted.held)
+    modes = before.modes if before and goes_on else modes_of(mesh, mesh.rest_positions, wanted.held)
+    largest = int(np.bincount(mesh.triangle_material, mesh.triangle_areas, len(model.materials)).argmax())
+    material, density = model.materials[largest], float(model.mass.sum()) / mesh.volume
+    sway = Sway(
+        mesh, wanted.held, modes, frequency=wanted.frequency or first_frequency(modes, material, density),
+        density=density, damping=wanted.damping, amount=wanted.amount, gravity=wanted.gravity,
+    )  # fmt: skip
+    if before and goes_on:
+        sway.go_on(before)
+    return sway
+
+
 def young(material: Material) -> float:
     """Return Young's modulus [Pa] of the solid that answers its measuring tip, as a sphere, alike at the knee.
 
-    Source: Hertz, F = 4/3 E / (1 - nu^2) sqrt(R) x^1.5, with nu of a solid that keeps its volume.
+    Source: Hertz, F = 4/3 E / (1 - nu^2) sqrt(R) x^1.5, with nu near 1/2 of a solid that keeps its volume.
     """
     radius, x = material.indenter.radius, material.x0
     return 0.75 * material.law(x) / (math.sqrt(radius) * x**1.5) * (1 - 0.25)
 
 
 def first_frequency(modes: Modes, material: Material, density: float) -> float:
-    """Return the first frequency [Hz] of a body of a material."""
+    """Return the first frequency [Hz] of a body of a material and a density [kg/m3]."""
     return float(modes.rates[0]) * math.sqrt(young(material) / density) / (2 * math.pi)
 
 

@@ -46,6 +46,15 @@ def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: Ob
     return tuple(notes)
 
 
+def on_sway(model: Model, wanted: tuple[float, float, float] | None) -> tuple[str, ...]:
+    """Return a sentence on why a body does not sway although it is to."""
+    if not wanted or model.sway:
+        return ()
+    if not model.mesh.pressurable:
+        return ("It cannot sway, for its mesh encloses no volume: close it.",)
+    return ("It does not sway, for nothing holds it: pin a part of it, or give it a rig.",)
+
+
 def on_fill(model: Model) -> tuple[str, ...]:
     """Return a sentence on which fill acts, where the materials have several, or on a pressure that does nothing."""
     fills, inside = {(each.fill, each.pressure) for each in model.materials}, model.pressure

@@ -39,19 +39,19 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
     try:
         pinned = base_vertices(mesh) if params["pinned"] == "base" else None
         if params["pinned"] == "group":
-            pinned = _pins(body, params["pin_group"], link)
+            pinned = _pins(body, params["pin_group"], link, least=0.0 if params["sway"] else 0.5)
         materials = [_material(body, slot) for slot in link.slots]
         groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
         maps = {name: _weights(body, group, name, link) for name, group in groups.items() if group}
         make = partial(
             _made, mesh, materials, pinned=pinned, **maps,
             gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
-            ground=0.0 if surroundings.use_ground else None, rigged=link.rigged,
+            ground=0.0 if surroundings.use_ground else None, rigged=link.rigged, sway=params["sway"],
         )  # fmt: skip
         model: Model = yield 0.4, make
     except DimpleError as error:
         raise DimpleError(f'"{name}": {error}') from error
-    return replace(model, notes=(*model.notes, *said, *advice.on_fill(model)))
+    return replace(model, notes=(*model.notes, *said, *advice.on_fill(model), *advice.on_sway(model, params["sway"])))
 
 
 def _made(*given: Any, **named: Any) -> Model:
@@ -85,12 +85,12 @@ def _material(body: bpy.types.Object, slot: int) -> Material:
         raise DimpleError(f'material "{material.name}": {error}') from error
 
 
-def _pins(body: bpy.types.Object, group: str, link: ObjectLink) -> Floats:
+def _pins(body: bpy.types.Object, group: str, link: ObjectLink, *, least: float) -> Floats:
     if not group:
         raise DimpleError("it is pinned by a vertex group, but none is chosen. Choose one in Physics > Dimple.")
     weights = _weights(body, group, "pin", link)
-    if not (weights >= 0.5).any():
-        raise DimpleError(f'no vertex of the pin group "{group}" has a weight of 0.5 or more. Paint some.')
+    if not (weights >= max(least, 1e-6)).any():
+        raise DimpleError(f'no vertex of the pin group "{group}" has a weight of {least:g} or more. Paint some.')
     return weights
 
 

@@ -292,9 +292,15 @@ def lead(
     check_matrix(body.name, now)
     there = to_physical(link.scale, now, shape)
     session.set_pins(there)
-    if shape is not rest or session.model.rigged:
+    if shape is not rest or session.model.rigged or _is_stretched(now, matrix):
         session.set_rest(there)
     return now, shape
+
+
+def _is_stretched(matrix: Floats, before: Floats) -> bool:
+    """Tell whether a matrix (4, 4) scales or shears otherwise than one before."""
+    now, then = (m[:3, :3].T @ m[:3, :3] for m in (matrix, before))
+    return not np.allclose(now, then, rtol=1e-6, atol=1e-12)
 
 
 def _check_count(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink) -> None:

@@ -18,7 +18,7 @@ from ..core.reduction.planner import Maker, Plan, plan, plan_full_mesh, plan_pro
 from ..core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
 from ..core.session import MAX_FINGERS
 from ..core.steps import Parts, at_once
-from . import contact
+from . import contact, stack
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -123,7 +123,8 @@ def choosing(scene: bpy.types.Scene, obj: bpy.types.Object) -> Callable[[Model, 
 
     def by_settings(model: Model, build: Maker) -> Plan:
         # cells may bridge a fold; and what carries the skin of a proxy knows one shape at rest
-        because = "For self contact" if itself else "For its rig" if model.rigged else ""
+        bent = model.rigged and not (model.sway and not stack.is_shaped(obj))
+        because = "For self contact" if itself else "For its rig" if bent else ""
         if because or wanted["simulated"] == "mesh":
             return plan_full_mesh(model, budget=budget, because=because or "As chosen")
         if wanted["simulated"] == "proxy":

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,7 +37,25 @@ SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
 # times as stiff as at rest a fill becomes in a body pressed flat
 STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0, "solid": 2.0}
+FIRM = 0.999  # of a weight: a body that sways is pinned where it is 1
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
+
+
+class Sways(NamedTuple):
+    """How a body sways.
+
+    amount: of the displacement that shows, 0 to 1.
+    frequency: of the first mode [Hz], 0: of its material.
+    damping: ratio, 1 is critical.
+    held: (n,) how firmly each vertex is held, 0 to 1.
+    gravity: (3,) in which the body has its shape at rest [m/s2].
+    """
+
+    amount: float
+    frequency: float
+    damping: float
+    held: Floats
+    gravity: Floats
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,6 +77,7 @@ class Model:
     notes: sentences for the artist.
     maps: what is painted, None where nothing is known of it.
     rigged: the shape at rest stays where it is laid, as a rig does, instead of following the body or its pins.
+    sway: how it sways, None where it does not.
     """
 
     mesh: Mesh
@@ -77,6 +97,7 @@ class Model:
     notes: tuple[str, ...]
     maps: Maps | None = None
     rigged: bool = False
+    sway: Sways | None = None
 
     @property
     def laws(self) -> list[tuple[float, ...]]:
@@ -150,6 +171,7 @@ def build_model(
     gravity: Sequence[float] = (0.0, 0.0, 0.0),
     ground: float | None = None,
     rigged: bool = False,
+    sway: tuple[float, float, float] | None = None,
 ) -> Model:
     """Give a mesh its materials.
 
@@ -160,6 +182,7 @@ def build_model(
         gravity: (3,) [m/s2].
         ground: height [m] of a plane that nothing sinks below.
         rigged: something else places its shape at rest, see `Model`.
+        sway: amount, frequency and damping, see `Sways`; of a body that is a volume, and that pins or a rig hold.
 
     Raises:
         DimpleError: no material, or maps of the wrong length.
@@ -168,7 +191,11 @@ def build_model(
         raise DimpleError("Gravity must be three numbers and the ground's height one.")
     if not materials or mesh.triangle_material.max() >= len(materials) or mesh.triangle_material.min() < 0:
         raise DimpleError("A face uses a material slot that is empty. Assign a material to it.")
-    pinned_here = mesh.loose | (_on_vertices(mesh, pinned, "pins", 0.0) >= 0.5)
+    held = _on_vertices(mesh, pinned, "pins", 0.0)
+    sways = None
+    if sway and sway[0] > 0 and mesh.pressurable and (rigged or held.any()):  # its shape as modelled is that in gravity
+        sways, gravity, rigged = Sways(*sway, held, np.asarray(gravity, np.float64)), (0.0, 0.0, 0.0), True
+    pinned_here = mesh.loose | (held >= (FIRM if sways else 0.5))
     named = (("softness", softness), ("knee", knee), ("spread", spread), ("thickness", thickness))
     maps = painted(*(_on_vertices(mesh, values, f"{name} map", 0.5) for name, values in named))
 
@@ -179,7 +206,7 @@ def build_model(
         mesh, materials, mass=mass, pinned=pinned_here, fill=fill, rest_pressure=rest_pressure, gravity=gravity,
         ground=ground, notes=sunk, **constants_on(mesh, materials, maps),
     )  # fmt: skip
-    return replace(model, maps=maps, rigged=rigged)
+    return replace(model, maps=maps, rigged=rigged, sway=sways)
 
 
 def assemble(

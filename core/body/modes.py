@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..base import Floats, Ints
+from ..base import Floats, Ints, sums_at
 from ..mesh.surface import Mesh
-from .lattice import CORNERS, Lattice, fill, gradients, shares, stiffness, weight
+from .lattice import Lattice, fill, gradients, shares, stiffness, weight
 
 MODES = 20  # of them: they sag as all do within 1 %
 HOLD = 30.0  # pins hold as stiffly as a layer of the body that is a 30th of a cell thick
@@ -111,8 +111,8 @@ def _turns(lattice: Lattice, shapes: Floats) -> Floats:
     slope = gradients(np.full(3, 0.5)) / lattice.side
     inside = np.einsum("ca,kxcb->kxab", slope, shapes[:, lattice.cells])
     curl = np.stack([inside[..., i - 2, i - 1] - inside[..., i - 1, i - 2] for i in range(3)], axis=-1) / 2
-    total = np.zeros_like(shapes)
-    for corner in range(len(CORNERS)):
-        np.add.at(total, (slice(None), lattice.cells[:, corner]), lattice.filled[:, None] * curl)
-    count = np.bincount(lattice.cells.ravel(), np.repeat(lattice.filled, 8), len(lattice.nodes))
-    return total / count[:, None]
+    cells, parts = lattice.cells.ravel(), np.repeat(lattice.filled[:, None, None] * curl.transpose(1, 0, 2), 8, axis=0)
+    flat = parts.reshape(len(cells), -1)
+    total = np.stack([sums_at(cells, column, len(lattice.nodes)) for column in flat.T])
+    count = sums_at(cells, np.repeat(lattice.filled, 8), len(lattice.nodes))
+    return (total / count).reshape(len(shapes), 3, -1).transpose(0, 2, 1)

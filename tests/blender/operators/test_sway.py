@@ -1,0 +1,123 @@
+"""A body sways when it is led, follows a scale that grows, and a bake plays what was seen."""
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.blender.operators.test_rigs import walker
+
+Shown = Callable[[Any], np.ndarray]
+Ball = Callable[..., Any]
+
+
+def jelly(obj: Any, **settings: Any) -> Any:
+    """Give an object the softness of Ecoflex 00-10 and let it sway."""
+    obj.dimple.enabled, obj.dimple.size_mode, obj.dimple.size_mm = True, "CUSTOM", 165.0
+    for name, value in {"sway": 1.0, **settings}.items():
+        setattr(obj.dimple, name, value)
+    return obj
+
+
+def baked_top(bpy: ModuleType, obj: Any, shown: Shown, last: int) -> np.ndarray:
+    """Bake from frame 1 on and return where the highest vertex is in each frame (n, 3), in the scene."""
+    scene = bpy.context.scene
+    scene.frame_set(1)
+    top = int(shown(obj)[:, 2].argmax())
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    assert bpy.ops.dimple.bake(frame_start=1, frame_end=last) == {"FINISHED"}
+    path = []
+    for frame in range(1, last + 1):
+        scene.frame_set(frame)
+        path.append(np.array(obj.matrix_world @ bpy_vector(bpy, shown(obj)[top])))
+    return np.array(path)
+
+
+def bpy_vector(bpy: ModuleType, at: np.ndarray) -> Any:
+    from mathutils import Vector
+
+    return Vector(at.tolist())
+
+
+def test_a_ball_that_is_jerked_swings_at_the_frequency_of_its_first_mode(
+    bpy: ModuleType, scene: Any, ball: Ball, shown: Shown
+) -> None:
+    obj = jelly(ball(subdivisions=4), sway_hz=3.0, sway_damping=0.05)
+    size = 165.0 / max(obj.dimensions)
+    for frame, x in ((5, 0.0), (9, 40.0 / size)):
+        obj.location.x = x
+        obj.keyframe_insert("location", frame=frame)
+    path = size * baked_top(bpy, obj, shown, 72)[:, 0]
+    swing = path[9:] - 40
+    assert 10 < np.abs(swing).max() < 40  # mm
+    power = np.abs(np.fft.rfft(swing * np.hanning(len(swing)), 4096))
+    assert np.fft.rfftfreq(4096, 1 / 24)[power.argmax()] == pytest.approx(3.0, rel=0.1)
+
+
+def test_a_body_that_grows_is_baked_as_it_grows(bpy: ModuleType, scene: Any, ball: Ball, shown: Shown) -> None:
+    """Scale keyed 1 to 1.5 in 24 frames, as modelled; its base is pinned, or nothing is."""
+    for pinned, sway in (("BASE", 0.0), ("NONE", 0.0), ("BASE", 1.0)):
+        obj = ball(subdivisions=3)
+        obj.dimple.enabled, obj.dimple.pinned, obj.dimple.sway = True, pinned, sway
+        radius = max(obj.dimensions) / 2
+        for frame, scale in ((1, 1.0), (24, 1.5)):
+            obj.scale = (scale,) * 3
+            obj.keyframe_insert("scale", frame=frame)
+        bpy.context.scene.frame_set(1)
+        end = baked_top(bpy, obj, shown, 30)[-1]
+        assert end[2] == pytest.approx(1.5 * radius, rel=0.01), (pinned, sway)
+        bpy.data.objects.remove(obj)
+
+
+def test_a_parent_that_is_squashed_squashes_the_body(bpy: ModuleType, scene: Any, ball: Ball, shown: Shown) -> None:
+    obj, parent = ball(subdivisions=3), bpy.data.objects.new("Parent", None)
+    scene.collection.objects.link(parent)
+    obj.parent, obj.dimple.enabled = parent, True
+    height = obj.dimensions.z
+    for frame, scale in ((1, 1.0), (12, 0.6)):
+        parent.scale.z = scale
+        parent.keyframe_insert("scale", frame=frame)
+    scene.frame_set(1)
+    baked_top(bpy, obj, shown, 24)
+    scene.frame_set(24)
+    world = np.array([obj.matrix_world @ bpy_vector(bpy, point) for point in shown(obj)])
+    assert np.ptp(world[:, 2]) == pytest.approx(0.6 * height, rel=0.02)
+
+
+def test_frame_rates_sway_alike(bpy: ModuleType, scene: Any, ball: Ball, shown: Shown) -> None:
+    ends = []
+    for fps in (24, 60, 120):
+        scene.render.fps = fps
+        obj = jelly(ball(subdivisions=3), sway_hz=3.0)
+        for second, x in ((0.0, 0.0), (1 / 6, 0.3)):
+            obj.location.x = x
+            obj.keyframe_insert("location", frame=1 + second * fps)
+        for curve in curves(obj):
+            for key in curve.keyframe_points:
+                key.interpolation = "LINEAR"
+        ends.append(baked_top(bpy, obj, shown, 1 + fps // 2)[-1])
+        bpy.data.objects.remove(obj)
+    assert np.abs(np.array(ends) - ends[0]).max() < 0.005 * 2
+
+
+def curves(obj: Any) -> Any:
+    action = obj.animation_data.action
+    if hasattr(action, "fcurves"):
+        return action.fcurves
+    return action.layers[0].strips[0].channelbags[0].fcurves
+
+
+def test_what_nothing_holds_does_not_sway_and_says_so(bpy: ModuleType, scene: Any, ball: Ball, sessions: Any) -> None:
+    obj = jelly(ball(), pinned="NONE")
+    bpy.context.view_layer.objects.active = obj
+    _, said = sessions.start(obj, bpy.context)
+    assert any("nothing holds it" in each for each in said)
+
+
+def test_the_flesh_of_a_walker_sways_and_plays_as_baked(
+    bpy: ModuleType, scene: Any, shown: Shown
+) -> None:
+    assert walker
