@@ -94,9 +94,9 @@ class Session:
         positions = np.asarray(positions, np.float64)
         if positions.shape != (len(self.model.mesh.source), 3):
             raise DimpleError(f"The mesh has {len(self.model.mesh.source)} vertices: give a position for each.")
-        if not np.isfinite(positions[self._skin.input_of][self._pins.followed]).all():
+        if not np.isfinite(self._skin.of_mesh(positions)[self._pins.followed]).all():
             raise DimpleError("A pinned vertex has a position that is not a number.")
-        self._pins.target = positions[self._skin.input_of].T
+        self._pins.target = self._skin.of_mesh(positions).T
 
     def set_rest(self, positions: Floats) -> None:
         """Say which shape at rest the input vertices (N, 3) [m] have at the end of the next step, as a rig bends it.
@@ -114,7 +114,7 @@ class Session:
             raise DimpleError("The shape at rest has a position that is not a number.")
         if self.proxy is not None and not self._rest.sway:
             self.change(self.model)
-        self._rest.target = positions[self._skin.input_of].T
+        self._rest.target = self._skin.of_mesh(positions).T
 
     def step(self, dt: float, *, budget: float | None = None) -> Frame:
         """Advance by dt [s] in whole ticks; what is left over is carried to the next call.

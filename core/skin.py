@@ -36,6 +36,10 @@ class Skin:
         self.laid: Floats | None = None  # (3, n) where the body rests on its shape at rest, and is not stepped
         self.reset()
 
+    def of_mesh(self, values: Floats) -> Floats:
+        """Return what the vertices (n, 3) of the mesh have of values (N, 3) of the input vertices."""
+        return values if self._unwelded else values[self.input_of]
+
     def reset(self) -> None:
         """Forget what was shown: something has moved."""
         self._shown: Singles | None = None  # what `positions` returned, until something moves

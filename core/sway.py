@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from . import native
 from .base import Floats, Ints
 from .body.model import Model
 from .body.modes import Modes, modes_of
@@ -144,10 +145,7 @@ class Sway:
 
     def _carried(self, nodes: Floats) -> Floats:
         """Return what the vertices (n, 3) have of values (m, 3) of the nodes."""
-        carried = np.zeros((len(self.modes.nodes), 3))
-        for node, share in zip(self.modes.nodes.T, self.modes.shares.T, strict=True):
-            carried += share[:, None] * nodes[node]
-        return carried
+        return native.carry_by_nodes(native.library(), self.modes.nodes, self.modes.shares, nodes)
 
     def _follow(self, led: Floats) -> Floats:
         """Return where the nodes (m, 3) are led, and turn them along."""
@@ -193,7 +191,7 @@ class Sway:
     def _way(self, push: Push) -> Floats:
         """Return how far (3, k) each mode moves the surface where something pushes."""
         now = self._at + self.node_displacement()
-        far = 2 * self.modes.lattice.side
+        far = 2 * self.modes.lattice.sides.max()
         near = np.clip(1 - ((now - push.place) ** 2).sum(axis=1) / far**2, 0, None) ** 2
         near /= max(near.sum(), 1e-30)
         local = np.einsum("m,mij,kmj->ik", near, self._turn, self.modes.shapes)
@@ -238,7 +236,7 @@ def _anchors(modes: Modes, rest: Floats) -> tuple[Ints, Floats]:
     cells, first = np.unique(modes.nodes[:, 0], return_index=True)
     del cells
     ways = ((modes.lattice.nodes[:, None] - rest[first]) ** 2).sum(axis=2)
-    near = 1 / (ways + (modes.lattice.side / 2) ** 2) ** 2
+    near = 1 / (ways + (modes.lattice.sides.mean() / 2) ** 2) ** 2
     return first, near / near.sum(axis=1, keepdims=True)
 
 

@@ -1,4 +1,4 @@
-"""A coarse lattice of cubes that fills a body: what its solid weighs and how stiffly it resists, cell by cell.
+"""A coarse lattice of nearly cubic cells that fills a body: what its solid weighs and how stiffly it resists, cell by cell.
 
 A cell counts by the share of it that is inside. Sources: Hughes 1980 (mean dilatation, so that a nearly incompressible
 cell does not lock); the finite cell method (Parvizian, Duester and Rank 2007) for cells that are partly filled.
@@ -20,19 +20,19 @@ CORNERS = np.array([(a, b, c) for a in (0, 1) for b in (0, 1) for c in (0, 1)])
 
 
 class Lattice(NamedTuple):
-    """Cubes that fill a body.
+    """Cells that fill a body, and end where it ends.
 
     nodes: (m, 3) corners of the cells [m].
     cells: (c, 8) nodes of each, in the order of CORNERS.
     filled: (c,) share of each that is inside the body.
-    side: of a cell [m].
+    sides: (3,) of a cell [m].
     layers: where the unknowns of each layer of nodes begin along the longest way, three a node, and the last ends.
     """
 
     nodes: Floats
     cells: Ints
     filled: Floats
-    side: float
+    sides: Floats
     layers: Ints
 
 
@@ -42,21 +42,20 @@ def fill(mesh: Mesh, positions: Floats, cells: int = CELLS) -> Lattice:
     Args:
         positions: (n, 3) of its vertices [m].
     """
-    side = (mesh.volume / cells) ** (1 / 3)
-    low = positions.min(axis=0)
-    count = np.ceil(np.ptp(positions, axis=0) / side).astype(int) + 1
-    low -= (count * side - np.ptp(positions, axis=0)) / 2
-    share = _inside(positions, _capped(mesh, positions), low, side / SAMPLES, SAMPLES * count)
+    low, extent = positions.min(axis=0), np.ptp(positions, axis=0)
+    count = np.maximum(np.round(extent / (mesh.volume / cells) ** (1 / 3)), 1).astype(int)
+    sides = extent / count
+    share = _inside(_capped(mesh, positions), low, sides / SAMPLES, SAMPLES * count)
     share = share.reshape(count[0], SAMPLES, count[1], SAMPLES, count[2], SAMPLES).mean(axis=(1, 3, 5))
-    at = tuple(((positions - low) // side).astype(int).T)
+    at = tuple(np.minimum((positions - low) // sides, count - 1).astype(int).T)
     share[at] = np.maximum(share[at], SAMPLES**-3)  # what has vertices is a part of the body
     kept = np.argwhere(share > 0)
     order = np.argsort(-count)  # layers along the longest way are the smallest
     corners = (kept[:, None] + CORNERS).reshape(-1, 3)[:, order]
     number, inverse = np.unique(corners, axis=0, return_inverse=True)
     layers = np.append(3 * np.unique(number[:, 0], return_index=True)[1], 3 * len(number))
-    nodes = low + side * number[:, np.argsort(order)]
-    return Lattice(nodes, inverse.reshape(-1, 8), share[tuple(kept.T)], side, layers)
+    nodes = low + sides * number[:, np.argsort(order)]
+    return Lattice(nodes, inverse.reshape(-1, 8), share[tuple(kept.T)], sides, layers)
 
 
 def _capped(mesh: Mesh, positions: Floats) -> tuple[Floats, Ints]:
@@ -70,7 +69,7 @@ def _capped(mesh: Mesh, positions: Floats) -> tuple[Floats, Ints]:
     return np.concatenate([positions, middles.T]), np.concatenate([mesh.triangles, fans])
 
 
-def _inside(positions: Floats, surface: tuple[Floats, Ints], low: Floats, step: float, count: Ints) -> Floats:
+def _inside(surface: tuple[Floats, Ints], low: Floats, step: Floats, count: Ints) -> Floats:
     """Return 1.0 for points of a grid inside a closed surface, else 0.0.
 
     Each column of points is cut by the triangles above and below it; a point is inside where more of those above it
@@ -104,7 +103,7 @@ def _inside(positions: Floats, surface: tuple[Floats, Ints], low: Floats, step: 
 def stiffness(lattice: Lattice) -> Floats:
     """Return the stiffness (3 m, 3 m) of a lattice of Young's modulus 1 Pa [m]."""
     size = 3 * len(lattice.nodes)
-    unit = lattice.side * _cell_stiffness(POISSON)
+    unit = _cell_stiffness(lattice.sides, POISSON)
     freedoms = (3 * lattice.cells[:, :, None] + np.arange(3)).reshape(-1, 24)
     at = freedoms[:, :, None] * size + freedoms[:, None, :]
     return sums_at(at.ravel(), (lattice.filled[:, None, None] * unit).ravel(), size * size).reshape(size, size)
@@ -112,15 +111,15 @@ def stiffness(lattice: Lattice) -> Floats:
 
 def weight(lattice: Lattice) -> Floats:
     """Return the volume (m,) that each node stands for [m3]."""
-    each = np.repeat(lattice.filled * lattice.side**3 / 8, 8)
+    each = np.repeat(lattice.filled * lattice.sides.prod() / 8, 8)
     return sums_at(lattice.cells.ravel(), each, len(lattice.nodes))
 
 
-def _cell_stiffness(poisson: float) -> Floats:
-    """Return the stiffness (24, 24) of a cube of side 1 and Young's modulus 1."""
+def _cell_stiffness(sides: Floats, poisson: float) -> Floats:
+    """Return the stiffness (24, 24) of a cell of Young's modulus 1 Pa [m]."""
     lame, shear = poisson / ((1 + poisson) * (1 - 2 * poisson)), 1 / (2 + 2 * poisson)
     points = (CORNERS - 0.5) / np.sqrt(3)  # of Gauss
-    slopes = np.stack([gradients(point + 0.5) for point in points])
+    slopes = np.stack([gradients(point + 0.5) for point in points]) / sides
     mean = slopes.mean(axis=0)
     law = np.diag([2 * shear] * 3 + [shear] * 3)
     law[:3, :3] += lame
@@ -132,12 +131,12 @@ def _cell_stiffness(poisson: float) -> Floats:
             strain[3 + i, :, (i + 1) % 3], strain[3 + i, :, i] = slope[:, i], slope[:, (i + 1) % 3]
         strain[:3] += (mean - slope)[None] / 3
         flat = strain.reshape(6, 24)
-        total += flat.T @ law @ flat / 8
+        total += sides.prod() / 8 * flat.T @ law @ flat
     return total
 
 
 def gradients(at: Floats) -> Floats:
-    """Return how the weights of the corners (8, 3) of a cube of side 1 change at a place (3,) in it."""
+    """Return how the weights of the corners (8, 3) of a cube change at a place (3,) in it, over its sides."""
     parts = np.where(CORNERS == 1, at, 1 - at)
     signs = np.where(CORNERS == 1, 1.0, -1.0)
     return np.stack([signs[:, i] * np.delete(parts, i, axis=1).prod(axis=1) for i in range(3)], axis=1)
@@ -147,9 +146,9 @@ def shares(lattice: Lattice, positions: Floats) -> tuple[Ints, Floats]:
     """Return the eight nodes (n, 8) that carry each place (n, 3) [m], and their shares (n, 8)."""
     origin = lattice.nodes[lattice.cells[:, 0]]
     low = lattice.nodes.min(axis=0)
-    count = np.round(np.ptp(lattice.nodes, axis=0) / lattice.side).astype(int)
+    count = np.round(np.ptp(lattice.nodes, axis=0) / lattice.sides).astype(int)
     grid = np.full(count, -1)
-    grid[tuple(np.round((origin - low) / lattice.side).astype(int).T)] = np.arange(len(origin))
-    cell = grid[tuple(np.clip((positions - low) // lattice.side, 0, count - 1).astype(int).T)]
-    local = np.clip((positions - origin[cell]) / lattice.side, 0, 1)[:, None]
+    grid[tuple(np.round((origin - low) / lattice.sides).astype(int).T)] = np.arange(len(origin))
+    cell = grid[tuple(np.clip((positions - low) // lattice.sides, 0, count - 1).astype(int).T)]
+    local = np.clip((positions - origin[cell]) / lattice.sides, 0, 1)[:, None]
     return lattice.cells[cell], np.where(CORNERS == 1, local, 1 - local).prod(axis=2)

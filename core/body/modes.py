@@ -53,7 +53,7 @@ def modes_of(mesh: Mesh, positions: Floats, held: Floats, *, most: int = MODES) 
     lattice = fill(mesh, positions)
     nodes, share = shares(lattice, positions)
     volume, k = weight(lattice), stiffness(lattice)
-    _hold(k, nodes, share, HOLD / lattice.side * held * mesh.vertex_areas)
+    _hold(k, nodes, share, HOLD / lattice.sides.mean() * held * mesh.vertex_areas)
     scale = 1 / np.sqrt(np.repeat(volume, 3))
     squares, vectors = _lowest(k * scale * scale[:, None], lattice.layers, most)
     moving = squares > RIGID * squares[-1]
@@ -108,7 +108,7 @@ def _solver(a: Floats, layers: Ints) -> Callable[[Floats], Floats]:
 
 def _turns(lattice: Lattice, shapes: Floats) -> Floats:
     """Return half the curl (k, m, 3) of displacements (k, m, 3): the mean over the cells round each node."""
-    slope = gradients(np.full(3, 0.5)) / lattice.side
+    slope = gradients(np.full(3, 0.5)) / lattice.sides
     inside = np.einsum("ca,kxcb->kxab", slope, shapes[:, lattice.cells])
     curl = np.stack([inside[..., i - 2, i - 1] - inside[..., i - 1, i - 2] for i in range(3)], axis=-1) / 2
     cells, parts = lattice.cells.ravel(), np.repeat(lattice.filled[:, None, None] * curl.transpose(1, 0, 2), 8, axis=0)

@@ -25,6 +25,7 @@ from .body import step_many as step_many
 from .carry import Binding as Binding
 from .carry import CBinding
 from .carry import carry as carry
+from .carry import carry_by_nodes as carry_by_nodes
 from .cells import CCells
 from .cells import farthest_first as farthest_first
 from .cells import follow_cells as follow_cells
@@ -34,7 +35,7 @@ from .first_use import check
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 26
+ABI = 27
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 BITS = {"native": 32, "native64": 64}  # of the state, by the name of a backend
 
@@ -49,6 +50,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p, c_int64),
     "dm_get_law": (c_void_p, c_int64, c_void_p, c_double, c_int64, c_void_p, c_void_p),
     "dm_carry": (POINTER(CBinding), c_void_p, c_void_p, c_void_p),
+    "dm_carry_by_nodes": (c_int64, c_int64, c_void_p, c_void_p, c_void_p, c_void_p),
     "dm_grow_cells": (POINTER(CCells), c_void_p, c_void_p),
     "dm_follow_cells": (POINTER(CCells), c_void_p, c_int64, c_void_p, c_void_p, c_void_p, c_void_p),
     "dm_scene_create": (

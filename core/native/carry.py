@@ -87,6 +87,19 @@ def carry(library: ctypes.CDLL, binding: Binding, positions: Floats) -> tuple[Si
     return skin, motions
 
 
+def carry_by_nodes(library: ctypes.CDLL, by: Ints, shares: Floats, values: Floats) -> Floats:
+    """Return what vertices (n, 3) have of values (m, 3) of the eight nodes (n, 8) that carry each, by shares (n, 8)."""
+    carried = np.empty((len(by), 3))
+    if by.shape != shares.shape or by.shape[1:] != (EIGHT,) or values.shape[1:] != (3,):
+        raise NativeError("an array has the wrong size")
+    with Arrays() as arrays:
+        given = arrays.index(by), arrays.double(shares), arrays.double(values), carried.ctypes.data
+        code = library.dm_carry_by_nodes(len(by), len(values), *given)
+    if code:
+        raise NativeError(library.dm_message(code).decode(), code)
+    return carried
+
+
 def _given(binding: Binding, positions: Floats, arrays: Arrays) -> CBinding:
     n, m, e, t = binding.vertices, len(binding.coarse_rest), len(binding.arms), len(binding.corners)
     eights, entries = -(-n // EIGHT), len(binding.followed)

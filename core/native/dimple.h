@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 26 /* changes with anything below */
+#define DM_ABI 27 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -208,6 +208,11 @@ typedef struct {
 
 /* Set the skin (vertices, 3) [m] of a proxy at positions (3, seeds) [m], and the motions (seeds, 12) that carry it. */
 DM_API int32_t dm_carry(const dm_binding *binding, const double *positions, float *motions, float *skin);
+
+/* Set what vertices (vertices, 3) have of values (nodes, 3) of the eight nodes (vertices, 8) that carry each, by shares
+ * (vertices, 8). */
+DM_API int32_t dm_carry_by_nodes(int64_t vertices, int64_t nodes, const int64_t *by, const double *shares,
+                                 const double *values, double *carried);
 
 /* Seeds on a fine surface, whose vertices have places in the space of position and normal. */
 typedef struct {

@@ -50,3 +50,17 @@ int32_t dm_find_motions(const dm_binding *b, const double *positions, float *mot
     free(x);
     return DM_OK;
 }
+
+int32_t dm_carry_by_nodes(int64_t vertices, int64_t nodes, const int64_t *by, const double *shares, const double *values,
+                          double *carried) {
+    if (vertices < 0 || vertices > DM_MAX_VERTICES || !by || !shares || !values || !carried) return DM_SIZE;
+    for (int64_t v = 0; v < vertices; v++) {
+        double sum[3] = {0};
+        for (const int64_t *node = by + 8 * v; node < by + 8 * v + 8; node++) {
+            if (*node < 0 || *node >= nodes) return DM_INDEX;
+            for (int c = 0; c < 3; c++) sum[c] += shares[node - by] * values[3 * *node + c];
+        }
+        memcpy(carried + 3 * v, sum, sizeof sum);
+    }
+    return DM_OK;
+}

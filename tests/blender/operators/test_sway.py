@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.blender.operators.test_rigs import walker
+from tests.blender.operators.test_rigs import bits, fingertip, skin, walker
 
 Shown = Callable[[Any], np.ndarray]
-Ball = Callable[..., Any]
+Ball = Add = Callable[..., Any]
 
 
 def jelly(obj: Any, **settings: Any) -> Any:
@@ -111,13 +111,40 @@ def curves(obj: Any) -> Any:
 
 
 def test_what_nothing_holds_does_not_sway_and_says_so(bpy: ModuleType, scene: Any, ball: Ball, sessions: Any) -> None:
+    from bl_ext.user_default.dimple.operators import sessions as running
+
     obj = jelly(ball(), pinned="NONE")
     bpy.context.view_layer.objects.active = obj
-    _, said = sessions.start(obj, bpy.context)
+    _, said = running.start(obj, bpy.context)
     assert any("nothing holds it" in each for each in said)
+    bpy.ops.dimple.reset()
 
 
-def test_the_flesh_of_a_walker_sways_and_plays_as_baked(
-    bpy: ModuleType, scene: Any, shown: Shown
+@pytest.mark.parametrize("touched", [False, True])
+def test_the_flesh_of_a_walker_sways_plays_as_baked_and_is_firm_where_its_weights_are(
+    bpy: ModuleType, sessions: Any, scene: Any, add: Add, shown: Shown, touched: bool
 ) -> None:
-    assert walker
+    obj = walker(bpy, add)
+    group = obj.vertex_groups.new(name="Bones")
+    for vertex in obj.data.vertices:  # the shin is firm, the thigh free
+        group.add([vertex.index], float(np.clip(2.0 - vertex.co.z, 0, 1)), "REPLACE")
+    jelly(obj, pinned="GROUP", pin_group="Bones", size_mm=400, sway_hz=4.0)
+    if touched:
+        place = skin(bpy, obj, 3 * 12)
+        fingertip(bpy, scene, {frame: place(frame, 0.15 * min(max(frame - 2, 0), 2) / 2) for frame in range(1, 13)})
+    scene.frame_set(1)
+    live, before = [], bits(obj)
+    for frame in range(1, 9):
+        bpy.ops.dimple.play(frames=1)
+        live.append((frame + 1, shown(obj), sessions.get(obj).rest.copy()))
+    bpy.ops.dimple.reset()
+    firm = np.array([vertex.co.z <= 1 for vertex in obj.data.vertices])
+    away = np.linalg.norm(live[-1][1] - live[-1][2], axis=1)
+    assert 0.02 < away[~firm].max() < 1.0, "the thigh sways"
+    assert touched or away[firm].max() < 1e-5, "the shin does not"
+    scene.frame_set(1)
+    bpy.ops.dimple.bake(frame_start=1, frame_end=9)
+    assert bits(obj) == before
+    for frame, seen, _ in live:
+        scene.frame_set(frame)
+        assert np.abs(shown(obj) - seen).max() < 1e-6, "what is seen differs by the rounding of an offset"

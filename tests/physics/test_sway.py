@@ -1,0 +1,164 @@
+"""A body sways as solids do: modes against closed forms, exact in time, and nothing grows."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from core.body.lattice import fill, weight
+from core.body.model import build_model
+from core.body.modes import modes_of
+from core.material import FINGERTIP, Material
+from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
+from core.session import Finger, Session
+from core.sway import Sway, young
+
+JELLY = Material(K1=300, K2=675, x0=0.01, k=500, density=1040, fill="solid", indenter=FINGERTIP)
+
+
+def ball(radius: float = 0.0825, subdivisions: int = 4) -> Mesh:
+    made = trimesh.creation.icosphere(subdivisions=subdivisions, radius=radius)
+    return mesh_from_triangles(made.vertices, made.faces)
+
+
+def box(*sides: float, cells: int = 12) -> Mesh:
+    made = trimesh.creation.box(sides).subdivide_to_size(max(sides) / cells)
+    return mesh_from_triangles(made.vertices, made.faces)
+
+
+def swaying(mesh: Mesh, held: Any, **options: Any) -> Sway:
+    modes = modes_of(mesh, mesh.rest_positions, held)
+    return Sway(mesh, held, modes, **{"frequency": 3.0, "density": 1040.0, "damping": 0.1, **options})
+
+
+def session(**options: Any) -> Session:
+    mesh = ball(subdivisions=3)
+    return Session(
+        build_model(
+            mesh, [JELLY], pinned=base_vertices(mesh), gravity=(0, 0, -9.81), **{"sway": (1.0, 3.0, 0.1), **options}
+        )
+    )
+
+
+@pytest.mark.parametrize("mesh", [ball(), box(0.12, 0.08, 0.06), trimesh.creation.torus(0.08, 0.03)])
+def test_a_lattice_weighs_what_the_body_weighs(mesh: Any) -> None:
+    mesh = mesh if isinstance(mesh, Mesh) else mesh_from_triangles(mesh.vertices, mesh.faces)
+    assert weight(fill(mesh, mesh.rest_positions)).sum() == pytest.approx(mesh.volume, rel=0.08)
+
+
+def test_a_bar_that_is_pinned_at_its_end_swings_as_a_beam_does() -> None:
+    """f = 1.875^2 / (2 pi L^2) sqrt(E I / (rho A)): Euler and Bernoulli; shear makes a bar of 1 to 7 some 2 % slower."""
+    mesh, side, length = box(0.03, 0.03, 0.2, cells=40), 0.03, 0.2
+    held = (mesh.rest_positions[:, 2] < mesh.rest_positions[:, 2].min() + 1e-6).astype(float)
+    rate = modes_of(mesh, mesh.rest_positions, held).rates[:2]
+    beam = 1.8751**2 / length**2 * math.sqrt(side**2 / 12)
+    assert rate == pytest.approx([beam, beam], rel=0.05)
+
+
+def test_a_free_body_has_no_mode_that_only_moves_it() -> None:
+    mesh = ball()
+    modes = modes_of(mesh, mesh.rest_positions, np.zeros(len(mesh.rest_positions)))
+    assert modes.rates[0] > 0.1 * modes.rates[-1]
+    momentum = np.einsum("m,kmc->kc", modes.volume, modes.shapes)
+    assert np.abs(momentum).max() < 1e-6 * math.sqrt(mesh.volume)
+
+
+@pytest.mark.parametrize("rate", [24, 60, 120, 7])
+def test_undamped_modes_keep_their_energy_at_any_rate(rate: int) -> None:
+    mesh = ball(subdivisions=3)
+    sway = swaying(mesh, base_vertices(mesh).astype(float), damping=0.0)
+    still = mesh.rest_positions
+    sway.advance(still, 0.1)
+    sway.advance(still + [0.01, 0.02, 0.03], 0.1)
+    sway.advance(still + [0.02, 0.04, 0.06], 0.1)
+    sway.advance(still + [0.02, 0.04, 0.06], 0.1)
+    sway.advance(still + [0.02, 0.04, 0.06], 0.1)
+    before = sway.energy
+    assert before > 1e-6
+    for _ in range(10 * rate):
+        sway.advance(still + [0.02, 0.04, 0.06], 1 / rate)
+    assert sway.energy == pytest.approx(before, rel=1e-6)
+
+
+def test_a_body_that_is_turned_on_its_side_sags_and_turned_back_is_as_it_was() -> None:
+    mesh = box(0.05, 0.05, 0.1, cells=16)
+    held = (mesh.rest_positions[:, 2] < mesh.rest_positions[:, 2].min() + 1e-6).astype(float)
+    sway = swaying(mesh, held, damping=1.0, gravity=(0, 0, -9.81), frequency=6.0)
+    turn, at = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0.0]]), mesh.rest_positions
+    for _ in range(120):
+        sway.advance(at @ turn.T, 1 / 30)
+    tip = np.abs(at[:, 2] - at[:, 2].max()) < 1e-6
+    sag = sway.displacement()[tip].mean(axis=0)
+    assert sag[2] == pytest.approx(-1.57 * 9.81 / (12 * math.pi) ** 2, rel=0.15)  # 1.57 for a beam's first mode alone
+    for _ in range(200):
+        sway.advance(at, 1 / 30)
+    assert np.abs(sway.displacement()).max() < 1e-4
+
+
+def test_a_rotation_is_followed_and_moves_nothing_by_itself() -> None:
+    mesh = ball(subdivisions=3)
+    sway = swaying(mesh, base_vertices(mesh).astype(float), damping=1.0)
+    for degree in range(0, 180, 3):
+        c, s = math.cos(math.radians(degree)), math.sin(math.radians(degree))
+        turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        sway.advance(mesh.rest_positions @ turn.T, 1 / 60)
+    assert np.abs(sway._turn - turn).max() < 0.01
+
+
+def test_large_sways_keep_the_volume() -> None:
+    mesh = ball()
+    sway = swaying(mesh, base_vertices(mesh).astype(float))
+
+    def volume(at: Any) -> float:
+        a, b, c = at[mesh.triangles].transpose(1, 0, 2)
+        return float((a * np.cross(b, c)).sum() / 6)
+
+    for frame in range(8):
+        sway.advance(mesh.rest_positions + [0.04 * min(frame / 4, 1), 0, 0], 1 / 24)
+    moved = sway.displacement()
+    assert np.abs(moved).max() > 0.01
+    assert volume(mesh.rest_positions + moved) == pytest.approx(volume(mesh.rest_positions), rel=0.005)
+
+
+def test_a_body_that_nothing_touches_is_not_stepped() -> None:
+    body = session()
+    at = body.model.mesh.rest_positions[body.model.mesh.source]
+    for frame in range(30):
+        led = at + [0.02 * min(frame / 4, 1), 0, 0]
+        body.set_pins(led)
+        body.set_rest(led)
+        body.step(1 / 60)
+    assert np.abs(body.positions() - led).max() > 0.002
+    assert np.allclose(body.body.positions().T, body.model.mesh.rest_positions, atol=1e-8), "the native body rests"
+
+
+def test_a_fingertip_pushes_the_body_aside_and_feels_the_law_at_the_depth_below_where_it_is() -> None:
+    body, still = session(), session(sway=None)
+    for frame in range(60):
+        tip = Finger((0.0825 + 0.01 - 0.015 * min(frame / 20, 1), 0, 0), 0.010)
+        for each in (body, still):
+            each.set_fingers([tip])
+            each.step(1 / 60)
+    depth, force = body.frame.depths[0], body.frame.pushes[0]
+    assert depth < 0.9 * still.frame.depths[0], "it gives way as a whole"
+    assert force == pytest.approx(JELLY.law(float(depth)), rel=0.01)
+    for frame in range(300):
+        body.set_fingers([None])
+        body.step(1 / 60)
+    assert np.abs(body.positions() - body.model.mesh.rest_positions[body.model.mesh.source]).max() < 1e-4
+
+
+@pytest.mark.parametrize("seconds", [1 / 24, 1 / 60, 1 / 120, 0.001])
+def test_pushed_by_a_fingertip_nothing_grows(seconds: float) -> None:
+    body, largest = session(sway=(1.0, 3.0, 0.0)), []
+    for _ in range(int(2 / seconds)):
+        body.set_fingers([Finger((0.0, 0.0, 0.0825 + 0.004), 0.010)])
+        body.step(seconds)
+        largest.append(body.frame.depths[0])
+    assert max(largest[len(largest) // 2 :]) <= 1.05 * max(largest[: len(largest) // 2])
+
+
+def test_young_is_that_of_hertz() -> None:
+    assert young(JELLY) == pytest.approx(0.75**2 * JELLY.law(0.01) / (0.1 * 0.01**1.5))
