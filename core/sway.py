@@ -127,6 +127,11 @@ class Sway:
         pull = np.einsum("mji,mj->mi", self._turn, self._gravity - (speed - before) / seconds) - self._modelled
         self._swing(self._loads @ pull.ravel(), seconds, pushes)
 
+    def sag(self, pull: Floats) -> Floats:
+        """Return how far (n, 3) each vertex sags in the end under an acceleration (3,), small as it may be [m]."""
+        load = self._loads @ np.tile(pull, len(self.modes.volume))
+        return self._carried(((load / self._rates**2) @ self._flat).reshape(-1, 3))
+
     def displacement(self) -> Floats:
         """Return how far (n, 3) each vertex is from where it is led [m]."""
         return self.amount * self._carried(self.node_displacement())

@@ -19,6 +19,7 @@ COMMANDS = {
     "emulator": ("run an emulated haptic device, with faults on demand", ".emulator", "add_emulator"),
     "grasp": ("lift a cube with three emulated fingertips and put it down", ".grasp", "add_grasp"),
     "solid": ("press solids by finite elements, to compare bodies with", ".solid_report", "add_solid"),
+    "modes": ("compare how bodies sway and sag with finite elements", ".modes", "add_modes"),
     "release": ("press a hundred meshes, let go, and see what comes back", ".release_report", "add_release"),
     "dents": ("draw settled dents, measure how smooth they are and how they converge", ".dents", "add_dents"),
     "experiment": ("simulate or analyse the sensory comparison of chapter 5", ".experiment", "add_experiment"),

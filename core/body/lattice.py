@@ -1,4 +1,4 @@
-"""A coarse lattice of nearly cubic cells that fills a body: what its solid weighs and how stiffly it resists, cell by cell.
+"""A coarse lattice of nearly cubic cells that fills a body: the weight and the stiffness of a solid of that shape.
 
 A cell counts by the share of it that is inside. Sources: Hughes 1980 (mean dilatation, so that a nearly incompressible
 cell does not lock); the finite cell method (Parvizian, Duester and Rank 2007) for cells that are partly filled.

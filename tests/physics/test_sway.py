@@ -49,7 +49,7 @@ def test_a_lattice_weighs_what_the_body_weighs(mesh: Any) -> None:
 
 
 def test_a_bar_that_is_pinned_at_its_end_swings_as_a_beam_does() -> None:
-    """f = 1.875^2 / (2 pi L^2) sqrt(E I / (rho A)): Euler and Bernoulli; shear makes a bar of 1 to 7 some 2 % slower."""
+    """f = 1.875^2 / (2 pi L^2) sqrt(E I / (rho A)): Euler and Bernoulli; shear takes some 2 %."""
     mesh, side, length = box(0.03, 0.03, 0.2, cells=40), 0.03, 0.2
     held = (mesh.rest_positions[:, 2] < mesh.rest_positions[:, 2].min() + 1e-6).astype(float)
     rate = modes_of(mesh, mesh.rest_positions, held).rates[:2]
@@ -144,7 +144,7 @@ def test_a_fingertip_pushes_the_body_aside_and_feels_the_law_at_the_depth_below_
     depth, force = body.frame.depths[0], body.frame.pushes[0]
     assert depth < 0.9 * still.frame.depths[0], "it gives way as a whole"
     assert force == pytest.approx(JELLY.law(float(depth)), rel=0.01)
-    for frame in range(300):
+    for _ in range(300):
         body.set_fingers([None])
         body.step(1 / 60)
     assert np.abs(body.positions() - body.model.mesh.rest_positions[body.model.mesh.source]).max() < 1e-4
