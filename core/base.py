@@ -17,12 +17,6 @@ Singles = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
-AIR_PRESSURE = 101_325.0  # [Pa] outside every body
-AIR_EXPONENT = 1.4  # adiabatic: a press is over before heat flows
-# [Pa] a thousandth of real water: a fingertip's few kPa still change the volume by well under 0.5 %, and the pressure
-# wave needs no shorter time steps than the membrane does (tests/physics/test_volume.py)
-LIQUID_BULK_MODULUS = 2e6
-
 FARTHEST = 1e9  # [m] beyond this a coordinate is taken for a mistake
 WELD_SHARE = 1e-6  # of the bounding box: vertices nearer than this are merged
 LEAST_VOLUME = 1e-6  # of size x area: a closed mesh with less encloses no volume
@@ -34,7 +28,6 @@ STEP_SAFETY = 0.9  # of the stability bound: springs stiffen a little as they tu
 LONGEST_STEP = 1.35  # over omega: an undamped body stiffens as it folds, and at 1.5 its energy grows
 LONGEST_CONTACT = 1.25e-4  # [s] contact is resolved once a step: with longer ones a free body that is held rocks on
 MAX_SUBSTEPS = 2000  # of a tick: with more, a body could not run live
-FINGER_TRAVEL = 0.25  # of its radius: the most a fingertip may move in a tick, or it would skip over the skin
 ROWS = 1 << 15  # of an array at a time: what is worked out of them stays in the cache
 
 

@@ -9,9 +9,10 @@ from typing import Protocol, TypeVar
 
 from . import native
 from .base import DimpleError
+from .constants import MAX_STEPS
 from .frame import Frame
 from .solver import motion
-from .solver.motion import MAX_STEPS, Motion
+from .solver.motion import Motion
 
 TICKS_AT_ONCE = 8  # ticks of 1 ms between looks at the wall clock: half a frame at 60 Hz
 

@@ -11,11 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
+from .constants import MAX_FINGERTIPS
 from .poke_tip import Aim, PokeTip, leaving, led, stepped, unit
 from .session import Finger
 from .vectors import Vector, along, dot, length, scaled
 
-FINGERS = 3
 STEEP = 3.0  # times farther along the view than across it: no surface that the pointer goes along, but an edge of it
 OPPOSITE = -0.2  # cosine of the angle between two normals from which on two fingertips pinch
 
@@ -91,7 +91,7 @@ class PokeState:
     release_s: float = 0.25
     along_normal: bool = True
     active: int = 0
-    tips: tuple[PokeTip | None, ...] = (None,) * FINGERS
+    tips: tuple[PokeTip | None, ...] = (None,) * MAX_FINGERTIPS
     pressing: bool = False
     paused: bool = False
 
@@ -207,7 +207,7 @@ def _release(state: PokeState) -> PokeState:
 
 def _choose(state: PokeState, chosen: int) -> PokeState:
     """Choose a finger. One that presses stays, so that a pinch can be set up; chosen again it leaves."""
-    if not 0 <= chosen < FINGERS:
+    if not 0 <= chosen < MAX_FINGERTIPS:
         return state
     if chosen == state.active:
         tip = state.tips[chosen]

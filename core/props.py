@@ -17,10 +17,11 @@ from dataclasses import replace
 import numpy as np
 
 from .base import Floats
+from .constants import OFFSET
 from .session import Session
 from .solver import motion, rigid
 from .solver.rigid import RigidShape
-from .solver.scene import OFFSET, Collider, Fall, Falling, Way
+from .solver.scene import Collider, Fall, Falling, Way
 from .world import World
 
 LEAST_SHARE = 0.1  # of the lightest body's mass: what a prop has at least when it moves

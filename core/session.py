@@ -15,6 +15,7 @@ from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
 from .clock import Clock, step_all
+from .constants import MAX_FINGERTIPS, MAX_STEPS
 from .fingertip import NOWHERE, FingerOnItsWay, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
@@ -24,9 +25,7 @@ from .pins import Pins
 from .reduction.proxy import Proxy
 from .skin import Skin
 from .solver import motion
-from .solver.motion import MAX_STEPS, Motion
-
-MAX_FINGERS = 3
+from .solver.motion import Motion
 
 
 class Session:
@@ -74,8 +73,8 @@ class Session:
         Raises:
             DimpleError: too many fingertips, a radius that is not positive, or a position that is not a number.
         """
-        if len(fingers) > MAX_FINGERS:
-            raise DimpleError(f"There are at most {MAX_FINGERS} fingertips.")
+        if len(fingers) > MAX_FINGERTIPS:
+            raise DimpleError(f"There are at most {MAX_FINGERTIPS} fingertips.")
         for finger in fingers:
             if finger and not is_possible(finger):
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")

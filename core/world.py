@@ -13,9 +13,9 @@ import numpy as np
 from . import native
 from .base import DimpleError, Floats
 from .clock import step_all
+from .constants import MAX_STEPS
 from .session import Session
 from .solver import motion
-from .solver.motion import MAX_STEPS
 from .solver.scene import Collider as Collider
 from .solver.scene import ColliderMotion, Crossings, SceneFrame, Way
 

@@ -10,7 +10,8 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.clock import step_all
-from ..core.session import MAX_FINGERS, Finger
+from ..core.constants import MAX_FINGERTIPS
+from ..core.session import Finger
 from ..core.steps import Parts, at_once
 from . import (
     bridge,
@@ -252,7 +253,7 @@ def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:
 
 def merged(fingers: Sequence[Finger | None], pressed: Sequence[Finger | None]) -> tuple[Finger | None, ...]:
     """Return the fingertips of a session: those of a poke, where there are any, else the device's or the objects."""
-    first, second = ([*some, *([None] * MAX_FINGERS)][:MAX_FINGERS] for some in (pressed, fingers))
+    first, second = ([*some, *([None] * MAX_FINGERTIPS)][:MAX_FINGERTIPS] for some in (pressed, fingers))
     return tuple(poked or finger for poked, finger in zip(first, second, strict=True))
 
 

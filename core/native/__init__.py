@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ..body.model import Model
+from ..constants import ABI
 from ..errors import DimpleError
 from .body import AVX2 as AVX2
 from .body import BASE as BASE
@@ -34,7 +35,6 @@ from .first_use import check
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 26
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 BITS = {"native": 32, "native64": 64}  # of the state, by the name of a backend
 
@@ -64,7 +64,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_scene_find_crossings": (c_void_p, POINTER(CCrossings)),
     "dm_scene_set_collider": (c_void_p, c_int64, c_void_p),
     "dm_scene_get_collider": (c_void_p, c_int64, c_void_p),
-    "dm_scene_step": (c_void_p, c_void_p, c_void_p, c_double, c_double, c_void_p, c_void_p),
+    "dm_scene_step": (c_void_p, c_void_p, c_void_p, c_double, c_double, c_void_p, c_void_p, c_void_p),
 }
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from ..base import Floats
 from ..solver.motion import Motion
 from ..solver.rigid import RigidState
-from ..solver.scene import MAX_IMPULSES, Collider, Crossings, Fall, SceneFrame, Way
+from ..solver.scene import Collider, Crossings, Fall, SceneFrame, Way
 from .body import Body, CFrame, CMotion, NativeError
 from .definition import Arrays, fields
 
@@ -42,11 +42,9 @@ class CColliderMotion(Structure):
 class CSceneFrame(Structure):
     """What a call came to: dm_scene_frame."""
 
-    _fields_ = [
-        *fields(ticks="n", queries="n", pairs="n", touching="n", truncated="n", taken="d", held_back="d", gap="d"),
-        ("impulse", c_double * 3 * MAX_IMPULSES),
-        ("moment", c_double * 3 * MAX_IMPULSES),
-    ]
+    _fields_ = fields(
+        ticks="n", queries="n", pairs="n", touching="n", truncated="n", taken="d", held_back="d", gap="d"
+    )
 
 
 class CCrossings(Structure):
@@ -96,11 +94,8 @@ class Scene:
         self._motions = (CMotion * len(bodies))()
         self._ways = (CColliderMotion * max(len(colliders), 1))()
         self._props = (CProp * max(len(colliders), 1))()
-        self._frames, self._memory = (CFrame * len(bodies))(), bytearray(ctypes.sizeof(CSceneFrame))
-        self._out = CSceneFrame.from_buffer(self._memory)
-        # far faster to read than the structure: impulses, then moments
-        passed = np.frombuffer(self._memory, np.float64, 6 * MAX_IMPULSES, CSceneFrame.impulse.offset)
-        self._passed = passed.reshape(2, MAX_IMPULSES, 3)[:, : len(bodies) + len(self._shapes)]
+        self._frames, self._out = (CFrame * len(bodies))(), CSceneFrame()
+        self._passed = np.zeros((len(bodies) + len(colliders), 2, 3))
 
     def step(
         self, motions: Sequence[Motion], ways: Sequence[Way], first: float, last: float
@@ -126,15 +121,16 @@ class Scene:
                         raise NativeError(f"a collider must have the shape {shape}")
                     to.from_, to.to = arrays.double(way.start), arrays.double(way.end)
             self._call(
-                "dm_scene_step", self._handle, self._motions, self._ways, first, last, self._frames, byref(self._out)
-            )
+                "dm_scene_step", self._handle, self._motions, self._ways, first, last, self._frames, byref(self._out),
+                self._passed.ctypes.data,
+            )  # fmt: skip
         del kept
         for way, prop in zip(ways, self._props, strict=False):
             if isinstance(way, Fall):
                 _unpack(_rows_of(prop), way.state)
         out = self._out
         frames = [b.unpack(m, f) for b, m, f in zip(self.bodies, motions, self._frames, strict=True)]
-        impulses, moments = self._passed.copy()
+        impulses, moments = self._passed.transpose(1, 0, 2).copy()
         return SceneFrame(
             tuple(frames), out.ticks, out.queries, out.pairs, out.touching, out.truncated, out.taken, out.held_back,
             out.gap, impulses, moments,

@@ -1,7 +1,7 @@
 /* The surface at rest, below which fingertips are measured: its facets, and which of them are near a point. */
 #include "body.h"
 
-enum { DM_FACET_BLOCK = 16 }; /* facets that share a bounding box, and boxes that share one */
+#define DM_FACET_BLOCK DM_BLOCK
 
 static double dm_apart(const double *from, const double *to) {
     double way[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import Floats, Ints
+from ..constants import OFFSET
 from ..mesh.nearest import weights_on_face
 from ..mesh.surface import Mesh
-from ..solver.scene import OFFSET
 
 LOOKED = 20_000  # vertices of a finer mesh that are looked at
 CLEAR = 90.0  # percent of a mesh that keep at least its own distance

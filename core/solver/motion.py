@@ -8,8 +8,6 @@ from ..base import Floats
 
 Vector = tuple[float, float, float]
 
-MAX_STEPS = 1_000_000  # in one call
-
 
 class FingertipMotion(NamedTuple):
     """Where one fingertip goes: straight from start to first in the first tick, then evenly to last.

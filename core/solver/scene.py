@@ -10,9 +10,6 @@ from ..base import Floats, Ints
 from .motion import Frame
 from .rigid import RigidShape, RigidState
 
-OFFSET = 0.05  # of the mean edge: each of two surfaces holds this distance
-MAX_IMPULSES = 64  # surfaces of which a frame says what they got
-
 
 class Falling(NamedTuple):
     """A rigid body that a collider is, which falls.
@@ -78,7 +75,7 @@ class SceneFrame(NamedTuple):
     taken: momentum that this took [N s].
     held_back: the farthest that a collider was behind its way [m].
     gap: the least distance at a query [m], infinite where nothing was near.
-    impulses: that each surface got from others [N s], (k, 3): bodies, then colliders; the first MAX_IMPULSES of them.
+    impulses: that each surface got from others [N s], (k, 3): bodies, then colliders.
     moments: of those about the origin [N m s], (k, 3).
     """
 

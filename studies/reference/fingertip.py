@@ -16,9 +16,9 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 from core.body.shape_matching import Pose
+from core.constants import FACTORS
 from core.material import law_force
 from core.mesh.surface import Mesh
-from core.other_tip import COUNT as FACTORS
 from core.solver.motion import FingertipMotion
 
 from .facets import nearest_on_triangles

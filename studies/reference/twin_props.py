@@ -10,11 +10,10 @@ from core.base import Floats, Ints
 from core.solver.scene import Collider, ColliderMotion, Fall, Way
 
 from .bounds import Bounds, is_allowed
+from .constants import HALVINGS
 from .falling import NOBODY, Prop, Support, ground_supports, resolve_supports
 from .proximity import Surfaces
 from .touching import Meetings
-
-HALVINGS = 8  # of the way of a prop that is held back
 
 
 class Props:

@@ -188,7 +188,8 @@ class Scenes:
                 self.fuzzer.fill(prop, 1)
                 way.prop = ctypes.addressof(prop)
         frames, first, last = (CFrame * len(bodies))(), *rng.uniform(0, 1, 2).tolist()
-        code = int(library.dm_scene_step(handle, motions, ways, first, last, frames, address(CSceneFrame())))
+        out, passed = address(CSceneFrame()), self.fuzzer.array("passed", 8)
+        code = int(library.dm_scene_step(handle, motions, ways, first, last, frames, out, passed))
         for frame in frames:
             check(frame)
         return code

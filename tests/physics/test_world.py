@@ -12,11 +12,11 @@ from scipy.spatial.transform import Rotation
 import core.clock
 from core.base import DimpleError
 from core.body.model import build_model
+from core.constants import OFFSET
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from core.solver.motion import Frame
-from core.solver.scene import OFFSET
 from core.world import Collider, World
 from studies.reference.proximity import find_pairs, join_surfaces
 from studies.scenes import cube

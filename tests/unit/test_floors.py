@@ -37,6 +37,7 @@ FLOORS = {
     "core.body": 1,
     "core.mesh": 1,
     "core.base": 0,
+    "core.constants": 0,
     "core.errors": 0,
     "core.steps": 0,
     "core.vectors": 0,
