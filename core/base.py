@@ -17,10 +17,10 @@ Singles = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
-FARTHEST = 1e9  # [m] beyond this a coordinate is taken for a mistake
-WELD_SHARE = 1e-6  # of the bounding box: vertices nearer than this are merged
-LEAST_VOLUME = 1e-6  # of size x area: a closed mesh with less encloses no volume
-LEAST_VOLUME_OPEN = 1e-2  # the same of an open mesh: a crumpled sheet encloses none, a hemisphere has 0.17
+LARGEST = 1e9  # in any SI unit: what is larger is taken for a mistake, and its cube overflows single precision
+EXACT = 1e-9  # of what is summed: a million units in the last place of double precision
+TINY = 1e-30  # keeps a quotient finite: its square is still a number
+LEAST_VOLUME_OPEN = 1e-2  # of size x area, in an open mesh: a crumpled sheet encloses none, a hemisphere has 0.17
 MASS_FLOOR = 1e-2  # of the mean: no vertex is lighter
 STIFFEST = 4.0  # of the median stiffness over mass: the vertex of a sliver above it is made heavier
 TICK = 1e-3  # [s] control step: the 1 kHz of haptics; makes motion independent of the frame rate

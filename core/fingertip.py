@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 from .base import Floats
 from .solver.motion import FingertipMotion, Touch, Vector
+from .vectors import ZERO
 
-NOWHERE = (0.0, 0.0, 0.0)
 Factors = tuple[Floats, float] | None
 
 
@@ -48,7 +48,7 @@ class FingerOnItsWay:
     origin: Vector
     here: Vector
     fresh: bool = True
-    impulse: Vector = NOWHERE
+    impulse: Vector = ZERO
 
     def motion(self, first: float, last: float, factors: Factors = None) -> FingertipMotion:
         """Return the motion of some ticks, as shares of the way that are over at the end of the first and the last.

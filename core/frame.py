@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .base import Floats
-from .fingertip import NOWHERE
 from .mesh.surface import Mesh
 from .solver.motion import Touch, Vector
-from .vectors import dot
+from .vectors import ZERO, dot
 
 
 class Frame(NamedTuple):
@@ -50,7 +49,7 @@ class Frame(NamedTuple):
     @property
     def finger_forces(self) -> Floats:
         """Return the forces (k, 3) on the fingertips [N]: of the measured law at their depths, and of friction."""
-        return np.array([touch.force if touch else NOWHERE for touch in self.touches]).reshape(-1, 3)
+        return np.array([touch.force if touch else ZERO for touch in self.touches]).reshape(-1, 3)
 
     @property
     def pushes(self) -> Floats:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .base import DimpleError
+from .base import LARGEST, DimpleError
 
-_LARGEST = 1e12  # in any unit: beyond it sums overflow
 _PER_UNIT = {"N/mm": 1e-3, "mm": 1e3, "kPa": 1e-3}  # of each in an SI unit
 FILLS = ("air", "liquid", "solid", "none")
 KEEP_VOLUME = ("liquid", "solid")  # of them
@@ -157,7 +156,7 @@ class Preset:
 def _require(holds: bool, rule: str, value: float | str, unit: str = "") -> None:
     """Raise where a rule does not hold, with the value (in SI units) in the unit that it is typed in."""
     given = value if isinstance(value, str) else f"{value * _PER_UNIT.get(unit, 1):.6g} {unit}".rstrip()
-    if not isinstance(value, str) and abs(value) > _LARGEST:
+    if not isinstance(value, str) and abs(value) > LARGEST:
         name = rule.partition(" must")[0]
         raise DimpleError(f"{name} is out of range (it is {given}). Change it in Material > Dimple.")
     if not holds:

@@ -16,13 +16,12 @@ from dataclasses import replace
 import numpy as np
 
 from .base import Floats
-from .body.estimate import bed_area, reach, spread_on
+from .body.estimate import TURNS, bed_area, reach, spread_on
 from .constants import FACTORS
 from .material import FINGERTIP, Indenter, Material
 
 FORCE = 5.0  # [N] of the fingertip that softness is told by: that of a firm press with a finger
 BODY = 0.1  # [m] the size of what it presses, on which only a spread that is not typed and a point depend
-TURNS = 4  # of scaling: a spread that is not typed moves a little with the stiffness
 FARTHEST = 4.0  # radii, and times x0: the deepest of them
 
 
@@ -55,7 +54,7 @@ def softness(material: Material) -> float:
 
 def as_soft(material: Material, depth: float) -> Material:
     """Return a material with K1 and K2 scaled so that a fingertip of 10 mm sinks in to a depth [m] with 5 N."""
-    for _ in range(TURNS):
+    for _ in range(TURNS):  # a spread that is not typed moves a little with the stiffness
         scale = FORCE / _fingertip(material)(depth)
         material = replace(material, K1=scale * material.K1, K2=scale * material.K2)
     return material

@@ -10,12 +10,12 @@ import itertools
 import math
 from dataclasses import dataclass, replace
 
+from .base import TICK
+from .constants import TRAVEL
 from .session import Finger
 from .vectors import Vector, along, length, scaled
 
 SLIDE_S = 0.04  # [s] a dragged fingertip lags this much: no jump tears at the skin
-PART = 0.25  # of its radius: it goes farther on a bent surface in parts
-MOST_PARTS = 32  # of one step
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,14 +82,14 @@ def leaving(tip: PokeTip) -> PokeTip:
 def led(tip: PokeTip, goal: Aim) -> PokeTip:
     """Return a fingertip that a drag leads elsewhere, over what it was led to before."""
     last = tip.way[-1] if tip.way else tip.aim
-    far = length(along(tip.goal.at, last.at, -1.0)) > PART * tip.radius
+    far = length(along(tip.goal.at, last.at, -1.0)) > TRAVEL * tip.radius
     return replace(tip, way=(*tip.way, tip.goal) if far else tip.way, goal=goal)
 
 
 def stepped(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s: float) -> PokeTip | None:
     """Return a fingertip a step dt [s] later, and where it was on its way; see `moved`."""
     far = _share(dt) * sum(length(along(b, a, -1.0)) for a, b in itertools.pairwise(_places(tip)))
-    parts = max(1, min(MOST_PARTS, math.ceil(far / (PART * tip.radius))))
+    parts = max(1, min(round(dt / TICK), math.ceil(far / (TRAVEL * tip.radius))))
     via, now, anew = [], tip, tip.reached == 0
     for _ in range(parts):
         part = moved(now, dt / parts, amount=amount, press_s=press_s, release_s=release_s)

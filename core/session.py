@@ -16,8 +16,8 @@ from .body.model import Model
 from .body.moved_rest import with_rest
 from .clock import Clock, step_all
 from .constants import MAX_FINGERTIPS, MAX_STEPS
-from .fingertip import NOWHERE, FingerOnItsWay, is_possible, sent
 from .fingertip import Finger as Finger
+from .fingertip import FingerOnItsWay, is_possible, sent
 from .frame import Frame as Frame
 from .native import Body, create
 from .other_tip import factors
@@ -26,6 +26,7 @@ from .reduction.proxy import Proxy
 from .skin import Skin
 from .solver import motion
 from .solver.motion import Motion
+from .vectors import ZERO
 
 
 class Session:
@@ -135,7 +136,7 @@ class Session:
         self.most = MAX_STEPS // self.substeps - 1
         for tip in self._tips:
             if tip:
-                tip.impulse = NOWHERE
+                tip.impulse = ZERO
                 if tip.target.via:  # it turns at each of them
                     self.most = max(1, min(self.most, self.clock.due // (len(tip.target.via) + 1)))
 
@@ -188,7 +189,7 @@ class Session:
             self._move_origins(self.clock.stop(early=early))
         impulses, seconds = self.frame.impulses, self.frame.seconds  # as before where no tick was due
         if self._done or len(impulses) != len(self._tips):
-            impulses = tuple([tip.impulse if tip else NOWHERE for tip in self._tips])
+            impulses = tuple([tip.impulse if tip else ZERO for tip in self._tips])
             seconds = max(self._done, 1) * self.clock.tick
         self.frame = self._show(impulses, seconds)
         return self.frame

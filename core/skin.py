@@ -11,14 +11,13 @@ import numpy as np
 
 from .base import Bools, Floats, Ints, Singles
 from .body.model import Model
+from .constants import ROUNDING
 from .fingertip import Finger
 from .mesh.surface import input_vertices
 from .native import Body
 from .pins import Pins
 from .reduction.binding import blend, carry
 from .reduction.proxy import Proxy
-
-NO_WAY = 1e-3  # of the radius: so near to the centre there is no way out
 
 
 class Skin:
@@ -86,7 +85,7 @@ def _way_out(offset: Floats | Singles, radius: float) -> Floats:
     """
     apart = np.sqrt((offset**2).sum(axis=1))
     mean = (radius - apart) @ offset
-    way = offset + radius / max(float(np.linalg.norm(mean)), NO_WAY * radius**2) * mean
-    way /= np.maximum(np.sqrt((way**2).sum(axis=1)), NO_WAY * radius)[:, None]
+    way = offset + radius / max(float(np.linalg.norm(mean)), ROUNDING * radius**2) * mean
+    way /= np.maximum(np.sqrt((way**2).sum(axis=1)), ROUNDING * radius)[:, None]
     along = (offset * way).sum(axis=1)
     return np.asarray((np.sqrt(along**2 + radius**2 - apart**2) - along)[:, None] * way)

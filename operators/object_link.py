@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 import numpy.typing as npt
 
-from ..core.base import FARTHEST, DimpleError
+from ..core.base import LARGEST, DimpleError
 
 PART = 16384  # vertices
 Floats = npt.NDArray[np.float64]
@@ -97,7 +97,7 @@ def scale_of_body(scene: bpy.types.Scene, body: bpy.types.Object, rest: Singles,
     largest = float((np.array([np.ptp(along) for along in rest.T]) * axes).max())  # axis by axis is far faster
     if largest <= 0:
         raise DimpleError(f'"{name}": all vertices lie in one point. Give the mesh a size.')
-    if size is not None and not size <= FARTHEST:
+    if size is not None and not size <= LARGEST:
         raise DimpleError(f'"{name}": a Custom Size of {1e3 * size:.3g} mm is too large. Lower it in Physics > Dimple.')
     return float(scene.unit_settings.scale_length) if size is None else size / largest
 

@@ -18,7 +18,7 @@ from ..constants import MAX_BODIES, MAX_FINGERTIPS
 from ..solver.motion import Frame, Motion, PinMotion, Touch
 from .definition import Arrays, constants, define, fields
 
-BEST, BASE, AVX2 = 0, 1, 2  # instruction sets
+BEST, BASE, AVX2 = range(3)  # instruction sets
 WORKERS = min(os.cpu_count() or 1, MAX_BODIES)  # threads; the library takes no more
 
 

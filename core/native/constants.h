@@ -15,6 +15,7 @@
 #define DM_AIR_EXPONENT 1.4          /* of air, adiabatic: a press is over before heat flows */
 #define DM_LIQUID_BULK_MODULUS 2e6   /* [Pa] a thousandth of water's: kPa change the volume by under 0.5 %, in no shorter steps */
 #define DM_OFFSET 0.05         /* of the mean edge: each of two surfaces holds this distance, and a query finds what is near in some multiples of it */
+#define DM_ROUNDING 1e-6       /* of a size: ten units in the last place of single precision */
 #define DM_TRAVEL 0.25         /* of a fingertip's radius, in a tick: farther, it could skip over the skin */
 
 /* Memory. */
@@ -25,7 +26,6 @@
 
 /* Rounding of single precision. */
 #define DM_TINY ((dm_real)1e-30) /* keeps a quotient finite: its square is still a number */
-#define DM_ROUNDING 1e-6         /* of a size: ten units in the last place */
 #define DM_TOO_NEAR 1e-5         /* of a size: nearer to a point, the direction away from it is rounding */
 #define DM_PUSH_FLOOR 1e-8       /* of the radius: an impulse that moves its point less far in a substep is rounding */
 

@@ -13,7 +13,7 @@ from ..mesh.surface import Mesh
 from ..native.carry import Binding, Shorts, in_rows
 from .cells import vertex_normals
 
-WHOLE = 65535  # what the weights of a vertex add up to
+WHOLE = int(np.iinfo(np.uint16).max)  # what the weights of a vertex add up to
 _Values = TypeVar("_Values", Floats, Singles)
 
 

@@ -11,10 +11,9 @@ import math
 
 import numpy as np
 
-from ..base import Floats, Ints
+from ..base import EXACT, Floats, Ints
 
 FLAT = 0.5  # cosine: the two new triangles must face nearly as the old ones did
-ROUNDING = 1e-9  # of a cotangent
 MOST_LOOKS = 20  # at an edge, on average
 Point = tuple[float, float, float]
 
@@ -78,14 +77,14 @@ def _blunt(points: Floats, triangles: Ints) -> list[int]:
     area = np.linalg.norm(np.cross(p, q), axis=1)
     edge, where = np.unique(np.minimum(i, j) * len(points) + np.maximum(i, j), return_inverse=True)
     cotangents = np.bincount(where, (p * q).sum(axis=1) / np.maximum(area, 1e-30))
-    blunt: list[int] = edge[cotangents < -ROUNDING].tolist()
+    blunt: list[int] = edge[cotangents < -EXACT].tolist()
     return blunt
 
 
 def _is_better(i: Point, j: Point, k: Point, m: Point) -> bool:
     """Tell whether triangles k i m and m j k are better than i j k and j i m: less blunt, and as flat."""
     near, far = _normal(i, j, k), _normal(j, i, m)
-    if _cotangent(k, i, j, near) + _cotangent(m, i, j, far) >= -ROUNDING:
+    if _cotangent(k, i, j, near) + _cotangent(m, i, j, far) >= -EXACT:
         return False
     old = near[0] + far[0], near[1] + far[1], near[2] + far[2]
     new = _normal(k, i, m), _normal(m, j, k)

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import DimpleError, Floats, Ints
-
-THIN = 1e-6  # of size times area: a mesh that encloses less is a shell
+from ..constants import ROUNDING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +65,7 @@ def rigid_shape(positions: Floats, triangles: Ints, mass: float) -> RigidShape:
     size = float(np.ptp(x, axis=0).max())
     if not areas.sum() > (1e-6 * size) ** 2:
         raise DimpleError("The prop has no faces with an area, so it cannot touch anything.")
-    shell = abs(volumes.sum()) < THIN * size * areas.sum()
+    shell = abs(volumes.sum()) < ROUNDING * size * areas.sum()
     # second moments over a tetrahedron with a corner at the origin, and over a triangle
     weight, first, second = (areas, 3.0, 12.0) if shell else (volumes, 4.0, 20.0)
     weight = weight / weight.sum()

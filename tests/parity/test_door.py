@@ -303,7 +303,7 @@ def unloaded(monkeypatch: pytest.MonkeyPatch) -> None:
         (native, "places", lambda: [HERE / "nothing"], "no compiled core for"),
         (native, "places", lambda: [Path(__file__)], "was refused"),  # no library at all
         (native, "ABI", 999, rf"was refused \(it has version {native.ABI}, not 999\)"),
-        (first_use, "AGREEMENT", 1e-12, r"was refused \(its check is off by"),
+        (first_use, "ROUNDING", 1e-12, r"was refused \(its check is off by"),
     ],
     ids=["missing", "broken", "another version", "wrong at its first use"],
 )
