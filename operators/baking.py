@@ -17,9 +17,9 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
-from ..core.clock import step_all
 from ..core.recording import PointCache
 from ..core.session import Session
+from ..core.session.clock import step_all
 from ..core.steps import Parts, as_share, beside
 from . import (
     bridge,

@@ -87,7 +87,7 @@ def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
     Raises:
         DimpleError: one is gone, or has other vertices.
     """
-    from ..core.props import PropWorld
+    from ..core.world.props import PropWorld
 
     graph = context.evaluated_depsgraph_get()
     if isinstance(live.world, PropWorld):
@@ -150,8 +150,8 @@ def _make(
     colliders: Sequence[bpy.types.Object],
     itself: Sequence[bool],
 ) -> LiveWorld:
-    from ..core.props import PropWorld
     from ..core.world import Collider, World, drop_proxies
+    from ..core.world.props import PropWorld
 
     graph, made = context.evaluated_depsgraph_get(), []
     for obj in colliders:

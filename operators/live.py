@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ..core.base import DimpleError
-from ..core.clock import step_all
 from ..core.constants import MAX_FINGERTIPS
 from ..core.session import Finger
+from ..core.session.clock import step_all
 from ..core.steps import Parts, at_once
 from . import (
     bridge,

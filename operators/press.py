@@ -10,7 +10,8 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ..core.base import DimpleError
-from ..core.poke import Hit, Kind, PokeEvent, PokeState, Vector, along, fingers, on_event
+from ..core.poke import Hit, Kind, PokeEvent, PokeState, fingers, on_event
+from ..core.vectors import Vector, along
 from . import bridge, live, pointer, polls, record, sessions
 from .messages import report, say
 from .sessions import LiveBody

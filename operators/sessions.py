@@ -20,9 +20,9 @@ from .modal_runs import close_run, runs
 if TYPE_CHECKING:
     import numpy as np
 
+    from ..core.poke.stroke import Hand
     from ..core.session import Finger, Frame, Session
     from ..core.steps import Parts
-    from ..core.stroke import Hand
     from .bridge import ObjectLink, Singles
     from .contact import LiveWorld
     from .planning import Around
@@ -139,8 +139,8 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     if body := get(obj):
         return body, []
     from ..core.mesh.surface import input_vertices
+    from ..core.poke.stroke import Hand
     from ..core.session import Session
-    from ..core.stroke import Hand
     from . import bridge, bridge_write, final_mesh, planning, sizing, timeline
     from .settings import settings_of
 

@@ -22,11 +22,11 @@ from ..base import (
     mean_of_pairs,
     sums_at,
 )
+from ..body import bound, pressure, shape_matching, springs
 from ..constants import ROUNDING
 from ..material import Material
 from ..mesh.surface import Mesh, spans_a_plane
 from ..other_tip import layer
-from . import bound, pressure, shape_matching, springs
 from .maps import Maps, painted
 from .on_mesh import constants_on, mass_on
 from .pressure import Pressure

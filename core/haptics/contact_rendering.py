@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..material import law_force, law_slope
+from ..native.motion import Touch
 from ..session import Finger
-from ..solver.motion import Touch
 from ..vectors import ZERO, Vector, along, dot, scaled
 from .contact_model import Contact
 from .servo_messages import ServoReport

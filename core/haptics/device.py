@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import IO, Final, Protocol
 
 from ..errors import DimpleError
-from . import pseudo_terminal
+from ..haptics import pseudo_terminal
 from .contact_model import Contact
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .process import end, start

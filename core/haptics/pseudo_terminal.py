@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from ..errors import DimpleError
-from . import scheduling
+from ..haptics import scheduling
 from .byte_poller import MAX_BYTES, Poller, take
 from .emulator import Emulator
 

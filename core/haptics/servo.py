@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from ..errors import DimpleError
+from ..haptics import kinematics, wire
 from ..vectors import ZERO, Vector, is_finite, length
-from . import kinematics, wire
 from .acting import ActingForces
 from .contact_model import FADE_BEGINS, Contact, is_sane, stiffness_cap
 from .losses import LOSS_DISARMS, LOSS_WARNS, Losses

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from ..errors import DimpleError
+from ..haptics import wire
 from ..vectors import Vector
-from . import wire
 from .safety import (
     HARD_CEILING,
     QUIET_FORCE,

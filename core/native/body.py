@@ -15,8 +15,8 @@ import numpy as np
 from ..base import Floats
 from ..body.model import Model
 from ..constants import MAX_BODIES, MAX_FINGERTIPS
-from ..solver.motion import Frame, Motion, PinMotion, Touch
 from .definition import Arrays, constants, define, fields
+from .motion import Frame, Motion, PinMotion, Touch
 
 BEST, BASE, AVX2 = range(3)  # instruction sets
 WORKERS = min(os.cpu_count() or 1, MAX_BODIES)  # threads; the library takes no more

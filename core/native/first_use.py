@@ -11,8 +11,8 @@ from ..body.model import Model, build_model
 from ..constants import ROUNDING
 from ..material import Material
 from ..mesh.surface import mesh_from_triangles
-from ..solver.motion import Motion
 from .body import Body, NativeError
+from .motion import Motion
 
 
 def check(library: ctypes.CDLL, *, ticks: int = 4, stretch: float = 1.1, gravity: float = 9.81) -> None:

@@ -16,8 +16,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from core.base import Floats, Ints
-from core.solver import rigid
-from core.solver.scene import Fall, Falling
+from core.body import rigid
+from core.native.scene import Fall, Falling
 
 from .constants import BACK, FALL_LEVEL, PART, REST_SPEED, REST_TIME, ROLL_ARM, ROUNDING, SWEEPS
 

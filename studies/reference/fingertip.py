@@ -19,7 +19,7 @@ from core.body.shape_matching import Pose
 from core.constants import FACTORS
 from core.material import law_force
 from core.mesh.surface import Mesh
-from core.solver.motion import FingertipMotion
+from core.native.motion import FingertipMotion
 
 from .facets import nearest_on_triangles
 

@@ -13,7 +13,7 @@ from core.body.model import Model, State, initial_state
 from core.body.moved_rest import on_its_way, with_rest
 from core.body.shape_matching import Pose, carried_pose, fit_pose
 from core.material import law_force
-from core.solver.motion import FingertipMotion, Frame, Motion, PinMotion, Touch
+from core.native.motion import FingertipMotion, Frame, Motion, PinMotion, Touch
 
 from . import fingertip, semi_implicit
 from .constants import LARGEST_GROWTH, TRAVEL

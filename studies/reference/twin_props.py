@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.base import Floats, Ints
-from core.solver.scene import Collider, ColliderMotion, Fall, Way
+from core.native.scene import Collider, ColliderMotion, Fall, Way
 
 from .bounds import Bounds, is_allowed
 from .constants import HALVINGS

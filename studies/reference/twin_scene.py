@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.base import Bools, Floats, Ints
-from core.solver.motion import Motion
-from core.solver.scene import Collider, ColliderMotion, Crossings, SceneFrame, Way
+from core.native.motion import Motion
+from core.native.scene import Collider, ColliderMotion, Crossings, SceneFrame, Way
 
 from . import touching
 from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed

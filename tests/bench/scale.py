@@ -21,13 +21,13 @@ import numpy as np
 from core import native
 from core.base import TICK
 from core.body.model import build_model
-from core.clock import step_all
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.native.body import step_many
+from core.native.motion import Motion
 from core.reduction.binding import carry
 from core.reduction.planner import plan
 from core.session import Finger, Session
-from core.solver.motion import Motion
+from core.session.clock import step_all
 from studies import bodies, scenes
 from studies.presses import Press, dent_error, pressed
 from tests.bench.bench import stir, straight

@@ -10,8 +10,8 @@ from core.haptics.contact_model import Contact, force_at
 from core.haptics.contact_rendering import SIDEWAYS, Law, Workspace, contact_of, fingers, rendered, wall_slope
 from core.haptics.servo_messages import ServoReport, TipState
 from core.material import FINGERTIP, PRESETS, law_force, law_slope
+from core.native.motion import Touch
 from core.session import Finger
-from core.solver.motion import Touch
 from core.vectors import Vector
 
 CAP = 1e4  # [N/m] of a device that renders all

@@ -24,10 +24,10 @@ from core.native.body import CFrame, CMotion, CTouch, Fingertip
 from core.native.carry import CBinding
 from core.native.cells import CCells
 from core.native.definition import Arrays, BodyDef, Constants, define
+from core.native.motion import FingertipMotion, Motion
 from core.native.scene import CColliderMotion, ColliderDef, CProp
 from core.reduction import binding
 from core.session import Session
-from core.solver.motion import FingertipMotion, Motion
 from tests.bodies import TETRAHEDRON, after
 from tests.parity.cases import CASES, TICK, build, run
 from tools.native import SOURCES, shared_constants

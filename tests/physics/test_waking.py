@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 
 from core.base import TICK, Floats
 from core.body.model import Model, build_model
-from core.clock import step_all
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
+from core.session.clock import step_all
 from core.world import Collider, World
 from studies import scenes
 from studies.reference.constants import REST_SPEED, ROUNDING

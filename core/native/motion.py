@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..base import Floats
-
-Vector = tuple[float, float, float]
+from ..vectors import Vector
 
 
 class FingertipMotion(NamedTuple):

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import NamedTuple
 
-from .base import Floats
-from .solver.motion import FingertipMotion, Touch, Vector
-from .vectors import ZERO
+from ..base import Floats
+from ..native.motion import FingertipMotion, Touch
+from ..vectors import ZERO, Vector, along, dot, scaled
 
 Factors = tuple[Floats, float] | None
 
@@ -63,7 +63,7 @@ class FingerOnItsWay:
     def take(self, touch: Touch, seconds: float) -> float:
         """Go where it is after some ticks; return what work it did on the body in those seconds [J]."""
         # force and way of straight, even motion: the work is exact
-        work = -along(touch.centre, self.here, touch.impulse) / seconds
+        work = -dot(along(touch.centre, self.here, -1.0), touch.impulse) / seconds
         self.here, self.fresh = touch.centre, False
         (a, b, c), (x, y, z) = self.impulse, touch.impulse
         self.impulse = a + x, b + y, c + z
@@ -108,16 +108,6 @@ def vector(a: Sequence[float]) -> Vector:
     """Return three numbers as Python's own."""
     x, y, z = a
     return float(x), float(y), float(z)
-
-
-def scaled(a: Vector, scale: float) -> Vector:
-    """Return a vector of another length."""
-    return scale * a[0], scale * a[1], scale * a[2]
-
-
-def along(a: Vector, b: Vector, direction: Vector) -> float:
-    """Return how far a is from b along a direction."""
-    return (a[0] - b[0]) * direction[0] + (a[1] - b[1]) * direction[1] + (a[2] - b[2]) * direction[2]
 
 
 def between(a: Vector, b: Vector, share: float) -> Vector:

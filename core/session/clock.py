@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Protocol, TypeVar
 
-from . import native
-from .base import DimpleError
-from .constants import MAX_STEPS
+from .. import native
+from ..base import DimpleError
+from ..constants import MAX_STEPS
+from ..native import motion
+from ..native.motion import Motion
 from .frame import Frame
-from .solver import motion
-from .solver.motion import Motion
 
 TICKS_AT_ONCE = 8  # ticks of 1 ms between looks at the wall clock: half a frame at 60 Hz
 

@@ -10,10 +10,10 @@ import itertools
 import math
 from dataclasses import dataclass, replace
 
-from .base import TICK
-from .constants import TRAVEL
-from .session import Finger
-from .vectors import Vector, along, length, scaled
+from ..base import TICK
+from ..constants import TRAVEL
+from ..session import Finger
+from ..vectors import Vector, along, length, scaled
 
 SLIDE_S = 0.04  # [s] a dragged fingertip lags this much: no jump tears at the skin
 

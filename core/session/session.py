@@ -11,22 +11,20 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .base import TICK, DimpleError, Floats, Singles
-from .body.model import Model
-from .body.moved_rest import with_rest
+from ..base import TICK, DimpleError, Floats, Singles
+from ..body.model import Model
+from ..body.moved_rest import with_rest
+from ..constants import MAX_FINGERTIPS, MAX_STEPS
+from ..native import Body, create, motion
+from ..native.motion import Motion
+from ..other_tip import factors
+from ..reduction.proxy import Proxy
+from ..vectors import ZERO, Vector
 from .clock import Clock, step_all
-from .constants import MAX_FINGERTIPS, MAX_STEPS
 from .fingertip import Finger as Finger
 from .fingertip import FingerOnItsWay, is_possible, sent
 from .frame import Frame as Frame
-from .native import Body, create
-from .other_tip import factors
-from .pins import Pins
-from .reduction.proxy import Proxy
-from .skin import Skin
-from .solver import motion
-from .solver.motion import Motion
-from .vectors import ZERO
+from .skin import Pins, Skin
 
 
 class Session:
@@ -305,7 +303,7 @@ class Session:
         """Return where the vertices (n, 3) [m] of the mesh are."""
         return np.asarray(self._skin.on(self.placed, self._skin.surface(self.body)), np.float64)
 
-    def _show(self, impulses: tuple[motion.Vector, ...], seconds: float) -> Frame:
+    def _show(self, impulses: tuple[Vector, ...], seconds: float) -> Frame:
         last, scale, rest = self._last, self._volume_scale, self.model.mesh.volume
         if self._bent is not None:  # asking the body costs a call
             rest = self.body.rest_volume * scale

@@ -16,12 +16,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from .base import Floats
-from .constants import OFFSET
-from .session import Session
-from .solver import motion, rigid
-from .solver.rigid import RigidShape
-from .solver.scene import Collider, Fall, Falling, Way
+from ..base import Floats
+from ..body import rigid
+from ..body.rigid import RigidShape
+from ..constants import OFFSET
+from ..native import motion
+from ..native.scene import Collider, Fall, Falling, Way
+from ..session import Session
 from .world import World
 
 LEAST_SHARE = 0.1  # of the lightest body's mass: what a prop has at least when it moves

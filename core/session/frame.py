@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .base import Floats
-from .mesh.surface import Mesh
-from .solver.motion import Touch, Vector
-from .vectors import ZERO, dot
+from ..base import Floats
+from ..mesh.surface import Mesh
+from ..native.motion import Touch
+from ..vectors import ZERO, Vector, dot
 
 
 class Frame(NamedTuple):

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .base import Floats, Ints
-from .fingertip import Finger
-from .solver.motion import Touch
-from .vectors import Vector, along
+from ..base import Floats, Ints
+from ..native.motion import Touch
+from ..session.fingertip import Finger
+from ..vectors import Vector, along
 
 
 class Sample(NamedTuple):

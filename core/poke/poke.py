@@ -11,10 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
-from .constants import MAX_FINGERTIPS
-from .poke_tip import Aim, PokeTip, leaving, led, stepped, unit
-from .session import Finger
-from .vectors import Vector, along, dot, length, scaled
+from ..constants import MAX_FINGERTIPS
+from ..session import Finger
+from ..vectors import Vector, along, dot, length, scaled
+from .tip import Aim, PokeTip, leaving, led, stepped, unit
 
 STEEP = 3.0  # times farther along the view than across it: no surface that the pointer goes along, but an edge of it
 OPPOSITE = -0.2  # cosine of the angle between two normals from which on two fingertips pinch

@@ -10,14 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import native
-from .base import DimpleError, Floats
-from .clock import step_all
-from .constants import MAX_STEPS
-from .session import Session
-from .solver import motion
-from .solver.scene import Collider as Collider
-from .solver.scene import ColliderMotion, Crossings, SceneFrame, Way
+from .. import native
+from ..base import DimpleError, Floats
+from ..constants import MAX_STEPS
+from ..native import motion
+from ..native.scene import Collider as Collider
+from ..native.scene import ColliderMotion, Crossings, SceneFrame, Way
+from ..session import Session
+from ..session.clock import step_all
 
 
 class Meeting(NamedTuple):
