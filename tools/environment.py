@@ -56,11 +56,13 @@ def say(text: str) -> None:
     print(f"dev.py: {text}", file=sys.stderr, flush=True)
 
 
-def run(command: Sequence[str | Path], *, limit_s: float | None = None, **variables: str) -> int:
-    """Run a command in the repository and return its exit code."""
+def run(
+    command: Sequence[str | Path], *, folder: Path = ROOT, limit_s: float | None = None, **variables: str
+) -> int:
+    """Run a command in a folder, the repository unless another is given, and return its exit code."""
     words = [str(word) for word in command]
     try:
-        return subprocess.run(words, cwd=ROOT, env={**os.environ, **variables}, timeout=limit_s).returncode
+        return subprocess.run(words, cwd=folder, env={**os.environ, **variables}, timeout=limit_s).returncode
     except subprocess.TimeoutExpired:
         raise Stop(f"stopped after {limit_s:.0f} s without an end: {' '.join(words)}") from None
 
