@@ -35,7 +35,7 @@ FLAGS = (
 FUSE = {32: "-ffp-contract=on", 64: "-ffp-contract=off"}
 ONCE = "api", "many", "cells", "seeds", "motions", "falling"  # compiled once for all instruction sets
 VARIANTS = {"base": (), "avx2": ("-mavx2", "-mfma")}
-SMALL = "-Os"  # for the fallback set, which only processors from before 2013 use: 50 kB less in the zip
+SMALL = "-Os"  # for the fallback set, which only processors from before 2013 use, and zig's runtime: 50 kB less
 DOUBLE = "-DDM_DOUBLE"  # compiles bodies in double precision too; only tests use them
 
 
@@ -158,7 +158,7 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
         list(pool.map(lambda rest: quiet([*command, *FLAGS, "-c", *rest]), words))
     objects = [rest[-1] for rest in words]
     system = ["-lm", "-lpthread"] if name.startswith("linux") else []
-    quiet([*command, "-shared", "-s", "-o", library, *objects, *system])
+    quiet([*command, SMALL, "-shared", "-s", "-o", library, *objects, *system])
     stamp.write_text(sources_hash())
     return library
 

@@ -37,7 +37,7 @@ TICK = 1e-3  # [s]
 DEPTH = 0.010  # [m] of the press that is measured
 PRESS_TICKS = 8  # from the skin to there
 BALL_SIZES, CUBE_SIZES = (3, 4, 5, 6, 7), (10, 20, 41, 82, 165)  # 642 or 602 vertices to 164 thousand
-SUBSTEPS = 10  # in a tick, for "so many vertices in real time"
+SUBSTEPS = 10  # in a tick, for "N vertices in real time"
 CALLS_MS = (1.0, 1000 / 60)  # of a session: a servo's, or another solver's user's; and a viewport's
 SESSION_LIMIT = 12_000  # vertices of the largest body that is stepped through a session too
 
