@@ -122,10 +122,8 @@ def bench(options: argparse.Namespace) -> int:
     asked = benchmarks.parser().parse_args(options.rest)
     if asked.exports:
         return in_blender("tests/bench/exports.py", options.blender, BUILD / "exports")
-    variables = {"OPENBLAS_NUM_THREADS": "1"}
-    if asked.peers:
-        variables["PYTHONPATH"] = str(provide_peers(environment(options.blender)))
-    return module("tests.bench", options, **variables)
+    peers = [provide_peers(environment(options.blender))] if asked.peers else []
+    return module("tests.bench", options, *peers, OPENBLAS_NUM_THREADS="1")
 
 
 def charts(options: argparse.Namespace) -> int:
@@ -147,12 +145,12 @@ def contact(options: argparse.Namespace) -> int:
     return core(options)
 
 
-def module(name: str, options: argparse.Namespace, **variables: str) -> int:
-    """Run a module of the repository where the user stands, so that the paths in its options hold."""
+def module(name: str, options: argparse.Namespace, *packages: Path, **variables: str) -> int:
+    """Run a module of the repository in the user's folder, so that relative paths in its options are the user's."""
     python = environment(options.blender)
     native_core.provide_library(python)
-    path = os.pathsep.join([str(ROOT), *filter(None, [variables.get("PYTHONPATH")])])
-    return run([python, "-m", name, *options.rest], folder=Path.cwd(), **variables | {"PYTHONPATH": path})
+    path = os.pathsep.join(map(str, (ROOT, *packages)))
+    return run([python, "-m", name, *options.rest], folder=Path.cwd(), PYTHONPATH=path, **variables)
 
 
 def bake(options: argparse.Namespace) -> int:
@@ -170,7 +168,7 @@ def ci(_options: argparse.Namespace) -> int:
 
 
 COMMANDS = (demo, test, lint, build, native, wheels, bench, charts, window, samples, core, contact, bake, ci)
-PASSED_ON = (bench, charts, core, contact, bake)  # every option is that of the module they run, --help too
+PASSED_ON = (bench, charts, core, contact, bake)  # their options, --help too, are those of the module they run
 
 
 def main(words: list[str]) -> int:

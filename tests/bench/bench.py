@@ -124,7 +124,7 @@ def measure(scene: str, size: int, *, seconds: float, repeats: int, slowest: int
 
 
 def stir(body: Body) -> None:
-    """Wake a body: what rests, under a fingertip that stands still too, would cost nothing."""
+    """Wake a body: at rest, also under a still fingertip, it would cost nothing."""
     body.set_state(body.positions(), body.velocities())
 
 
@@ -157,7 +157,7 @@ def called(session: Session, call_s: float) -> float:
 def session_case(
     scene: str, n: int, substeps: int, call_ms: float, ticks: Floats, steps_alone: Floats
 ) -> dict[str, Any]:
-    """Return what ticks (repeats,) [s] through a session cost beside their steps alone, repeat by repeat."""
+    """Return the times [s] of ticks through a session beyond those of their steps, repeat by repeat."""
     tick = float(np.median(ticks))
     return {
         "scene": scene, "vertices": n, "backend": "session", "call_ms": round(call_ms, 1), "substeps": substeps,
@@ -185,7 +185,7 @@ def straight(start: float, end: float, ticks: int, fingers: int) -> tuple[Finger
 
 
 def memory_mb() -> float:
-    """Return what this process holds, less what it has freed; nan where the system does not tell."""
+    """Return the memory [MB] that this process holds; nan if the system does not report it."""
     statm = Path("/proc/self/statm")
     if not statm.exists():
         return float("nan")
