@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 
 from ..base import TICK, DimpleError
 from ..body.model import Model
-from .proxy import LARGEST, SMALLEST, Proxy, build_proxy, most_of
+from .proxy import SMALLEST, Proxy, build_proxy, most_of
 
 BUDGET = 0.6  # [s] per second for the simulation; Blender needs the rest to draw
 COST = 1.4e-8  # [s] a vertex and step: measured once (tests/bench), and kept
@@ -126,19 +125,18 @@ def surface_error(spacing: float, radius: float) -> float:
 
 
 def _first(vertices: int, make: Callable[[int], Proxy]) -> tuple[Proxy, int]:
-    """Return what `make` returns for a number of vertices or the next one that works, twice as large each time.
+    """Return what `make` returns for a number of vertices, or for up to twice as many, and that number.
 
     Raises:
         DimpleError: no number of vertices works; the message is that of the first.
     """
-    try:
-        return make(vertices), vertices
-    except DimpleError:
-        if 2 * vertices > LARGEST:
-            raise
-        with suppress(DimpleError):
-            return _first(2 * vertices, make)
-        raise
+    why = DimpleError()
+    for asked in (vertices * quarters // 4 for quarters in (4, 5, 6, 8)):
+        try:
+            return make(asked), asked
+        except DimpleError as error:
+            why = why if why.args else error
+    raise why
 
 
 def _full_mesh(cost: float, reason: str) -> Plan:
