@@ -17,7 +17,7 @@ Singles = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
-LARGEST = 1e9  # in any SI unit: what is larger is taken for a mistake, and its cube overflows single precision
+LARGEST = 1e12  # in any SI unit: what is larger is taken for a mistake; its cube is all that single precision holds
 EXACT = 1e-9  # of what is summed: a million units in the last place of double precision
 TINY = 1e-30  # keeps a quotient finite: its square is still a number
 LEAST_VOLUME_OPEN = 1e-2  # of size x area, in an open mesh: a crumpled sheet encloses none, a hemisphere has 0.17

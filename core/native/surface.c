@@ -96,27 +96,30 @@ static int32_t dm_lay_surface(dm_state *b, const dm_body_def *d) {
     return DM_OK;
 }
 
-/* The weights of the corners in the point of a triangle that is nearest to a point. Source: Ericson, Real-Time Collision
- * Detection, 5.1.5. */
-static void dm_weights_at(const dm_facet *f, const double *point, double *weights) {
-    const double *a = f->corner[0], *b = f->corner[1], *c = f->corner[2];
-    double ab[3], ac[3], pa[3], pb[3], pc[3], v, w;
+/* Find the weights of the point of a triangle nearest to p. Source: Ericson, Real-Time Collision Detection, 5.1.5. */
+static void dm_weights_on_face(const double *p, const double *a, const double *b, const double *c, double *w) {
+    double ab[3], ac[3], ap[3], bp[3], cp[3], v, u;
     for (int k = 0; k < 3; k++) {
         ab[k] = b[k] - a[k], ac[k] = c[k] - a[k];
-        pa[k] = point[k] - a[k], pb[k] = point[k] - b[k], pc[k] = point[k] - c[k];
+        ap[k] = p[k] - a[k], bp[k] = p[k] - b[k], cp[k] = p[k] - c[k];
     }
-    double d1 = dm_inner3(ab, pa), d2 = dm_inner3(ac, pa), d3 = dm_inner3(ab, pb), d4 = dm_inner3(ac, pb);
-    double d5 = dm_inner3(ab, pc), d6 = dm_inner3(ac, pc);
+    double d1 = dm_inner3(ab, ap), d2 = dm_inner3(ac, ap), d3 = dm_inner3(ab, bp), d4 = dm_inner3(ac, bp);
+    double d5 = dm_inner3(ab, cp), d6 = dm_inner3(ac, cp);
     double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
     double whole = va + vb + vc, beside = (d4 - d3) + (d5 - d6);
-    if (d1 <= 0 && d2 <= 0) v = 0, w = 0;
-    else if (d3 >= 0 && d4 <= d3) v = 1, w = 0;
-    else if (d6 >= 0 && d5 <= d6) v = 0, w = 1;
-    else if (vc <= 0 && d1 >= 0 && d3 <= 0) v = fabs(d1 - d3) > 1e-30 ? d1 / (d1 - d3) : 0, w = 0;
-    else if (vb <= 0 && d2 >= 0 && d6 <= 0) v = 0, w = fabs(d2 - d6) > 1e-30 ? d2 / (d2 - d6) : 0;
-    else if (va <= 0 && d4 >= d3 && d5 >= d6) w = fabs(beside) > 1e-30 ? (d4 - d3) / beside : 0, v = 1 - w;
-    else v = fabs(whole) > 1e-30 ? vb / whole : vb, w = fabs(whole) > 1e-30 ? vc / whole : vc;
-    weights[0] = 1 - v - w, weights[1] = v, weights[2] = w;
+    if (d1 <= 0 && d2 <= 0) v = 0, u = 0;
+    else if (d3 >= 0 && d4 <= d3) v = 1, u = 0;
+    else if (d6 >= 0 && d5 <= d6) v = 0, u = 1;
+    else if (vc <= 0 && d1 >= 0 && d3 <= 0) v = fabs(d1 - d3) > 1e-30 ? d1 / (d1 - d3) : 0, u = 0;
+    else if (vb <= 0 && d2 >= 0 && d6 <= 0) v = 0, u = fabs(d2 - d6) > 1e-30 ? d2 / (d2 - d6) : 0;
+    else if (va <= 0 && d4 >= d3 && d5 >= d6) u = fabs(beside) > 1e-30 ? (d4 - d3) / beside : 0, v = 1 - u;
+    else v = fabs(whole) > 1e-30 ? vb / whole : vb, u = fabs(whole) > 1e-30 ? vc / whole : vc;
+    w[0] = 1 - v - u, w[1] = v, w[2] = u;
+}
+
+/* The weights of the corners of a facet in its point that is nearest to another. */
+static void dm_weights_at(const dm_facet *f, const double *point, double *weights) {
+    dm_weights_on_face(point, f->corner[0], f->corner[1], f->corner[2], weights);
 }
 
 /* The offset of a point from the nearest one of a triangle. */
