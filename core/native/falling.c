@@ -190,11 +190,11 @@ void dm_resolve_supports(dm_support *c, uint32_t count, double h) {
         dm_add3(j, c[k].push, c[k].normal);
         if (c[k].push > 0) dm_pass_on(c + k, j, none);
     }
-    for (int sweep = 0; sweep < DM_SWEEPS; sweep++) {
+    for (int sweep = 0; sweep < DM_FALL_SWEEPS; sweep++) {
         double changed = 0, whole = 0;
         for (uint32_t k = 0; k < count; k++)
             if (dm_is_awake(c + k)) changed += dm_resolve_support(c + k), whole += c[k].push;
-        if (!(changed > DM_ROUNDING * whole)) break;
+        if (!(changed > DM_FALL_SETTLED * whole)) break;
     }
     for (uint32_t k = 0; k < count; k++) dm_resist_turning(c + k);
     for (uint32_t k = 0; k < count; k++)

@@ -19,7 +19,7 @@ from core.base import Floats, Ints
 from core.body import rigid
 from core.native.scene import Fall, Falling
 
-from .constants import BACK, FALL_LEVEL, PART, REST_SPEED, REST_TIME, ROLL_ARM, ROUNDING, SWEEPS
+from .constants import BACK, FALL_LEVEL, FALL_SETTLED, FALL_SWEEPS, PART, REST_SPEED, REST_TIME, ROLL_ARM, ROUNDING
 
 SIDES = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]])  # of the ground
 NOBODY = -1  # surface of the ground
@@ -235,9 +235,9 @@ def resolve_supports(supports: list[Support], dt: float) -> None:
     for support in awake:
         if support.push > 0:
             support.pass_on(support.impulse)
-    for _ in range(SWEEPS):
+    for _ in range(FALL_SWEEPS):
         changed = sum(support.resolve() for support in awake)
-        if not changed > ROUNDING * sum(support.push for support in awake):
+        if not changed > FALL_SETTLED * sum(support.push for support in awake):
             break
     for support in awake:
         support.resist_turning()
