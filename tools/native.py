@@ -35,8 +35,8 @@ FLAGS = (
 NO_UNWINDING = "-fno-asynchronous-unwind-tables", "-fno-unwind-tables"  # 3 kB less; Windows' calls want them
 # fused multiply-add is a tenth of the time; without it double precision has the same bits on every machine
 FUSE = {32: "-ffp-contract=on", 64: "-ffp-contract=off"}
-ONCE_SMALL = "api", "cells", "falling", "many", "seeds"  # of them, what is not run over and over
-ONCE = "api", "many", "cells", "seeds", "motions", "falling"  # compiled once for all instruction sets
+ONCE_SMALL = "api", "cells", "falling", "flips", "many", "seeds"  # of them, what is not run over and over
+ONCE = "api", "many", "cells", "flips", "seeds", "motions", "falling"  # compiled once for all instruction sets
 VARIANTS = {"base": (), "avx2": ("-mavx2", "-mfma")}
 SMALL = "-Os"  # of the set that only processors from before 2013 take, and of what is linked in: 50 kB less of the zip
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .. import native
 from ..base import DimpleError, Floats, Ints, Singles, mean_of_pairs, sums_at
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
@@ -18,7 +19,6 @@ from ..mesh.surface import Mesh, mesh_from_triangles
 from ..native import Binding
 from .binding import bind
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
-from .flips import flip_edges
 from .protrusion import held_distance
 
 SMALLEST = 60  # vertices: fewer no longer have the shape of a body
@@ -131,7 +131,7 @@ def most_of(model: Model) -> int:
 
 def _coarse_mesh(fine: Mesh, seeds: Ints, cells: Ints) -> Mesh:
     points = fine.rest_positions[seeds]
-    mesh = mesh_from_triangles(points, flip_edges(points, dual(cells[fine.triangles])))
+    mesh = mesh_from_triangles(points, native.flip_edges(native.library(), points, dual(cells[fine.triangles])))
     if len(mesh.rest_positions) != len(seeds) or mesh.loose.any():
         raise DimpleError("its surface is too crumpled for a proxy of this size")
     if mesh.pressurable != fine.pressurable or (fine.closed and not mesh.closed):
