@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -28,28 +29,33 @@ STIFFER = 16.0  # times as stiff, as softness of 0 is beside 1: what is painted 
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Proxy:
     """A coarse model and the binding of a fine mesh to it.
 
+    mesh: the fine mesh, n vertices.
     model: the coarse body that is simulated, m vertices.
     seeds: (m,) the vertex of the fine mesh at which each coarse vertex lies.
     cells: (n,) the coarse vertex whose share of mass and stiffness each vertex of the fine mesh is.
     painted: (n,) how much stiffer each vertex of the fine mesh was than most when the cells were made, see `painted`.
     still: the vertices of the fine mesh that are pinned or loose.
     spacing: mean distance between seeds [m].
-    offset: the distance that it holds from what it meets [m], see `held_distance`.
     binding: what carries the fine mesh along.
     """
 
+    mesh: Mesh
     model: Model
     seeds: Ints
     cells: Ints
     painted: Singles
     still: Ints
     spacing: float
-    offset: float
     binding: Binding
+
+    @cached_property
+    def offset(self) -> float:
+        """Return the distance [m] that it holds from what it meets, see `held_distance`."""
+        return held_distance(self.mesh, self.model.mesh, self.cells, self.spacing)
 
 
 def build_proxy(model: Model, vertices: int) -> Proxy:
@@ -68,8 +74,8 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
     seeds, cells = _seeds_and_cells(mesh, place, spread_seeds(mesh, place, used, vertices, spacing))
     coarse = _constants(model, _coarse_mesh(mesh, seeds, cells), cells)
     return Proxy(
-        model=coarse, seeds=seeds, cells=cells, painted=stiffer, still=np.flatnonzero(model.pinned | mesh.loose),
-        spacing=spacing, offset=held_distance(mesh, coarse.mesh, cells, spacing),
+        mesh=mesh, model=coarse, seeds=seeds, cells=cells, painted=stiffer,
+        still=np.flatnonzero(model.pinned | mesh.loose), spacing=spacing,
         binding=bind(mesh.rest_positions, coarse.mesh, place, seeds, cells),
     )  # fmt: skip
 
