@@ -26,7 +26,7 @@ def check_numbers(operator: bpy.types.Operator, *names: str) -> None:
         value = getattr(operator, name)
         if not all(abs(each) <= LARGEST for each in ([value] if isinstance(value, float) else value)):
             label = name.replace("_", " ").capitalize()
-            raise DimpleError(f"{label} must be a number from -1e9 to 1e9.")
+            raise DimpleError("{label} must be a number from -1e9 to 1e9.", label=label)
 
 
 def needs_mesh(operator: type, context: bpy.types.Context) -> bool:

@@ -18,10 +18,10 @@ def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> Note | None:
     settings = obj.dimple
     settings.size_mode = "CUSTOM"
     return Note(
-        f'"{obj.name}": {_as_modelled(scene, obj):.3g} m across as modelled, but constants are measured on what '
-        f"one can hold: it is pressed as an object of {settings.size_mm:.3g} mm. "
-        "Physical Size in Physics > Dimple changes that."
-    )
+        '"{name}": {as_modelled:.3g} m across as modelled, but constants are measured on what one can hold: it is '
+        'pressed as an object of {size_mm:.3g} mm. Physical Size in Physics > Dimple changes that.',
+        name=obj.name, as_modelled=_as_modelled(scene, obj), size_mm=settings.size_mm
+    )  # fmt: skip
 
 
 def is_unsuited(scene: bpy.types.Scene, obj: bpy.types.Object) -> bool:

@@ -1,37 +1,30 @@
-"""The interface in Japanese; a test compares the dictionary with every label and description."""
+"""The interface in other languages: a file of locale/ holds what every English text of ours is in one of them."""
 
 import inspect
+import json
 from collections.abc import Iterator
+from pathlib import Path
 
 import bpy
-
-from ...operators.japanese import MESSAGES
-from . import (
-    calibration,
-    contact,
-    devices,
-    everyday,
-    experiments,
-    exports,
-    fingertips,
-    general,
-    planner,
-    polls,
-    tuning,
-)
 
 # Blender translates some of our words in another sense: its "Air" is air drag, its "Measure" a ruler. A context of our
 # own avoids that: of every class of ours and its properties, and so of their labels and buttons
 CONTEXT = "Dimple"
+CONTEXTS = ("*", CONTEXT)  # Blender looks up descriptions, and we look up messages, where there is no context
 
-# one file for each subject; the messages of core and operators lie with the operators, which recognise them
-SUBJECTS = (general, calibration, planner, devices, experiments, exports, polls, tuning, everyday, contact, fingertips)
-EVERYTHING = {english: text for subject in SUBJECTS for english, text in subject.WORDS.items()} | MESSAGES
-JAPANESE = {(context, english): text for context in ("*", CONTEXT) for english, text in EVERYTHING.items()}
+
+def dictionaries() -> dict[str, dict[tuple[str, str], str]]:
+    """Return the dictionary of every language, as Blender takes it; a text means the same in both contexts."""
+    paths = (Path(__file__).parent / "locale").glob("*.json")
+    return {path.stem: _in_contexts(json.loads(path.read_text("utf-8"))) for path in paths}
+
+
+def _in_contexts(texts: dict[str, str]) -> dict[tuple[str, str], str]:
+    return {(context, english): text for context in CONTEXTS for english, text in texts.items()}
 
 
 def register() -> None:
-    """Hand the dictionary to Blender, before it is told of the classes whose words are looked up there."""
+    """Hand the dictionaries to Blender, before it is told of the classes whose words are looked up there."""
     kinds = bpy.types
     for cls in _ours(kinds.Operator, kinds.Panel, kinds.Menu, kinds.PropertyGroup, kinds.AddonPreferences):
         cls.bl_translation_context = CONTEXT
@@ -39,7 +32,7 @@ def register() -> None:
             for each in inspect.get_annotations(part).values():  # of its own; from Python 3.14 on made when asked for
                 if hasattr(each, "keywords"):  # of a property
                     each.keywords.setdefault("translation_context", CONTEXT)
-    bpy.app.translations.register(__package__, {"ja_JP": JAPANESE})
+    bpy.app.translations.register(__name__, dictionaries())
 
 
 def _ours(*bases: type) -> Iterator[type]:
@@ -56,5 +49,5 @@ def _is_ours(cls: type) -> bool:
 
 
 def unregister() -> None:
-    """Take the dictionary back."""
-    bpy.app.translations.unregister(__package__)
+    """Take the dictionaries back."""
+    bpy.app.translations.unregister(__name__)
