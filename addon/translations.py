@@ -7,10 +7,9 @@ from pathlib import Path
 
 import bpy
 
-# Blender translates some of our words in another sense: its "Air" is air drag, its "Measure" a ruler. A context of our
-# own avoids that: of every class of ours and its properties, and so of their labels and buttons
-CONTEXT = "Dimple"
-CONTEXTS = ("*", CONTEXT)  # Blender looks up descriptions, and we look up messages, where there is no context
+from ..operators.translation import CONTEXT
+
+CONTEXTS = ("*", CONTEXT)  # descriptions are looked up without a context
 
 
 def dictionaries() -> dict[str, dict[tuple[str, str], str]]:
@@ -24,7 +23,7 @@ def _in_contexts(texts: dict[str, str]) -> dict[tuple[str, str], str]:
 
 
 def register() -> None:
-    """Hand the dictionaries to Blender, before it is told of the classes whose words are looked up there."""
+    """Hand the dictionaries to Blender, and give the context to our classes and properties before it learns of them."""
     kinds = bpy.types
     for cls in _ours(kinds.Operator, kinds.Panel, kinds.Menu, kinds.PropertyGroup, kinds.AddonPreferences):
         cls.bl_translation_context = CONTEXT

@@ -91,19 +91,19 @@ class World:
             if first == second:
                 raise DimpleError(
                     '"{first}" passes through itself at ({where}) mm, {pairs} pairs of faces in all. Repair the mesh '
-                    'there, switch off Self Contact in Physics > Dimple > Contact, or switch on Move Apart there, '
-                    'which leaves these faces out of it.',
+                    "there, switch off Self Contact in Physics > Dimple > Contact, or switch on Move Apart there, "
+                    "which leaves these faces out of it.",
                     first=first, where=where, pairs=found.pairs
                 )  # fmt: skip
             if min(found.surfaces) >= len(self.sessions):
                 raise DimpleError(
                     'What falls must be clear of other colliders: "{first}" and "{second}" intersect at ({where}) '
-                    'mm, {pairs} pairs of faces in all. Move them apart.',
+                    "mm, {pairs} pairs of faces in all. Move them apart.",
                     first=first, second=second, where=where, pairs=found.pairs
                 )  # fmt: skip
             raise DimpleError(
                 '"{first}" and "{second}" intersect at ({where}) mm, {pairs} pairs of faces in all. Move them apart, '
-                'or switch on Move Apart for a body that has room.',
+                "or switch on Move Apart for a body that has room.",
                 first=first, second=second, where=where, pairs=found.pairs
             )  # fmt: skip
 

@@ -186,7 +186,7 @@ def _check_keys(obj: bpy.types.Object) -> None:
     if others := [each.name for each in obj.modifiers if each.show_viewport and not stack.is_cache(each)]:
         raise DimpleError(
             '"{name}" shows what its modifier "{others}" makes of its mesh, and shape keys move the mesh before '
-            'that. Bake to a Mesh Cache, or export.',
+            "that. Bake to a Mesh Cache, or export.",
             name=obj.name, others=others[0]
         )  # fmt: skip
 

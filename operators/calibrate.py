@@ -157,8 +157,10 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         except Undecided as undecided:
             return self._ask(context, to_json(undecided.to_record()), _message(undecided))
         except DimpleError as error:
-            way_out = [Message("Choose them: {labels}.", labels=_labels(error.answers))]
-            say(self, {"ERROR"}, str(error), *(way_out if isinstance(error, WrongColumns) else ()))
+            way_out = ""
+            if isinstance(error, WrongColumns):
+                way_out = Message("Choose them: {labels}.", labels=_labels(error.answers))
+            say(self, {"ERROR"}, str(error), way_out)
             return {"CANCELLED"}
         advice = [Message("If it is known, give {labels}.", labels=_labels(found.unsure))] if found.unsure else []
         context.scene.dimple.calibration = calibration.to_text(found, advice)

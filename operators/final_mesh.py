@@ -307,7 +307,7 @@ def _check_count(context: bpy.types.Context, body: bpy.types.Object, link: Objec
     if body.visible_get() and count != len(link.rest):
         raise DimpleError(
             '"{name}": its modifiers give {count:,} vertices now, and gave {vertices:,}. What is pressed must keep '
-            'its vertices: apply the modifier that changes them, or switch it off.',
+            "its vertices: apply the modifier that changes them, or switch it off.",
             name=body.name, count=count, vertices=len(link.rest)
         )  # fmt: skip
 

@@ -92,7 +92,7 @@ def scale_of_body(scene: bpy.types.Scene, body: bpy.types.Object, rest: Singles,
         bad = np.flatnonzero(~np.isfinite(rest).all(axis=1))
         raise DimpleError(
             '"{name}": vertex {vertex} has a coordinate that is not a number ({count} such vertices). Delete or move '
-            'them.',
+            "them.",
             name=name, vertex=bad[0], count=len(bad)
         )  # fmt: skip
     check_matrix(name, matrix)

@@ -7,10 +7,18 @@ from bpy.app.translations import pgettext_tip
 
 from ..core.messages import COMMA, Message, filled
 
+# Blender translates some of our words in another sense: its "Air" is air drag, its "Measure" a ruler. A context of our
+# own avoids that
+CONTEXT = "Dimple"
 Lookup = Callable[[str], str]
 
 
-def translated(said: str, lookup: Lookup = pgettext_tip) -> str:
+def tip_(text: str) -> str:
+    """Translate a text of ours into the language of the interface."""
+    return pgettext_tip(text, CONTEXT)
+
+
+def translated(said: str, lookup: Lookup = tip_) -> str:
     """Translate a message: its template is looked up, and filled with its values, of which messages are translated.
 
     Args:

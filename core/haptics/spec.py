@@ -165,13 +165,13 @@ def _value(file: dict[str, Any], table: str, name: str) -> Any:
 
 def _text(name: str, value: Any) -> str:
     if not isinstance(value, str) or not value:
-        raise ValueError(Message("{name} must be text, not {value!r}", name=name, value=value))
+        raise ValueError(Message("{name} must be text, not {value}", name=name, value=repr(value)))
     return value
 
 
 def _real(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise ValueError(Message("{name} must be a number, not {value!r}", name=name, value=value))
+        raise ValueError(Message("{name} must be a number, not {value}", name=name, value=repr(value)))
     return float(value)
 
 
@@ -182,14 +182,14 @@ def _number(file: dict[str, Any], table: str, name: str) -> float:
 def _whole(file: dict[str, Any], table: str, name: str) -> int:
     number = _number(file, table, name)
     if number != round(number):
-        raise ValueError(Message("{name} must be a whole number, not {number!r}", name=name, number=number))
+        raise ValueError(Message("{name} must be a whole number, not {value}", name=name, value=repr(number)))
     return round(number)
 
 
 def _list(file: dict[str, Any], table: str, name: str) -> list[Any]:
     values = _value(file, table, name)
     if not isinstance(values, list) or len(values) != wire.FINGERS:
-        raise ValueError(Message("{name} must be a list of three, not {values!r}", name=name, values=values))
+        raise ValueError(Message("{name} must be a list of three, not {value}", name=name, value=repr(values)))
     return values
 
 

@@ -222,7 +222,7 @@ def test_why_a_button_is_grey_is_looked_up_when_it_is_shown(
     """Blender does not translate it, and has no Japanese in this environment: a replacement looks it up."""
     from bl_ext.user_default.dimple.operators import polls
 
-    monkeypatch.setattr(polls, "pgettext_tip", lambda text: f"<{text}>")
+    monkeypatch.setattr(polls, "tip_", lambda text: f"<{text}>")
     for verb in ("measure", "record", "reset", "arm_device"):
         with pytest.raises(RuntimeError, match=r"poll\(\) <.+>"):
             getattr(bpy.ops.dimple, verb)()

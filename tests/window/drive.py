@@ -340,7 +340,9 @@ def in_japanese() -> robot.Waits:
     view, said = bpy.context.preferences.view, ""
     view.language = "ja_JP"
     ours = robot.extension("addon.translations")
-    words = [(english, text) for (context, english), text in ours.JAPANESE.items() if context == ours.CONTEXT]
+    words = [
+        (english, text) for (context, english), text in ours.dictionaries()["ja_JP"].items() if context == ours.CONTEXT
+    ]
     other = [english for english, text in words if bpy.app.translations.pgettext(english, ours.CONTEXT) != text]
     check("every word of ours is ours in Japanese", len(words) > 500 and not other, ", ".join(other[:9]))
     context = bpy.ops.dimple.apply_preset.get_rna_type().translation_context
