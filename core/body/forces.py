@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..base import Floats
-from ..body import pressure, shape_matching, springs
+from . import pressure, shape_matching, springs
 from .model import Model, State
 from .shape_matching import Pose
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..base import Floats
-from ..body import pressure, shape_matching, springs
+from . import pressure, shape_matching, springs
 from .model import Model
 
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..errors import DimpleError
-from ..haptics import pseudo_terminal, servo_process
+from . import pseudo_terminal, servo_process
 from .emulated_hand import load_hand
 from .emulator import Emulator
 from .servo import Servo

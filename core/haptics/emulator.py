@@ -12,8 +12,8 @@ import math
 import random
 from typing import Final
 
-from ..haptics import kinematics, wire
 from ..vectors import ZERO, Vector
+from . import kinematics, wire
 from .emulated_hand import EmulatedHand
 from .emulated_line import EmulatedLine
 from .emulated_tip import EmulatedTip

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from ..haptics import kinematics, wire
 from ..vectors import ZERO, Vector, length, scaled
+from . import kinematics, wire
 from .motors import Motors
 from .safety import SPEED_TIME
 from .sensors import Sensors

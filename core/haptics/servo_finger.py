@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..haptics import kinematics
 from ..vectors import ZERO, Vector
+from . import kinematics
 from .contact_model import ContactBlend
 from .kinematics import Block
 from .safety import Guard

@@ -1,6 +1,6 @@
 """What the servo tells the artist of device and line: why there is no force, and what to do."""
 
-from ..haptics import wire
+from . import wire
 
 NOT_ARMED = "The device did not arm: lift all fingertips, check that its motors are on, and arm it again."
 FAULTS = {

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Final, Protocol
 
 from ..errors import DimpleError
-from ..haptics import scheduling
+from . import scheduling
 from .byte_poller import Poller
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .serial_link import WINDOWS, LineLost, SerialLine, open_line

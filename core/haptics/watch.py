@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterable
 from typing import Final
 
-from ..haptics import wire
+from . import wire
 from .losses import LOSS_DISARMS
 from .spec import BITS_A_BYTE, Spec
 

@@ -11,6 +11,7 @@ from ..body.model import Model, build_model
 from ..constants import ROUNDING
 from ..material import Material
 from ..mesh.surface import mesh_from_triangles
+from ..messages import Message
 from .body import Body, NativeError
 from .motion import Motion
 
@@ -32,7 +33,7 @@ def check(library: ctypes.CDLL, *, ticks: int = 4, stretch: float = 1.1, gravity
     off = float(np.abs(centre + (0.0, 0.0, fallen)).max())
     swung = float(np.abs(np.ptp(after, axis=1) - np.ptp(before, axis=1)).min())
     if not (off < ROUNDING * size < swung < size):
-        raise NativeError(f"its check is off by {1000 * off:.3g} mm")
+        raise NativeError(Message("its check is off by {off:.3g} mm", off=1000 * off))
 
 
 def octahedron(gravity: float) -> Model:

@@ -15,6 +15,7 @@ from ..base import TICK, DimpleError, Floats, Singles
 from ..body.model import Model
 from ..body.moved_rest import with_rest
 from ..constants import MAX_FINGERTIPS, MAX_STEPS
+from ..messages import Message
 from ..native import Body, create, motion
 from ..native.motion import Motion
 from ..other_tip import factors
@@ -73,7 +74,7 @@ class Session:
             DimpleError: too many fingertips, a radius that is not positive, or a position that is not a number.
         """
         if len(fingers) > MAX_FINGERTIPS:
-            raise DimpleError(f"There are at most {MAX_FINGERTIPS} fingertips.")
+            raise DimpleError("There are at most {most} fingertips.", most=MAX_FINGERTIPS)
         for finger in fingers:
             if finger and not is_possible(finger):
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
@@ -89,7 +90,9 @@ class Session:
         """
         positions = np.asarray(positions, np.float64)
         if positions.shape != (len(self.model.mesh.source), 3):
-            raise DimpleError(f"The mesh has {len(self.model.mesh.source)} vertices: give a position for each.")
+            raise DimpleError(
+                "The mesh has {vertices} vertices: give a position for each.", vertices=len(self.model.mesh.source)
+            )
         if not np.isfinite(positions[self._skin.input_of][self._pins.followed]).all():
             raise DimpleError("A pinned vertex has a position that is not a number.")
         self._pins.target = positions[self._skin.input_of].T
@@ -105,7 +108,9 @@ class Session:
         """
         positions = np.asarray(positions, np.float64)
         if positions.shape != (len(self.model.mesh.source), 3):
-            raise DimpleError(f"The mesh has {len(self.model.mesh.source)} vertices: give a position for each.")
+            raise DimpleError(
+                "The mesh has {vertices} vertices: give a position for each.", vertices=len(self.model.mesh.source)
+            )
         if not np.isfinite(positions).all():
             raise DimpleError("The shape at rest has a position that is not a number.")
         if self.proxy is not None:
@@ -173,8 +178,9 @@ class Session:
         if not result.finite:
             at, done = self.clock.ticks * self.clock.tick, self._done
             self.reset()
-            note = (
-                f"The simulation blew up after {at:.3f} s and was put back to rest. Lower k or K2, or raise the mass."
+            note = Message(
+                "The simulation blew up after {at:.3f} s and was put back to rest. Lower k or K2, or raise the mass.",
+                at=at,
             )
             self._done, self._note = done, note
         return result.finite

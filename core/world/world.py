@@ -13,6 +13,7 @@ import numpy as np
 from .. import native
 from ..base import DimpleError, Floats
 from ..constants import MAX_STEPS
+from ..messages import Message
 from ..native import motion
 from ..native.scene import Collider as Collider
 from ..native.scene import ColliderMotion, Crossings, SceneFrame, Way
@@ -84,13 +85,14 @@ class World:
             where = _where(found)
             if min(found.surfaces) >= len(self.sessions):
                 raise DimpleError(
-                    f'What falls must be clear of other colliders: "{first}" and "{second}" intersect at ({where}) mm, '
-                    f"{found.pairs} pairs of faces in all. Move them apart."
-                )
+                    'What falls must be clear of other colliders: "{first}" and "{second}" intersect at ({where}) '
+                    "mm, {pairs} pairs of faces in all. Move them apart.",
+                    first=first, second=second, where=where, pairs=found.pairs
+                )  # fmt: skip
             raise DimpleError(
-                f'"{first}" and "{second}" intersect at ({where}) mm, {found.pairs} pairs of faces in all. Move them '
-                "apart."
-            )
+                '"{first}" and "{second}" intersect at ({where}) mm, {pairs} pairs of faces in all. Move them apart.',
+                first=first, second=second, where=where, pairs=found.pairs
+            )  # fmt: skip
 
     def set_colliders(self, ends: Sequence[Floats | None]) -> None:
         """Say where each collider (m, 3) [m] is to be at the end of the next step; None lets it rest.
@@ -104,8 +106,9 @@ class World:
             if np.shape(end) != self._at[i].T.shape or not np.isfinite(end).all():
                 name = self._names[len(self.sessions) + i]
                 raise DimpleError(
-                    f'Collider "{name}" has another number of vertices than at the start, or a coordinate that is not '
-                    "a number. Reset, and start again."
+                    'Collider "{name}" has another number of vertices than at the start, or a coordinate that is '
+                    "not a number. Reset, and start again.",
+                    name=name,
                 )
             self._ends[i] = np.ascontiguousarray(np.asarray(end, np.float64).T)
 
@@ -201,7 +204,9 @@ def drop_proxies(
         for i in proxied:
             sessions[i].change(sessions[i].model, proxy=None)
             other = names[next(j for j in found.surfaces if j != i)]
-            notes[i] = f'Its proxy would intersect "{other}" at the start, so the full mesh is simulated.'
+            notes[i] = Message(
+                'Its proxy would intersect "{other}" at the start, so the full mesh is simulated.', other=other
+            )
     return notes
 
 
@@ -210,10 +215,11 @@ def _where(found: Crossings) -> str:
 
 
 def _left_out(found: Crossings) -> str:
-    return (
-        f"The mesh passes through itself at ({_where(found)}) mm: {found.pairs} pairs of faces, and those beside them, "
-        "are left out of Self Contact."
-    )
+    return Message(
+        "The mesh passes through itself at ({where}) mm: {pairs} pairs of faces, and those beside them, are left out "
+        "of Self Contact.",
+        where=_where(found), pairs=found.pairs
+    )  # fmt: skip
 
 
 def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:

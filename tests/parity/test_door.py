@@ -249,6 +249,15 @@ def test_cells_of_what_is_not_there_are_refused() -> None:
     assert library.dm_follow_cells(None, none.ctypes.data, 1, *(none.ctypes.data,) * 4) == SIZE
 
 
+def test_triangles_on_points_that_are_not_there_are_not_flipped() -> None:
+    library, points, corners = native.library(), np.eye(3), np.array([[0, 1, 2]])
+    assert (native.flip_edges(library, points, corners) == corners).all()
+    for wrong in (corners + 1, corners - 1, [[0, 1, 0]]):
+        with pytest.raises(native.NativeError, match="index"):
+            native.flip_edges(library, points, wrong)
+    assert library.dm_flip_edges(0, None, 0, None) == library.dm_flip_edges(3, points.ctypes.data, -1, None) == SIZE
+
+
 def test_a_body_is_freed_with_its_object(monkeypatch: pytest.MonkeyPatch) -> None:
     import gc
 
