@@ -43,6 +43,22 @@
 #define DM_SUNK 0.16         /* of the radius: how far a smaller facet may be inside, so that its corners bear the load */
 #define DM_NEAR 0.0625       /* of the radius: nearer, what is at rest may be touched within a tick; lists reach twice as far more */
 
+/* The foot of a fingertip on the surface at rest, and its force. */
+#define DM_MARCH 0.25      /* of the radius: a sphere goes over the surface in such parts, so that it cannot pass a wall */
+#define DM_SEATED 1e-4     /* of the radius: a sphere is laid on the surface as exactly */
+#define DM_HELD 2e-4       /* of the radius: what is as near to a sphere holds it */
+#define DM_STRAIGHT 1e-3   /* of the radius: a foot that is so little aside is straight above */
+#define DM_SAME_WAY 0.9998 /* cosine: normals as near are one */
+#define DM_INSIDE 0.75     /* of all directions: half way between a sheet and a closed body */
+#define DM_STICK (2 / 3.0) /* of the normal stiffness, what is soft and keeps its volume has sideways. Mindlin 1949 */
+#define DM_PUSH_TIME 0.02  /* [s] in which a force brings a fingertip to its depth: a tenth of a press */
+#define DM_BACK_TIME 0.2   /* [s] in which depth is counted from rest again, once what had moved the skin is gone: a dent's return */
+#define DM_BOTTOM 1e3      /* [m] a law that has not answered a force by then never does */
+
+/* Edges of a proxy. */
+#define DM_AS_FLAT 0.5  /* cosine: the two new triangles must face nearly as the old ones did */
+#define DM_BLUNT 1e-9   /* of a cotangent: what is no more negative is rounding */
+
 /* A body's life. */
 #define DM_LARGEST_GROWTH 100.0 /* times its size at rest: larger, or faster than that in a tick, the simulation has diverged */
 #define DM_PIN_BEHIND 1e-4      /* of the size: a pin that is farther from its place was held back */

@@ -1,8 +1,6 @@
 /* The surface at rest, below which fingertips are measured: its facets, and which of them are near a point. */
 #include "body.h"
 
-#define DM_FACET_BLOCK DM_BLOCK
-
 static double dm_apart(const double *from, const double *to) {
     double way[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
     return sqrt(dm_inner3(way, way));
@@ -26,17 +24,17 @@ static void dm_shape_facets(dm_state *b, const double *x, int64_t n) {
             double away = dm_apart(f->corner[p], f->middle);
             f->extent = away > f->extent ? away : f->extent;
         }
-        double *box = b->facet_boxes[k / DM_FACET_BLOCK];
+        double *box = b->facet_boxes[k / DM_BLOCK];
         for (int p = 0; p < 3; p++)
             for (int c = 0; c < 3; c++) {
                 double a = f->corner[p][c];
-                int first = k % DM_FACET_BLOCK == 0 && p == 0;
+                int first = k % DM_BLOCK == 0 && p == 0;
                 box[c] = first || a < box[c] ? a : box[c], box[3 + c] = first || a > box[3 + c] ? a : box[3 + c];
             }
     }
     for (int64_t k = 0; k < b->facet_box_count; k++) {
-        double *whole = b->facet_regions[k / DM_FACET_BLOCK], *box = b->facet_boxes[k];
-        if (k % DM_FACET_BLOCK == 0) memcpy(whole, box, sizeof *b->facet_regions);
+        double *whole = b->facet_regions[k / DM_BLOCK], *box = b->facet_boxes[k];
+        if (k % DM_BLOCK == 0) memcpy(whole, box, sizeof *b->facet_regions);
         for (int c = 0; c < 3; c++) {
             whole[c] = box[c] < whole[c] ? box[c] : whole[c];
             whole[3 + c] = box[3 + c] > whole[3 + c] ? box[3 + c] : whole[3 + c];
@@ -70,9 +68,9 @@ static int32_t dm_lay_surface(dm_state *b, const dm_body_def *d) {
     double *middles = dm_alloc(3 * t, sizeof(double));
     dm_keyed *keys = dm_alloc(t, sizeof(dm_keyed));
     b->facets = dm_alloc(t, sizeof(dm_facet));
-    b->facet_box_count = (t + DM_FACET_BLOCK - 1) / DM_FACET_BLOCK;
+    b->facet_box_count = (t + DM_BLOCK - 1) / DM_BLOCK;
     b->facet_boxes = dm_alloc(b->facet_box_count, sizeof *b->facet_boxes);
-    b->facet_regions = dm_alloc(b->facet_box_count / DM_FACET_BLOCK + 1, sizeof *b->facet_regions);
+    b->facet_regions = dm_alloc(b->facet_box_count / DM_BLOCK + 1, sizeof *b->facet_regions);
     b->painted = dm_alloc(n, sizeof *b->painted);
     int whole = middles && keys && b->facets && b->facet_boxes && b->facet_regions && b->painted;
     for (int64_t k = 0; whole && k < t; k++)
