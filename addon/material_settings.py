@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
+from ..core.fills import FILLS
 from ..operators.names import TIPS
 from .reduction_settings import FIXED, KEYED, exact, kept_text
 
@@ -10,13 +11,7 @@ _MASS_FROM = (
     ("DENSITY", "Density", "The mass follows from the density and the volume of the body"),
     ("MASS", "Mass", "The mass of the whole body is given"),
 )
-_FILLS = (
-    # with the numbers that files keep
-    ("AIR", "Air", "The enclosed air is compressed: the pressure rises and the volume falls a little", 0),
-    ("LIQUID", "Liquid", "The enclosed liquid keeps its volume: where a dent goes in, the body bulges elsewhere", 1),
-    ("SOLID", "Solid", "Rubber, jelly or flesh to the core: it keeps its volume, and gives way round a fingertip", 3),
-    ("NONE", "None", "Nothing is enclosed, so there is no pressure. Suits open meshes", 2),
-)
+_FILLS = [(name.upper(), fill.label, fill.description, fill.number) for name, fill in FILLS.items()]
 
 
 def _mark_edited(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:

@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..core.fills import FILLS
 from ..operators import twins
 from ..operators.names import Op
 from .drawing import MaterialPanel, SidebarPanel, draw_notes
@@ -48,7 +49,7 @@ def draw_constants(context: bpy.types.Context, layout: bpy.types.UILayout, setti
     layout.prop(settings, "damping_ratio", slider=True)
     layout.prop(settings, "friction", slider=True)
     layout.prop(settings, "fill")
-    if settings.fill != "NONE":
+    if FILLS[settings.fill.lower()].law:
         layout.prop(settings, "pressure_kpa")
     if settings.provenance:
         if settings.edited:

@@ -40,6 +40,7 @@ FLOORS = {
     "core.mesh": 1,
     "core.base": 0,
     "core.errors": 0,
+    "core.fills": 0,
     "core.steps": 0,
     "core.vectors": 0,
     "core.material": 0,
@@ -50,7 +51,11 @@ BLENDER = set("addon_utils bl_ext bl_operators bl_ui blf bmesh bpy bpy_extras gp
 ONLY_IN = {"ctypes": "core/native/", "serial": "core/haptics/serial_link.py"}
 REFUSED = {"threading", "multiprocessing", "_thread"}  # Blender's reviewers refuse threads
 BESIDE = {"blend_samples", "dev", "studies", "tests", "tools"}
-ENTRIES = {"addon", "core.haptics.start", "core.haptics.command"}  # start.py names command in a string
+ENTRIES = {
+    "addon",
+    "operators.body",  # the front door for scripts, at the root
+    "core.haptics.start", "core.haptics.command",  # start.py names command in a string
+}  # fmt: skip
 
 
 def sources() -> Iterator[Path]:
