@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import os
+import tempfile
 import tomllib
 import zlib
 from collections.abc import Iterator
@@ -105,6 +106,17 @@ def _preferred_folder() -> Path:
     chosen = settings.preferences.cache_dir if settings else ""
     # not the extension's own folder: Blender deletes that with the extension, and scenes go on playing these files
     return Path(bpy.path.abspath(chosen) if chosen else bpy.utils.user_resource("DATAFILES", path="dimple"))
+
+
+@contextlib.contextmanager
+def unfinished_folder(parent: Path) -> Iterator[Path]:
+    """Make a folder for unfinished files, on the disk where they go, and delete it in the end.
+
+    A Blender that is killed leaves it behind: its point caches can be read up to their last frame.
+    """
+    parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".dimple-", dir=parent, ignore_cleanup_errors=True) as folder:
+        yield Path(folder)
 
 
 @contextlib.contextmanager

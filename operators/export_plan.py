@@ -1,22 +1,32 @@
-"""What is to be exported: checked before anything is written, and how large it will be."""
+"""Export animations: check what is wanted, simulate or take what plays, write each format, and describe it in a JSON.
+
+Files are written in a temporary folder beside where they go, and go there when they are whole: whoever cancels keeps
+what is finished, and nothing half done stands under a final name.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import os
 import shutil
-from collections.abc import Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 
 from ..core.base import DimpleError
 from ..core.recording import open_point_cache
-from . import bridge, cache_files, exporters, offset, stack
+from ..core.steps import as_share
+from . import baking, bridge, cache_files, clips, formats, offset, sidecar, stack
+from .clips import Clip
 from .formats import FORMATS, Size
 from .messages import megabytes
 
+SIMULATED = 0.5  # share of the progress bar that a simulation gets
 SPARE = 1.05  # of the estimate: room that must be free on the disk
 
 
@@ -92,14 +102,14 @@ def played(obj: bpy.types.Object) -> Source | None:
             except OSError as error:
                 raise DimpleError(
                     f'"{obj.name}" plays {path}, which cannot be read: {error.strerror}. '
-                    "Bake again, or export with Simulate Anew."
+                    "Bake again, or export with Simulate Again."
                 ) from error
             graph = bpy.context.view_layer.depsgraph  # as it is: a panel that is being drawn evaluates nothing
             count = len(obj.evaluated_get(graph).data.vertices) if graph and obj.visible_get() else points.shape[1]
             if points.shape[1] != count:
                 raise DimpleError(
                     f'"{obj.name}" has {count} vertices and its bake {points.shape[1]}. '
-                    "Bake again, or export with Simulate Anew."
+                    "Bake again, or export with Simulate Again."
                 )
             table = path.with_suffix(".csv")
             return Source(plays=None, table=table if table.is_file() else None)
@@ -146,7 +156,7 @@ def check_choice(plan: ExportPlan) -> None:
     if not plan.formats:
         raise DimpleError("No format is chosen. Choose one or more.")
     for kind in (FORMATS[each] for each in plan.formats):
-        if kind.exporter and not exporters.is_there(kind.exporter):
+        if kind.exporter and not formats.is_there(kind.exporter):
             raise DimpleError(
                 f"This Blender cannot write {kind.label}: it was built without that exporter, or its add-on is "
                 "switched off. Choose another format."
@@ -169,3 +179,121 @@ def check_space(context: bpy.types.Context, plan: ExportPlan) -> None:
             f"The export needs about {megabytes(needed)} MB, and {plan.folder} has {free / 1e6:.1f} MB left. "
             "Choose another folder, fewer frames or fewer formats."
         )
+
+
+def export(
+    context: bpy.types.Context, plan: ExportPlan, messages: list[str], written: list[Path]
+) -> Iterator[float]:
+    """Export; yield the share that is done. Whoever stops asking cancels, and keeps what is finished.
+
+    Args:
+        messages: gets sentences for the artist.
+        written: gets the path of each file once it is whole.
+
+    Raises:
+        DimpleError: an object cannot be exported, files are there already, or the disk refuses.
+    """
+    with contextlib.ExitStack() as files, cache_files.plain_os_errors("The export", "folder"):
+        context.view_layer.update()
+        check(plan)
+        folder = files.enter_context(cache_files.unfinished_folder(plan.folder))
+        check_space(context, plan)
+        (folder / "simulated").mkdir()
+        done = SIMULATED if unplayed(plan) else 0.0
+        each_file = (0.99 - done) / (len(plan.objects) * len(plan.formats))  # the rest is for the end
+        sources = yield from _sources(context, plan, folder, messages)
+        for obj, source in zip(plan.objects, sources, strict=True):
+            clip = _clip(context, obj, source, plan, folder)
+            with clips.playing(context, obj, clip.plays):
+                described = sidecar.describe(context, obj, plan.first, plan.last, source.simulated)
+            stem = cache_files.file_name(obj.name)
+            if source.table:
+                sidecar.copy_table(source.table, folder / "table", plan.first, plan.last)
+                _commit(folder / "table", plan.folder / f"{stem}.csv", written)
+            for each in plan.formats:
+                yield done
+                final = plan.folder / f"{stem}{FORMATS[each].ending}"
+                part = folder / final.name
+                with _readable_errors(each, final):
+                    reserve(context, clip, each, folder)
+                    for written_share in FORMATS[each].write(context, clip, part):
+                        yield done + each_file * written_share
+                _commit(part, final, written)
+                described["files"][final.name] = sidecar.describe_file(final, each, clip)
+                sidecar.write(folder / "sidecar", described)
+                _commit(folder / "sidecar", plan.folder / f"{stem}.json", written)
+                done += each_file
+
+
+def _sources(
+    context: bpy.types.Context, plan: ExportPlan, folder: Path, messages: list[str]
+) -> Generator[float, None, list[Source]]:
+    """Return what each object plays, after simulating those that play nothing."""
+    found = {obj.session_uid: None if plan.simulate else played(obj) for obj in plan.objects}
+    if missing := unplayed(plan):
+        begin = plan.first if plan.begin is None else plan.begin
+        bake = baking.BakePlan(  # which needs two frames
+            objects=missing, first=begin, last=max(plan.last, begin + 1), target="FILES",
+            folder=folder / "simulated",
+        )
+        for body in (yield from as_share(baking.simulate(context, bake, messages), 0.0, SIMULATED)):
+            found[body.link.uid] = Source(
+                plays=(body.path, begin, body.link.cuts), table=body.path.with_suffix(".csv"),
+                simulated=sidecar.describe_session(body.session),
+            )  # fmt: skip
+    return [source for obj in plan.objects if (source := found[obj.session_uid])]
+
+
+def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> None:
+    """Make sure that there is room for a file: where there is none, Blender's Alembic exporter ends Blender.
+
+    Raises:
+        OSError: there is not.
+    """
+    with clips.playing(context, clip.obj, clip.plays):
+        some = size_of(context, clip.obj, clip.normals)
+    size = (clip.last - clip.first + 1) * FORMATS[each].bytes_of(some) + 64 * some.corners + 2e5
+    if hasattr(os, "posix_fallocate"):
+        with (folder / "room").open("wb") as file:
+            os.posix_fallocate(file.fileno(), 0, int(1.1 * size))
+        (folder / "room").unlink()
+    elif shutil.disk_usage(folder).free < 1.1 * size:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
+
+
+def _clip(
+    context: bpy.types.Context, obj: bpy.types.Object, source: Source, plan: ExportPlan, folder: Path
+) -> Clip:
+    samples = np.empty((0, 0, 3), np.float32)
+    if not all(FORMATS[each].played for each in plan.formats):
+        path = folder / "seen.pc2"
+        try:
+            samples = clips.seen(context, obj, source.plays, plan.first, plan.last, path)
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, error.filename or str(path)) from error
+    return Clip(
+        obj=obj, plays=source.plays, samples=samples, first=plan.first, last=plan.last, step=plan.step,
+        key_error=plan.key_error, normals=plan.normals,
+    )  # fmt: skip
+
+
+def _commit(part: Path, final: Path, written: list[Path]) -> None:
+    """Let what is whole take its name. A folder takes the place of the one that is there as a whole."""
+    if final.is_dir() and not final.is_symlink():
+        os.replace(final, part.with_name(f"{part.name}.old"))  # goes with the temporary folder
+    os.replace(part, final)
+    if final not in written:
+        written.append(final)
+
+
+@contextlib.contextmanager
+def _readable_errors(each: str, final: Path) -> Iterator[None]:
+    """Let an error say which format could not be written, and where."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename:
+            raise
+        raise OSError(error.errno, error.strerror, str(final)) from error
+    except DimpleError as error:
+        raise DimpleError(f"{FORMATS[each].label}: {error}") from error

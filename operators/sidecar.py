@@ -1,7 +1,8 @@
-"""The JSON beside an exported animation: what is in the files, in which units, and how it was simulated."""
+"""The tables beside an exported animation: its forces, and a JSON of what is in the files and how it was simulated."""
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import json
 import os
@@ -14,7 +15,7 @@ import bpy
 import numpy as np
 
 from . import bridge, cache_files
-from .clip import Clip
+from .clips import Clip
 from .formats import FORMATS
 
 if TYPE_CHECKING:
@@ -97,6 +98,15 @@ def write(path: Path, described: dict[str, Any]) -> None:
         file.write("\n")
         file.flush()
         os.fsync(file.fileno())
+
+
+def copy_table(table: Path, path: Path, first: int, last: int) -> None:
+    """Write the lines of a table of forces that are within some frames."""
+    with table.open(newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    kept = [row for row in rows if row and first <= float(row[0]) <= last]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([head, *kept])
 
 
 def _plain(params: dict[str, Any]) -> dict[str, Any]:
