@@ -15,7 +15,6 @@ from ..core.steps import Parts, at_once
 from . import (
     bridge,
     contact,
-    final_mesh,
     fingertip_objects,
     haptic,
     live_press,
@@ -202,7 +201,7 @@ def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger
     if body.link is not link:
         pressed = ()  # those were in metres of another size
         sessions.disarm()  # which may put it under a fingertip of the haptic device at once
-    follow(context, obj, body)
+    body.follow(context, obj)
     device = haptic.fingertips(context.scene, body)
     fingers = merged(device or pressing(context.scene, body), pressed)
     body.held = {i: finger for i, finger in enumerate(merged(device, pressed)) if finger}
@@ -221,16 +220,11 @@ def finish(body: LiveBody) -> list[str]:
     showing.show(_object(body), body)
     if body.recorder:
         try:
-            body.recorder.append(frame.time, showing.offsets_of(body), body.session)
+            body.recorder.append(frame.time, body.offsets(), body.session)
         except OSError as error:
             ended = body.recorder.cut_short(body.name, error)
             messages += [ended, *(each for each in sessions.end_recording(body) if not isinstance(each, Note))]
     return messages
-
-
-def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> None:
-    """Let what is pinned of a body go where its object has gone, and its shape at rest be what its rig makes of it."""
-    body.matrix, body.rest = final_mesh.lead(context, obj, body.link, body.session, body.matrix, body.rest)
 
 
 def pressing(scene: bpy.types.Scene, body: LiveBody) -> Sequence[Finger | None]:

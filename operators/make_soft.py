@@ -30,8 +30,8 @@ def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[
     return _items
 
 
-class DIMPLE_OT_make_soft(bpy.types.Operator):
-    """Make the selected meshes soft bodies, ready to be pressed: material, real size, pins, and what is simulated"""
+class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
+    """Make the selected meshes soft and ready to press, with a material, a real size and pins"""
 
     bl_idname = Op.MAKE_SOFT
     bl_label = "Make Soft"
@@ -39,22 +39,20 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
 
     preset: EnumProperty(
         name="Material",
-        description="Object whose constants the material gets; unchosen, only a mesh without one gets it",
+        description="Material for the meshes. Unless you choose one, only meshes without a material get it",
         items=presets, default=0, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
     )  # fmt: skip
     repair: BoolProperty(
-        name="Repair", description="Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself"
+        name="Repair", description="Repair the mesh itself: weld doubled vertices, delete loose ones and turn faces "
+                                   "outward"
     )
     faults: StringProperty(name="Faults", options={"HIDDEN", "SKIP_SAVE"})
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need Object Mode and a mesh of this file."""
-        if context.mode != "OBJECT":
-            return polls.refuse(cls, "Go back to Object Mode first")
-        if context.object is None or context.object.type not in PRESSABLE:
-            return polls.refuse(cls, "Select a mesh first")
-        return polls.is_own(cls, context.object) and polls.is_free(cls)
+    needs = (
+        polls.in_object_mode,
+        polls.need(lambda context: context.object and context.object.type in PRESSABLE, "Select a mesh first"),
+        polls.is_own, polls.is_free,
+    )  # fmt: skip
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask only where the mesh itself should be changed."""
@@ -69,7 +67,6 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         return self.execute(context)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the material, and what is offered, and why."""
         column = self.layout.column()
         column.prop(self, "preset")
         if self.faults:
@@ -138,7 +135,8 @@ def make_soft(
         DimpleError: it cannot be pressed; only its material and settings may have been set.
     """
     from ..core.base import DimpleError
-    from . import bridge, planning
+    from . import bridge
+    from .object_body import ObjectBody
 
     bridge.check(obj)
     bridge.check_writable(obj)
@@ -154,8 +152,7 @@ def make_soft(
     obj.dimple.enabled = True
     if len(obj.data.vertices) > LARGE:
         return f'"{obj.name}" is soft: "{obj.active_material.name}". It is prepared when you press it first.', []
-    _, model = bridge.read_body(context, obj)
-    planning.proxy_for(context.scene, obj, model)  # so that the first press begins at once
+    model = ObjectBody.from_object(obj).session.model  # planned now, so that the first press begins at once
     size, notes = f"{1e3 * model.mesh.size:.3g} mm", [type(note)(f'"{obj.name}": {note}') for note in model.notes]
     said = f'"{obj.name}" is soft: "{obj.active_material.name}", {size} across. Press it with the left mouse button.'
     return said, notes

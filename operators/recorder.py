@@ -13,6 +13,7 @@ from ..core.recording import PointCache
 if TYPE_CHECKING:
     from ..core.session import Session
     from .bridge import Singles
+    from .object_body import ObjectBody
 
 FINGERS = 3
 
@@ -66,20 +67,17 @@ class Recorder:
         path: the PC2 file; the table of forces goes beside it.
         start_frame: the frame of the animation that is now.
         fps: frames per second.
-        time: of the session now [s].
-        offsets: (N, 3) from the shape at rest that show now.
+        body: what is recorded.
     """
 
-    def __init__(
-        self, path: Path, start_frame: int, fps: float, time: float, offsets: Singles, session: Session
-    ) -> None:
+    def __init__(self, path: Path, start_frame: int, fps: float, body: ObjectBody) -> None:
         self._path, self._start_frame, self._fps = path, start_frame, fps
-        self._began = self._time = time
-        self._offsets = offsets
+        self._began = self._time = body.frame.time
+        self._offsets = offsets = body.offsets()
         with contextlib.ExitStack() as self._files:
             self._cache = open_file(self._files, path, lambda name: PointCache(name, len(offsets), start_frame))
             self._table = open_file(self._files, path.with_suffix(".csv"), ForceTable)
-            self.append(time, offsets, session)
+            self.append(self._time, offsets, body.session)
             self._files = self._files.pop_all()
 
     @property

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import bpy
 
 from . import sessions
-
-if TYPE_CHECKING:
-    from .bridge import Singles
 
 
 def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
@@ -57,13 +52,6 @@ def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
     if body.shown is None or any(a is not b for a, b in zip(now, body.shown, strict=True)):
         offset.show(obj, bridge.offsets_of(*now))
         body.shown = now
-
-
-def offsets_of(body: sessions.LiveBody) -> Singles:
-    """Return how far (N, 3) the vertices of a session are from the shape at rest, in the space of its object."""
-    from . import bridge
-
-    return bridge.offsets_of(body.link, body.matrix, body.rest, body.session.positions())
 
 
 def rest_all() -> None:

@@ -120,9 +120,9 @@ def simulated(bpy: ModuleType) -> Callable[[Any], np.ndarray]:
     """Return a function that reads how far (n, 3) a session has come from its shape at rest, bit for bit."""
 
     def read(obj: Any) -> np.ndarray:
-        from bl_ext.user_default.dimple.operators import sessions, showing
+        from bl_ext.user_default.dimple.operators import sessions
 
-        return showing.offsets_of(sessions.get(obj))
+        return sessions.get(obj).offsets()
 
     return read
 

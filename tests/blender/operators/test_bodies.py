@@ -280,7 +280,8 @@ def test_a_preset_sets_constants_size_and_source(bpy: ModuleType, ball: Add) -> 
 def test_a_scripted_press_goes_straight_in_from_outside_wherever_it_is_put(bpy: ModuleType, add: Callable) -> None:
     """At every face centre of a divided cube, from the surface itself; and by default in the middle of its top."""
     import bmesh
-    from bl_ext.user_default.dimple.operators import press, sessions
+    from bl_ext.user_default.dimple import Body
+    from bl_ext.user_default.dimple.operators import press
 
     obj = add()
     cube = bmesh.new()
@@ -290,14 +291,13 @@ def test_a_scripted_press_goes_straight_in_from_outside_wherever_it_is_put(bpy: 
     centres = [(tuple(face.calc_center_median()), tuple(face.normal)) for face in cube.faces]
     cube.free()
     assert len(centres) == 150
-    live, _ = sessions.start(obj, bpy.context)
+    body = Body.from_object(obj)
     for place, normal in centres:
-        hit = press.aimed({live.link.uid: live}, place, (0.0, 0.0, 0.0)).hit
+        hit = press.aimed({body.link.uid: body}, place, (0.0, 0.0, 0.0)).hit
         assert hit.normal == pytest.approx(normal, abs=1e-6), place
-        assert live.to_world(hit.point) == pytest.approx(place, abs=1e-6)
-    hit = press.aimed({live.link.uid: live}, None, (0.0, 0.0, 0.0)).hit
-    assert live.to_world(hit.point) == pytest.approx((0.0, 0.0, 1.0), abs=1e-6)
-    sessions.stop_all()
+        assert body.to_world(hit.point) == pytest.approx(place, abs=1e-6)
+    hit = press.aimed({body.link.uid: body}, None, (0.0, 0.0, 0.0)).hit
+    assert body.to_world(hit.point) == pytest.approx((0.0, 0.0, 1.0), abs=1e-6)
 
 
 def test_a_scripted_press_by_force_is_deeper_on_a_softer_body(bpy: ModuleType, ball: Add, shown: Any) -> None:
