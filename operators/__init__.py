@@ -8,6 +8,7 @@ from . import (
     add_fingertip,
     apply_preset,
     bake,
+    bug_report,
     calibrate,
     calibrate_apply,
     calibrate_together,
@@ -28,31 +29,13 @@ from . import (
 )
 
 PARTS = (
-    make_soft,
-    start,
-    poke,
-    play,
-    record,
-    bake,
-    export,
-    apply_preset,
-    add_fingertip,
-    key_press,
-    calibrate,
-    calibrate_apply,
-    calibrate_together,
-    softness,
-    measure,
-    compare_materials,
-    device,
-    experiment,
-    command_line,
+    bug_report, make_soft, start, poke, play, record, bake, export, apply_preset, add_fingertip, key_press, calibrate,
+    calibrate_apply, calibrate_together, softness, measure, compare_materials, device, experiment, command_line,
     handlers,
-)
+)  # fmt: skip
 
 
 def register() -> None:
-    """Register every operator, then listen to Blender."""
     for part in PARTS:
         part.register()
 

@@ -1,5 +1,6 @@
 """Sentences for the artist, and how an operator says them."""
 
+import logging
 import re
 from collections.abc import Iterable
 
@@ -7,6 +8,7 @@ import bpy
 
 from .translation import in_a_row
 
+LOG = logging.getLogger("dimple")
 # what stays on one line in Japanese: a character or a Latin word, with what opens before it and closes after it
 _PIECE = re.compile(r"[「『（]*(?:[!-~]+|.)[、。」』）！？：・ー〜々ぁぃぅぇぉっゃゅょァィゥェォッャュョ]* ?")
 _OF_A_BODY = re.compile(r'"(.+?)": (.*)', re.DOTALL)
@@ -19,7 +21,8 @@ class Note(str):
 
 
 def say(operator: bpy.types.Operator, kind: set[str], *sentences: str) -> None:
-    """Report messages in a row in the language of the interface; kind: as `Operator.report` takes it."""
+    """Log messages, and report them in a row in the language of the interface; kind: as `Operator.report` takes it."""
+    LOG.log(logging.WARNING if kind & {"WARNING", "ERROR"} else logging.INFO, " ".join(sentences))
     operator.report(kind, in_a_row(sentences))
 
 

@@ -18,7 +18,7 @@ DEAD_MAN = "LEFT_SHIFT"  # the haptic device has force only while this key is he
 # the tip that measured a material: the identifiers of the core, in capitals
 TIPS = (
     ("POINT", "Point", "Something small that touches at a point, as in the paper"),
-    ("PUNCH", "Flat Punch", "A flat, round face that goes in as one"),
+    ("PUNCH", "Flat Punch", "A flat, round face"),
     ("SPHERE", "Ball", "A round tip, like a fingertip"),
 )
 # what an animation is exported to; `formats` writes them
@@ -50,6 +50,7 @@ PLACES = (
 class Op(StrEnum):
     """Every `bpy.ops` name of the extension that acts on a body."""
 
+    COPY_REPORT = "dimple.copy_report"
     MAKE_SOFT = "dimple.make_soft"
     START = "dimple.start"
     POKE = "dimple.poke"
