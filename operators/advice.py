@@ -20,9 +20,9 @@ def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: Ob
     """Return sentences of advice on a body: its rig, what of the scene does not act, its size, and how fine it is."""
     notes, size = [], mesh.size
     if stack.is_carried(body):
-        notes.append(Note("A rig holds it: its shape at rest goes where that goes."))
+        notes.append(Note("A rig holds the body: its shape at rest follows the rig."))
     if any(each.field and each.field.type != "NONE" for each in scene.objects):
-        notes.append(Note("Wind and other force fields of the scene do not act on it."))
+        notes.append(Note("Wind and other force fields of the scene do not act on the body."))
     for bake in filter(stack.is_cache, body.modifiers):
         if not all(path.exists() for path, _ in offset.files(bake)):
             notes.append(f'The file that "{bake.name}" plays is gone: bake again.')
@@ -32,7 +32,7 @@ def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: Ob
             notes.append(f'The fingertip "{tip.name}" is disabled in the viewport, so it does not move.')
     radius, edge = scene.dimple.finger_radius_mm / 1e3, float(np.median(mesh.rest_lengths))
     if link.cuts:
-        notes.append(Note(f"The mesh is coarse for the fingertip: it is pressed with {len(link.rest):,} vertices."))
+        notes.append(Note(f"The mesh is coarse for the fingertip: it is subdivided to {len(link.rest):,} vertices."))
     if radius < size / 100:
         notes.append(
             f"The body is {size:.3g} m across, over 100 times the radius of the fingertip. "

@@ -8,30 +8,30 @@ from .messages import report, say
 from .names import Op
 
 
-class DIMPLE_OT_compare_materials(bpy.types.Operator):
-    """Put a twin with a copy of the material beside the object; one press presses both, so that two can be compared"""
+class DIMPLE_OT_compare_materials(polls.Declared, bpy.types.Operator):
+    """Compare two materials: put a copy of the object, with a material of its own, beside it. One press presses both"""
 
     bl_idname = Op.COMPARE_MATERIALS
     bl_label = "Compare Materials"
     bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a soft body without a twin, and nothing that runs."""
-        obj = context.object
-        if context.mode != "OBJECT":
-            return polls.refuse(cls, "Go back to Object Mode first")
-        if not polls.needs_mesh(cls, context) or not polls.is_own(cls, obj):
-            return False
-        if not obj.dimple.enabled or obj.active_material is None:
-            return polls.refuse(cls, "Make the object soft first")
-        if twins.other(obj, context.scene):
-            return polls.refuse(cls, "The object has a twin already: use one of the two materials first")
-        if sessions.sessions or modal_runs.runs:
-            return polls.refuse(cls, "Something is being pressed: end that first, with Esc or Reset")
-        return True
+    needs = (
+        polls.in_object_mode, polls.needs_mesh, polls.is_own,
+        polls.need(
+            lambda context: context.object.dimple.enabled and context.object.active_material,
+            "Make the object soft first",
+        ),
+        polls.need(
+            lambda context: not twins.other(context.object, context.scene),
+            "The object has a twin already: use one of the two materials first",
+        ),
+        polls.need(
+            lambda _: not (sessions.sessions or modal_runs.runs),
+            "Something is being pressed: end that first, with Esc or Reset",
+        ),
+    )  # fmt: skip
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         """Copy object, mesh and materials."""
         obj = context.object
         twin = obj.copy()
@@ -50,26 +50,25 @@ class DIMPLE_OT_compare_materials(bpy.types.Operator):
         twin.dimple.twin = obj
         twin.select_set(False)
         say(self, {"INFO"}, polls.tip_("{} is its twin: select it and change its material").format(f'"{twin.name}"'))
-        return {"FINISHED"}
 
 
-class DIMPLE_OT_use_material(bpy.types.Operator):
-    """Keep the material of the selected one of two twins, and remove the copy"""
+class DIMPLE_OT_use_material(polls.Declared, bpy.types.Operator):
+    """Decide between two compared materials: keep that of the selected object, and remove the copy"""
 
     bl_idname = Op.USE_MATERIAL
     bl_label = "Use This Material"
     bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a twin."""
-        if context.mode != "OBJECT":
-            return polls.refuse(cls, "Go back to Object Mode first")
-        if context.object is None or not twins.other(context.object, context.scene):
-            return polls.refuse(cls, "The object has no twin: Compare Materials makes one")
-        return polls.is_free(cls)
+    needs = (
+        polls.in_object_mode,
+        polls.need(
+            lambda context: context.object and twins.other(context.object, context.scene),
+            "The object has no twin: Compare Materials makes one",
+        ),
+        polls.is_free,
+    )
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         """Give the original the materials that were chosen, and remove its copy."""
         chosen, other = context.object, twins.other(context.object, context.scene)
         original, copy = (other, chosen) if chosen.dimple.twin == other else (chosen, other)
@@ -86,7 +85,6 @@ class DIMPLE_OT_use_material(bpy.types.Operator):
                     data.remove(each)
         context.view_layer.objects.active = original
         original.select_set(True)
-        return {"FINISHED"}
 
 
 def beside(context: bpy.types.Context, obj: bpy.types.Object) -> Vector:

@@ -86,7 +86,7 @@ def _changing(
     try:
         messages = yield from _change(context, obj, body, now)
     except DimpleError as error:
-        body.refused = f"{error} Until then it goes on as it was."
+        body.refused = f"{error} Until then the body keeps its old settings."
         return [] if refused_before else [body.refused]
     if any(had and not has for had, has in zip(body.settings.materials, now.materials, strict=False)):
         messages.append(f'"{body.name}": a material is gone: the constants of a new one act in its place.')

@@ -3,6 +3,7 @@
 import time
 
 import bpy
+from bpy.props import IntProperty
 
 from . import modal_runs, sessions
 from .messages import duration, say
@@ -15,6 +16,24 @@ READY = 0.05  # of a bake, for getting ready: how long that takes does not tell 
 def show_share(context: bpy.types.Context, verb: str, share: float) -> None:
     """Show in the status bar how far something is whose time is not known."""
     context.workspace.status_text_set(translated(f"{verb} {share:.0%} | Esc: cancel"))
+
+
+class FrameRange:
+    """Give an operator a first and a last frame."""
+
+    frame_start: IntProperty(
+        name="First Frame", description="First frame of the animation. By default that of the scene", default=1
+    )
+    frame_end: IntProperty(
+        name="Last Frame", description="Last frame of the animation. By default that of the scene", default=250
+    )
+
+    def _frames(self, scene: bpy.types.Scene) -> tuple[int, int]:
+        given = self.properties.is_property_set
+        return (
+            self.frame_start if given("frame_start") else scene.frame_start,
+            self.frame_end if given("frame_end") else scene.frame_end,
+        )
 
 
 class Working:
