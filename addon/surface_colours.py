@@ -216,13 +216,11 @@ def titles() -> dict[str, str]:
 
 
 def register() -> None:
-    """Add both draw functions to every 3D viewport."""
     for draw, moment in ((draw_surfaces, "POST_VIEW"), (draw_scales, "POST_PIXEL")):
         _handlers.append(bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", moment))
 
 
 def unregister() -> None:
-    """Stop drawing."""
     while _handlers:
         bpy.types.SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
     _made.clear()

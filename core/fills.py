@@ -33,17 +33,14 @@ class Fill(NamedTuple):
 
 
 FILLS = {
-    "air": Fill(
-        "Air", "The enclosed air is compressed: the pressure rises and the volume falls a little", 0,
-        PressureLaw.GAS, reserve=16.0,
-    ),
+    "air": Fill("Air", "Full of air: a press compresses it a little", 0, PressureLaw.GAS, reserve=16.0),
     "liquid": Fill(
-        "Liquid", "The enclosed liquid keeps its volume: where a dent goes in, the body bulges elsewhere", 1,
+        "Liquid", "Full of liquid, which keeps its volume: where a dent goes in, the body bulges elsewhere", 1,
         PressureLaw.BULK, reserve=2.0,
     ),
     "solid": Fill(
-        "Solid", "Rubber, jelly or flesh to the core: it keeps its volume, and gives way round a fingertip", 3,
-        PressureLaw.BULK, reserve=2.0, elastic=True,
+        "Solid", "Solid to the core, like rubber, jelly or flesh: it keeps its volume, and gives way round a fingertip",
+        3, PressureLaw.BULK, reserve=2.0, elastic=True,
     ),
-    "none": Fill("None", "Nothing is enclosed, so there is no pressure. Suits open meshes", 2, PressureLaw.NONE),
+    "none": Fill("None", "An empty shell without pressure. Suits open meshes", 2, PressureLaw.NONE),
 }  # fmt: skip
