@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import EnumProperty
 
-from . import fingertip_objects, modal_runs, polls, sessions
+from . import fingertip_objects, polls, sessions
 from .messages import say
 from .names import Op
 from .working import READY, FrameRange, Working
@@ -31,9 +31,6 @@ class DIMPLE_OT_bake(FrameRange, Working, polls.Declared, bpy.types.Operator):
 
     needs = polls.in_object_mode, polls.is_free
 
-    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
-        return modal_runs.open_run(context, "bake", "Baking: Esc cancels", interval=0.01)
-
     def _begin(self, context: bpy.types.Context):
         """Return the steps of the bake; live sessions end first, for a bake starts at rest."""
         from . import baking, live
@@ -49,10 +46,7 @@ class DIMPLE_OT_bake(FrameRange, Working, polls.Declared, bpy.types.Operator):
         return baking.bake(context, plan, self._messages)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
-        say(self, {"INFO"}, f"Baked objects: {self._count}")
-        for sentence in self._messages:  # the last is what is seen
-            say(self, {"WARNING"}, sentence)
-        return {"FINISHED"}
+        return self._done(f"Baked objects: {self._count}", self._messages)
 
 
 def _may_play(context: bpy.types.Context) -> bool:

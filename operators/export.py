@@ -5,8 +5,8 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from . import modal_runs, polls, sessions
-from .messages import megabytes, say, wrapped
+from . import polls, sessions
+from .messages import megabytes, wrapped
 from .names import EXPORTS, Op
 from .translation import translated
 from .working import READY, FrameRange, Working
@@ -109,9 +109,6 @@ class DIMPLE_OT_export_animation(FrameRange, Working, polls.Declared, bpy.types.
             return str(error), "ERROR"
         return iface_("{} frames, about {} MB").format(plan.last - plan.first + 1, size), "INFO"
 
-    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
-        return modal_runs.open_run(context, "export", "Exporting: Esc cancels", interval=0.01)
-
     def _begin(self, context: bpy.types.Context):
         """Return the steps; live sessions end first, for what is exported starts at rest."""
         from ..core.base import DimpleError
@@ -144,10 +141,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, polls.Declared, bpy.types.
         )
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
-        say(self, {"INFO"}, f"Exported {len(self._written)} files to {self._written[0].parent}")
-        for sentence in self._messages:  # the last is what is seen
-            say(self, {"WARNING"}, sentence)
-        return {"FINISHED"}
+        return self._done(f"Exported {len(self._written)} files to {self._written[0].parent}", self._messages)
 
 
 def _draw_in_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:

@@ -42,7 +42,6 @@ class Working:
     The operator brings:
 
     _begin(context): the steps, a generator of the share that is done; closing it undoes what is half done.
-    _open(context): the ModalRun.
     _finished(context): what follows the last step.
     verb: what the status bar says it does.
     stopped: the message after Esc.
@@ -110,6 +109,15 @@ class Working:
         """Leave when Blender ends the operator: the window closes, another file is loaded."""
         if self._run is not None:
             modal_runs.close_run(self._run)
+
+    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
+        return modal_runs.open_run(context, "work", f"{self.verb}: Esc cancels", interval=0.01)
+
+    def _done(self, sentence: str, warnings: list[str]) -> set[str]:
+        say(self, {"INFO"}, sentence)
+        for each in warnings:  # the last is what is seen
+            say(self, {"WARNING"}, each)
+        return {"FINISHED"}
 
     def _work(self) -> float:
         """Work for a moment; return the share that is done, 1 when all is."""
