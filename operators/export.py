@@ -68,7 +68,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, polls.Declared, bpy.types.
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Export at once; behind the file browser start anew, for this one cannot go on between events."""
+        """Export at once; behind the file browser start again, for this one cannot go on between events."""
         if getattr(self, "_browsing", False):
             settings = {name: getattr(self, name) for name in _ASKED}
             bpy.ops.dimple.export_animation("INVOKE_DEFAULT", directory=self.directory, **settings)

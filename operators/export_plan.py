@@ -42,7 +42,7 @@ class ExportPlan:
     step: frames from one shape key to the next.
     key_error: how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for a shape key
         every `step` frames.
-    simulate: simulate anew also what plays a bake or a recording.
+    simulate: also objects that play a bake or a recording.
     overwrite: files that are there.
     normals: write how the surface is shaded.
     """

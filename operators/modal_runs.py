@@ -111,7 +111,7 @@ def close_run(run: ModalRun) -> None:
 
 
 def redraw() -> None:
-    """Ask every viewport to draw itself anew."""
+    """Ask every viewport to redraw."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":

@@ -57,7 +57,7 @@ class DIMPLE_OT_play(polls.Declared, bpy.types.Operator):
         try:
             if start.takes_long(context):
                 bpy.ops.dimple.start("INVOKE_DEFAULT", then="play")
-                return {"CANCELLED"}  # it is started anew when they are ready
+                return {"CANCELLED"}  # it starts again once they are ready
             self._report(live.start_all(context))
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
@@ -107,7 +107,7 @@ class DIMPLE_OT_play(polls.Declared, bpy.types.Operator):
     def _follow(self, context: bpy.types.Context) -> list[str]:
         """Go on with the timeline by one frame, as a bake does.
 
-        Wound back, it begins anew at rest.
+        Once the timeline is wound back, the bodies begin again at rest.
         """
         from . import live, props, timeline
 

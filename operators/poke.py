@@ -84,7 +84,7 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
         try:
             if start.takes_long(context):
                 bpy.ops.dimple.start("INVOKE_DEFAULT", then="poke")
-                return {"CANCELLED"}  # it is started anew when they are ready
+                return {"CANCELLED"}  # it starts again once they are ready
             sizing.fit(context.scene, found.obj if found else live.candidates(context)[0])
             self._tool = fingertip.settings_of(context.scene)
             self._state = PokeState(**self._tool)

@@ -91,7 +91,7 @@ class Recorder:
         Raises:
             OSError: the disk refuses; what was written before is kept.
         """
-        if time < self._time:  # the session was put back to rest: its clock began anew
+        if time < self._time:  # the session was put back to rest: its clock began again
             self._began -= self._time - time
             self._time = time
         span = time - self._time

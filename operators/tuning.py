@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 PAINTED_S = 0.2  # simulated time between two looks at weights that are being painted
 LARGE = 12_000  # vertices: to change more takes several frames
 WAIT_S = 0.008  # that a frame waits for the change of fewer, so that it is shown in it or soon after
-UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned anew
+UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned again
 
 
 def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
@@ -144,7 +144,7 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
 
 
 def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
-    """Plan anew for constants that were tuned, once nothing presses: a proxy takes a while to make."""
+    """Plan again for constants that were tuned, once nothing presses: a proxy takes a while to make."""
     session, before, around = body.session, body.around, planning.around(context.scene, obj)
     if body.changed_at is None:
         return []

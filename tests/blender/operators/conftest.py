@@ -221,8 +221,9 @@ class Hand:
         stub = type("Stub", (), _plain(operator))()
         stub.report = lambda level, text: self.reports.append((*level, text))
         properties = getattr(context.bpy.ops.dimple, name).get_rna_type().properties
-        for name in operator.__annotations__:
-            prop = properties[name]
+        for name in (name for each in operator.__mro__ for name in getattr(each, "__annotations__", ())):
+            if (prop := properties.get(name)) is None:
+                continue
             setattr(stub, name, tuple(prop.default_array) if getattr(prop, "is_array", False) else prop.default)
         stub.properties = SimpleNamespace(is_property_set=lambda name: name in self.given)
         self.given: set[str] = set()

@@ -130,7 +130,7 @@ def test_a_constant_that_cannot_be_is_refused_in_words_and_the_old_one_goes_on(
     first = force(entry)
     vinyl.K1 = 0.0
     messages = step(bpy)
-    assert len(messages) == 1 and "K1 must be greater than 0" in messages[0] and "goes on as it was" in messages[0]
+    assert len(messages) == 1 and "K1 must be greater than 0" in messages[0] and "keeps its old settings" in messages[0]
     assert step(bpy) == [] and entry.refused == messages[0], "it is said once, and shown as long as it is so"
     assert force(entry) == pytest.approx(first, rel=0.01)
     vinyl.K1 = 0.61
