@@ -24,6 +24,7 @@ class DIMPLE_OT_bake(FrameRange, Working, polls.Declared, bpy.types.Operator):
         "a mesh that is too heavy, as in a live press. Full Mesh in Physics > Dimple bakes every vertex"
     )
     bl_options = {"UNDO"}
+    running = "Baking: Esc cancels"
     verb, stopped = "Baking", "The bake was cancelled; nothing has changed"
     ready = READY
 

@@ -24,6 +24,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, polls.Declared, bpy.types.
 
     bl_idname = Op.EXPORT
     bl_label = "Export Animation"
+    running = "Exporting: Esc cancels"
     verb, stopped = "Exporting", "The export was cancelled; the files that were finished are kept"
     ready = READY
 

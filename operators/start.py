@@ -17,6 +17,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
     bl_idname = Op.START
     bl_label = "Get Ready"
     bl_options = {"INTERNAL"}
+    running = "Getting ready: Esc cancels"
     verb, stopped = "Getting ready", "Nothing was started"
     ready = 1.0  # how long the parts take is not known
 

@@ -44,6 +44,7 @@ class Working:
     _begin(context): the steps, a generator of the share that is done; closing it undoes what is half done.
     _finished(context): what follows the last step.
     verb: what the status bar says it does.
+    running: what the panel says meanwhile.
     stopped: the message after Esc.
     ready: the share after which the time left is known.
     """
@@ -111,7 +112,7 @@ class Working:
             modal_runs.close_run(self._run)
 
     def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
-        return modal_runs.open_run(context, "work", f"{self.verb}: Esc cancels", interval=0.01)
+        return modal_runs.open_run(context, "work", self.running, interval=0.01)
 
     def _done(self, sentence: str, warnings: list[str]) -> set[str]:
         say(self, {"INFO"}, sentence)

@@ -23,7 +23,7 @@ BESIDE = re.compile(r"(?<=[.?])\s*\{\}$|^\{\}\s(?=[A-Z][a-z])")
 UNSEEN = (
     "core/calibration/export.py", "core/calibration/vocabulary.py", "core/haptics/command.py",
     "core/native/body.py", "core/native/carry.py", "core/native/scene.py", "core/solver/twin.py",
-    "operators/clip.py", "operators/command_line.py", "operators/curves.py", "operators/formats.py",
+    "operators/clips.py", "operators/command_line.py", "operators/curves.py", "operators/formats.py",
     "operators/sidecar.py",
 )  # fmt: skip
 # whose texts are looked up when they are whole: presets, and what a map paints
@@ -33,7 +33,10 @@ UNSEEN_TEXTS = {
     "Simulated by Dimple, not measured: {}, {} mm", "Tip: sphere, radius {} mm",
     "Material: K1 {} N/mm, K2 {} N/mm, x0 {} mm", "Object Info", "Dimple Press", ".Dimple Press",
     "Dimple Trial", "Dimple Export", "Dimple Frame", "Fingertip {}", "{} mm", "{}: {}, {}, calibrated {}",
+    "%s: everything was ended", "ABI {}, {}", "Core: {}", "Dimple {}, Blender {}, {}",
 }  # fmt: skip
+
+STATES = ("PAUSED", "PAUSED_POKE", "running")  # the names of what the panel says while something runs
 
 
 def classes(bpy: ModuleType) -> Iterator[type]:
@@ -97,8 +100,9 @@ def drawn_texts() -> Iterator[str]:
     root = Path(dimple.__file__).parent
     for path in [*root.glob("addon/*.py"), *root.glob("operators/*.py")]:
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") in ("PAUSED", "PAUSED_POKE"):
-                yield from (part.value for part in ast.walk(node.value) if isinstance(part, ast.Constant))
+            if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") in STATES:
+                constants = (part for part in ast.walk(node.value) if isinstance(part, ast.Constant))
+                yield from (part.value for part in constants if isinstance(part.value, str))
             if not isinstance(node, ast.Call):
                 continue
             written = [each.value for each in node.keywords if each.arg in ("text", "heading")]
@@ -109,8 +113,8 @@ def drawn_texts() -> Iterator[str]:
             name = getattr(node.func, "attr", getattr(node.func, "id", ""))
             if name == "open_run":
                 written += node.args[2:]
-            if name in ("refuse", "tip_"):
-                written += node.args
+            if name in ("refuse", "tip_", "need"):
+                written += node.args[-1:]
             for expression in written:
                 yield from (
                     part.value
