@@ -5,6 +5,7 @@ What cannot be used now is greyed out, not hidden; a tooltip from the operator's
 
 import bpy
 
+from ..operators import sizing
 from ..operators.fingertip_objects import body_of
 from ..operators.messages import Note
 from ..operators.names import Op
@@ -98,10 +99,9 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         draw_prop(layout, settings, "poke_along", active=settings.press_by == "DEPTH")
         layout.prop(settings, "active_finger")
         column = layout.column(align=True)
-        for number in (1, 2, 3):
+        for number in sizing.NUMBERS:
             column.prop(settings, f"finger_{number}")
-        tips = [getattr(settings, f"finger_{number}") for number in (1, 2, 3)]
-        if any(tip and tip.type != "EMPTY" for tip in tips):
+        if any(tip and tip.type != "EMPTY" for tip in sizing.fingertips(context.scene)):
             draw_notes(context, layout, ["A fingertip presses as a ball of this radius, whatever its shape."])
         column = layout.column(align=True)
         column.operator(Op.ADD_FINGERTIP, icon="SPHERE")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from . import offset, stack
+from . import offset, sizing, stack
 from .messages import Note
 
 if TYPE_CHECKING:
@@ -26,8 +26,7 @@ def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: Ob
     for bake in filter(stack.is_cache, body.modifiers):
         if not all(path.exists() for path, _ in offset.files(bake)):
             notes.append(f'The file that "{bake.name}" plays is gone: bake again.')
-    for number in (1, 2, 3):
-        tip = getattr(scene.dimple, f"finger_{number}")
+    for tip in sizing.fingertips(scene):
         if tip and (tip.hide_viewport or tip.name not in bpy.context.view_layer.objects):
             notes.append(f'The fingertip "{tip.name}" is disabled in the viewport, so it does not move.')
     radius, edge = scene.dimple.finger_radius_mm / 1e3, float(np.median(mesh.rest_lengths))

@@ -15,7 +15,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..core.base import DimpleError
-from . import bridge, bridge_model
+from . import bridge, bridge_model, sizing
 
 if TYPE_CHECKING:
     from ..core.base import Floats, Ints
@@ -115,7 +115,7 @@ def _is_collider(
         and obj.type == "MESH"
         and obj.session_uid not in bodies
         and obj.evaluated_get(graph).is_evaluated  # else it is disabled in viewports, and stands still
-        and obj not in [getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)]
+        and obj not in sizing.fingertips(scene)
     )
 
 

@@ -240,8 +240,7 @@ def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:
         place = tuple(scale * c for c in obj.matrix_world.translation)
         return Finger(place, sizing.radius_of(obj, scene, scale))
 
-    objects = (getattr(scene.dimple, f"finger_{number}") for number in fingertip_objects.NUMBERS)
-    return [finger(obj) if obj else None for obj in objects]
+    return [finger(obj) if obj else None for obj in sizing.fingertips(scene)]
 
 
 def merged(fingers: Sequence[Finger | None], pressed: Sequence[Finger | None]) -> tuple[Finger | None, ...]:

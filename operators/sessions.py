@@ -95,7 +95,9 @@ def get(obj: bpy.types.Object | None) -> LiveBody | None:
 
 def fingertip_objects(scene: bpy.types.Scene) -> set[bpy.types.Object | None]:
     """Return the objects that are fingertips; they press and are not pressed."""
-    return {getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)}
+    from .sizing import fingertips
+
+    return set(fingertips(scene))
 
 
 def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, list[str]]:

@@ -66,11 +66,11 @@ def test_an_open_mesh_faces_the_way_it_looks_also_where_it_is_mirrored(
     bpy: ModuleType, add: Add, mirror: float
 ) -> None:
     """A closed one is turned right side out anyway."""
-    from bl_ext.user_default.dimple.operators import bridge
+    from bl_ext.user_default.dimple import Body
 
     obj = add([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
     obj.scale.x = mirror
-    _, model = bridge.read_body(bpy.context, obj)
+    model = Body.from_object(obj).session.model
     a, b, c = model.mesh.rest_positions[model.mesh.triangles].transpose(1, 0, 2)
     assert (np.cross(b - a, c - a)[:, 2] > 0).all()
 
@@ -225,7 +225,7 @@ def test_pins_follow_a_body_that_is_moved(bpy: ModuleType, ball: Add, shown: Sho
 
 
 def test_materials_of_several_slots_press_differently(bpy: ModuleType, ball: Add, dent: Callable[..., Any]) -> None:
-    from bl_ext.user_default.dimple.operators import bridge
+    from bl_ext.user_default.dimple import Body
 
     obj = ball()
     for name, factor in (("Soft", 1), ("Hard", 8)):
@@ -234,7 +234,7 @@ def test_materials_of_several_slots_press_differently(bpy: ModuleType, ball: Add
         obj.data.materials.append(material)
     for polygon in obj.data.polygons:
         polygon.material_index = int(polygon.center.x > 0)
-    _, model = bridge.read_body(bpy.context, obj)
+    model = Body.from_object(obj).session.model
     assert [material.K1 for material in model.materials] == pytest.approx([610, 4880])
     assert (np.bincount(model.mesh.triangle_material) == 40).all()
 
