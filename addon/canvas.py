@@ -12,7 +12,7 @@ from .shapes import Point, Segment
 
 FINGERTIP = (1.0, 0.62, 0.15, 1.0)
 FORCE = (0.95, 0.2, 0.15, 1.0)
-FAINT, BACK = 0.35, 0.6  # how much of what is behind they hide
+FAINT, BACK = 0.35, 0.6  # how opaque they are
 
 LINE_WIDTH = 2.0  # in units of Blender's own line width
 # all sizes below in pixels at a resolution scale of 1

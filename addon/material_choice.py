@@ -21,7 +21,7 @@ _pictures: list[previews.ImagePreviewCollection] = []
 
 
 def choices(_settings: bpy.types.PropertyGroup | None, _context: bpy.types.Context | None) -> list[Item]:
-    """Return the known materials: identifier, name, source, picture and number; 0 is what is none of them."""
+    """Return the known materials: identifier, name, source, picture and number; 0 is a custom material."""
     from ..core.everyday import OBJECTS  # not at import: it needs numpy, and enabling must be quick
 
     if not _pictures:

@@ -23,7 +23,7 @@ def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
 
 
 def draw_softness(context: bpy.types.Context, layout: bpy.types.UILayout, material: bpy.types.Material) -> None:
-    """Draw what the material is in pictures, how soft it is, and what is wrong with its constants."""
+    """Draw the pictures of the materials, the softness, and errors in the constants."""
     layout.use_property_split = True
     body = context.object
     if body and body.type == "MESH" and body.active_material == material:  # its tab may be pinned to another

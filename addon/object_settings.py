@@ -1,11 +1,11 @@
-"""The settings of how an object is simulated and what it meets, and what all stored properties share."""
+"""The settings of the simulation and the contact of an object, and helpers for all stored properties."""
 
 from decimal import Decimal
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 FIXED = {"options": set()}
-KEYED = {"options": {"ANIMATABLE"}}  # a bake and what plays follow its keyframes
+KEYED = {"options": {"ANIMATABLE"}}  # a bake and a simulation follow its keyframes
 
 _SIMULATED = (
     ("AUTO", "Automatic", "Simulate the full mesh if it runs live, else the finest proxy that does. A coarse mesh is "
@@ -26,7 +26,7 @@ def kept_text(name: str, description: str) -> StringProperty:
 
 
 class ReductionSettings:
-    """The properties of an object that say what is simulated, and the planner's answer."""
+    """The choice of what to simulate for an object, and the planner's answer."""
 
     simulated: EnumProperty(
         name="Simulate", description="Choose between accuracy and speed: simulate the full mesh, or a coarser proxy "
@@ -47,7 +47,7 @@ class ReductionSettings:
 
 
 class ContactSettings:
-    """The properties of an object that say what it meets."""
+    """The contact of an object."""
 
     collider: BoolProperty(
         name="Dimple Collider",

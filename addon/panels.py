@@ -22,7 +22,7 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
     bl_label = "Press"
 
     def draw_header(self, context: bpy.types.Context) -> None:
-        """Note, before what is open is drawn, that the numbers are not."""
+        """Note that the numbers are hidden, until the open panel is drawn."""
         room.note_readout(context.area, shown=False)
 
     def draw(self, context: bpy.types.Context) -> None:

@@ -1,4 +1,4 @@
-"""The panels of Physics > Dimple: what makes an object soft, how it is simulated, and what it meets."""
+"""The panels of Physics > Dimple: softness, simulation and contact of an object."""
 
 import bpy
 
@@ -46,7 +46,7 @@ class DIMPLE_PT_body(PhysicsPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_contact(PhysicsPanel, bpy.types.Panel):
-    """What the object meets."""
+    """Contact of the object."""
 
     bl_label = "Contact"
     bl_parent_id = "DIMPLE_PT_body"

@@ -1,4 +1,4 @@
-"""Colours on the surface of what runs, with their scale, and the edges of the shape at rest above a dent.
+"""Colours on the surface of running bodies, with their scale, and the undeformed shape above a dent.
 
 They are drawn over the picture and change neither mesh nor material.
 """
@@ -156,7 +156,7 @@ def draw_rest(entry: Any, screen: Screen) -> None:
 
 
 def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen) -> float:
-    """Draw the scale at the right of what is free; return where what is left of it ends [px]."""
+    """Draw the scale at the right of the free area; return the right end of the rest [px]."""
     from ..core.fields import UNITS
 
     scale = screen.scale

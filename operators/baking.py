@@ -89,7 +89,7 @@ def plan_of(
 
 
 def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Iterator[float]:
-    """Bake; yield the share that is done. Whoever stops asking cancels, and nothing has changed.
+    """Bake; yield the share that is done. Closing the generator cancels, and nothing has changed.
 
     Args:
         messages: gets sentences for the artist.
@@ -106,7 +106,7 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
 def simulate(
     context: bpy.types.Context, plan: BakePlan, messages: list[str]
 ) -> Generator[float, None, Sequence[Baked]]:
-    """Simulate and write the files; yield the share that is done, and return what was simulated.
+    """Simulate and write the files; yield the share that is done, and return the bodies.
 
     Raises:
         DimpleError: an object cannot be baked, the simulation blew up, or the disk refuses.

@@ -24,7 +24,7 @@ _PACKAGE = (__package__ or "").rpartition(".")[0]
 
 
 def take_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
-    """Return where the next recording of an object goes: a PC2 file of a number that is still free.
+    """Return the path of the next recording of an object: a PC2 file with a number that is still free.
 
     Raises:
         DimpleError: the folder cannot be made.
@@ -33,7 +33,7 @@ def take_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
 
 
 def bake_path(context: bpy.types.Context, obj: bpy.types.Object, folder: Path | None = None) -> Path:
-    """Return where the bake of an object goes: over its last one; in a file without a name only if it plays that.
+    """Return the path of the bake of an object: that of its last one, in an unsaved .blend only while it plays that.
 
     Args:
         folder: where it goes anyway, under the name of the object.
@@ -121,7 +121,7 @@ def unfinished_folder(parent: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def plain_os_errors(doing: str, folder: str = "cache folder") -> Iterator[None]:
-    """Turn what the disk refuses into a sentence for the artist.
+    """Turn an error of the disk into a sentence for the artist.
 
     Args:
         folder: what it was to be written to.
@@ -187,7 +187,7 @@ def detach_cache(obj: bpy.types.Object) -> int:
 
 
 def _stored(path: str) -> str:
-    """Return a path as it goes into the file: relative where it can, so that a moved project still plays."""
+    """Return a path as the .blend stores it: relative if possible, so that a moved project still plays."""
     if not bpy.data.filepath:
         return path
     try:

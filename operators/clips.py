@@ -40,7 +40,7 @@ class Keys(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Clip:
-    """An object and what it does.
+    """An object and its animation.
 
     obj: the object.
     plays: the PC2 file of offsets that it is to play, its first frame, and how often its final mesh is subdivided; None
@@ -206,13 +206,13 @@ def keyed(
     mesh, name = obj.data, obj.data.name
     before = obj.active_shape_key_index, obj.show_only_shape_key
     shaping = [(each, each.show_viewport, each.show_render) for each in obj.modifiers]
-    if not mesh.library:  # its name goes into the file
+    if not mesh.library:  # its name is written to the file
         mesh.name = f"{name[:50]}.dimple"
     copy.name = name
     obj.data = copy
     obj.show_only_shape_key = False
     action = bpy.data.actions.new("Dimple")
-    for modifier, *_ in shaping:  # what they do is in the keys
+    for modifier, *_ in shaping:  # the keys include their effect
         modifier.show_viewport = modifier.show_render = False
     try:
         _add_keys(obj, rest, keys, action)

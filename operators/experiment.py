@@ -118,7 +118,7 @@ class DIMPLE_OT_show_trial(polls.Declared, bpy.types.Operator):
         return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Present by the clock until the press is over; what is felt, until an answer, the other interval or Esc."""
+        """Present in real time: a replayed press to its end, an object to feel until the answer or Esc."""
         if not self._begin(context):
             return {"CANCELLED"}
         self._run = modal_runs.open_run(context, "play", "Trial: answer in the panel, Esc ends it")
@@ -232,7 +232,7 @@ class DIMPLE_OT_stop_experiment(polls.Declared, bpy.types.Operator):
     needs = (_is_open,)
 
     def run(self, _context: bpy.types.Context) -> None:
-        """Stop, say what the answers come to, and put the object's own material back."""
+        """Stop, report the results, and restore the material of the object."""
         from ..core.experiment.results import sentences
 
         for sentence in sentences(experiments[0].experiment.log.rows):

@@ -111,7 +111,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, polls.Declared, bpy.types.
         return iface_("{} frames, about {} MB").format(plan.last - plan.first + 1, size), "INFO"
 
     def _begin(self, context: bpy.types.Context):
-        """Return the steps; live sessions end first, for what is exported starts at rest."""
+        """Return the steps; live sessions end first, for an export starts at rest."""
         from ..core.base import DimpleError
         from . import export_plan
 

@@ -1,4 +1,4 @@
-"""Export animations: check what is wanted, simulate or take what plays, write each format, and describe it in a JSON.
+"""Export animations: check the plan, simulate or take the bake, write each format, and describe the files in a JSON.
 
 Files are written in a temporary folder beside where they go, and go there when they are whole: whoever cancels keeps
 what is finished, and nothing half done stands under a final name.
@@ -122,7 +122,7 @@ def unplayed(plan: ExportPlan) -> list[bpy.types.Object]:
 
 
 def size_of(context: bpy.types.Context, obj: bpy.types.Object, normals: bool) -> Size:
-    """Return what the length of the files of an object depends on."""
+    """Return the numbers of an object on which the length of its files depends."""
     graph = context.view_layer.depsgraph
     mesh = obj.evaluated_get(graph).data if graph else obj.data
     corners = len(mesh.loops)
@@ -168,7 +168,7 @@ def check_choice(plan: ExportPlan) -> None:
 
 
 def check_space(context: bpy.types.Context, plan: ExportPlan) -> None:
-    """Check that the disk has room for what is estimated.
+    """Check that the disk has room for the estimated size.
 
     Raises:
         DimpleError: it has not.
@@ -184,7 +184,7 @@ def check_space(context: bpy.types.Context, plan: ExportPlan) -> None:
 def export(
     context: bpy.types.Context, plan: ExportPlan, messages: list[str], written: list[Path]
 ) -> Iterator[float]:
-    """Export; yield the share that is done. Whoever stops asking cancels, and keeps what is finished.
+    """Export; yield the share that is done. Closing the generator cancels; finished files are kept.
 
     Args:
         messages: gets sentences for the artist.
@@ -278,9 +278,9 @@ def _clip(
 
 
 def _commit(part: Path, final: Path, written: list[Path]) -> None:
-    """Let what is whole take its name. A folder takes the place of the one that is there as a whole."""
+    """Give a finished file its final name. A folder replaces the one that is there as a whole."""
     if final.is_dir() and not final.is_symlink():
-        os.replace(final, part.with_name(f"{part.name}.old"))  # goes with the temporary folder
+        os.replace(final, part.with_name(f"{part.name}.old"))  # deleted with the temporary folder
     os.replace(part, final)
     if final not in written:
         written.append(final)

@@ -1,4 +1,4 @@
-"""Fingertips as objects of the scene: made, selected, and what they press."""
+"""Fingertips as objects of the scene: made, selected, and joined to the body that they press."""
 
 from __future__ import annotations
 

@@ -165,8 +165,7 @@ def _meet(context: bpy.types.Context) -> list[str]:
 
 
 def _groups() -> list[tuple[list[LiveBody], World | None]]:
-    """Return the running bodies in groups that are stepped together, each with its world, None where they do not meet.
-    """
+    """Return the running bodies in groups that are stepped together, each with its world, None without contact."""
     together = [([sessions.sessions[uid] for uid in each.uids], each.world) for each in sessions.worlds]
     met = {uid for each in sessions.worlds for uid in each.uids}
     return [*together, ([body for uid, body in sessions.sessions.items() if uid not in met], None)]
@@ -259,6 +258,6 @@ def ask(scene: bpy.types.Scene, run: ModalRun, wall: float) -> tuple[float, floa
 
 
 def adapt(run: ModalRun, asked: float) -> None:
-    """Set the size of the next step by what the slowest session has just managed."""
+    """Set the size of the next step by the progress of the slowest session."""
     done = min((body.done for body in sessions.sessions.values()), default=asked)
     run.step_s = min(max(2 * done, SHORTEST_S), LONGEST_S)

@@ -11,7 +11,7 @@ from .names import Op
 from .sizing import fit, settle_size
 from .start import LARGE
 
-PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
+PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # other types than meshes are converted
 TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
 
 
@@ -124,7 +124,7 @@ def is_shared(obj: bpy.types.Object) -> bool:
 def make_soft(
     context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool
 ) -> tuple[str, list[str]]:
-    """Make a mesh a soft body; return a sentence on what it is now, and notes on what was found.
+    """Make a mesh a soft body; return a sentence on the result, and notes on the mesh.
 
     A large one is prepared when it is pressed first, with its progress shown.
 

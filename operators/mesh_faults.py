@@ -25,7 +25,7 @@ def faults(obj: bpy.types.Object) -> Faults:
 
 
 def repair(obj: bpy.types.Object) -> Faults:
-    """Weld doubled vertices, delete loose ones and turn faces outward; return what was done."""
+    """Weld doubled vertices, delete loose ones and turn faces outward; return the repaired faults."""
     return _repaired(obj, keep=True)
 
 

@@ -97,7 +97,7 @@ class ObjectBody:
 
     @property
     def frame(self) -> Frame:
-        """Return what the session showed last."""
+        """Return the last frame of the session."""
         return self.session.frame
 
     @property

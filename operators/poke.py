@@ -109,7 +109,7 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Hand every event to the state machine; whatever goes wrong, leave nothing behind."""
+        """Pass every event to the state machine; after an error, everything ends and is restored."""
         if self._run.closed:
             return {"CANCELLED"}
         with sessions.ending_on_error():
@@ -139,11 +139,11 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
         if view and meant.kind is Kind.PRESS and meant.hit is None:
             meant = self._joined(context, event, view)
             if meant is None:
-                return {"PASS_THROUGH"}  # a click beside what is pressed selects
+                return {"PASS_THROUGH"}  # a click beside the bodies selects
         return self._take(context, meant)
 
     def _chosen(self, context: bpy.types.Context, view: "View") -> bool:
-        """Select the fingertip object that is clicked, and leave the poke: what it is moved with is Blender's own."""
+        """Select the fingertip object that is clicked, and leave the poke: Blender's own tools move it."""
         from . import bridge_write, pointer
 
         tip = pointer.fingertip_under(context, view)
@@ -179,7 +179,7 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
         return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
 
     def _take(self, context: bpy.types.Context, event: "PokeEvent") -> set[str]:
-        """Let an event change the state, and do what it asks for."""
+        """Update the state by an event, and carry out its effects."""
         from ..core.poke import Kind, on_event
 
         was_pressing = self._state.pressing
@@ -198,7 +198,7 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def _do(self, context: bpy.types.Context, effect: "Effect", amount: float) -> set[str] | None:
-        """Do what the state machine asks for; return how the operator ends, None when it goes on."""
+        """Carry out an effect of the state machine; return the result of the operator, None while it continues."""
         from ..core.poke import Effect, fingers, lifted
         from . import bridge, live, sizing
 
@@ -246,7 +246,7 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
         return bool(changed) and not self._state.pressing
 
     def _help(self, context: bpy.types.Context) -> str:
-        """Return what the keys do now, for the status bar."""
+        """Return the help on the keys for the status bar."""
         from . import fingertip
 
         if context.mode != "OBJECT":
@@ -263,7 +263,7 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
 
 
 def _contacts(context: bpy.types.Context) -> dict[int, tuple[float, ...]]:
-    """Return what the objects of a scene say of their contact."""
+    """Return the contact settings of the objects of a scene."""
     return {
         obj.session_uid: tuple(getattr(obj.dimple, name) for name in _CONTACT) for obj in context.scene.objects
     }  # fmt: skip

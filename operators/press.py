@@ -1,4 +1,4 @@
-"""A press from a script: where it goes, and how it runs frame by frame without a window."""
+"""A press from a script: its aim, and its course frame by frame without a window."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Record what is pressed live, at the frame rate of the scene; when the session ends the object plays it."""
+"""Record live presses at the frame rate of the scene; the object plays the recording once its session has ended."""
 
 import bpy
 

@@ -1,4 +1,4 @@
-"""What a session writes while it runs: a table of forces, and the recording of what it shows."""
+"""The files of a running session: its table of forces, and its recording."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class Recorder:
         return str(self._path), self._start_frame
 
     def append(self, time: float, offsets: Singles, session: Session) -> None:
-        """Take in the state of a session at a time [s]; what falls on frames in between is interpolated.
+        """Take in the state of a session at a time [s]; frames in between are interpolated.
 
         Raises:
             OSError: the disk refuses; what was written before is kept.

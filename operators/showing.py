@@ -55,7 +55,7 @@ def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
 
 
 def rest_all() -> None:
-    """Take away what shows the sessions, before Blender saves or undoes; they go on."""
+    """Hide the sessions before Blender saves or undoes; they continue."""
     from . import bridge_write, props
 
     end_changed()

@@ -1,4 +1,4 @@
-"""The tables beside an exported animation: its forces, and a JSON of what is in the files and how it was simulated."""
+"""The tables beside an exported animation: its forces, and a JSON on the files and the simulation."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ VERSION = 1  # of the layout of this JSON
 def describe(
     context: bpy.types.Context, obj: bpy.types.Object, first: int, last: int, simulated: dict[str, Any] | None
 ) -> dict[str, Any]:
-    """Return what is the same for all files of an object, which plays; `files` is still empty."""
+    """Return the description that all files of an object share, which plays; `files` is still empty."""
     render, mesh = context.scene.render, obj.evaluated_get(context.evaluated_depsgraph_get()).data
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
@@ -68,7 +68,7 @@ def describe_session(session: Session) -> dict[str, Any]:
 
 
 def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
-    """Return what is in a file, or in the files of a folder, with its size and checksum."""
+    """Return the contents, size and checksum of a file, or of the files in a folder."""
     kind = FORMATS[each]
     keys = clip.keys() if kind.keyed else None
     files = sorted(path.iterdir()) if path.is_dir() else [path]

@@ -78,7 +78,7 @@ def is_sphere(obj: bpy.types.Object) -> bool:
 
 
 def radius_of(obj: bpy.types.Object, scene: bpy.types.Scene, scale: float) -> float:
-    """Return the radius of a fingertip [m]: of the sphere that is drawn; of what is no sphere, the scene's.
+    """Return the radius of a fingertip [m]: that of its drawn sphere, else that of the scene.
 
     Args:
         scale: physical metres per scene unit.

@@ -19,7 +19,7 @@ Fingers = Sequence["Finger | None"]
 
 
 def other(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
-    """Return the twin of an object in a scene: the one it is a copy of, or the one that is a copy of it."""
+    """Return the twin of an object in a scene: its original, or its copy."""
     found = obj.dimple.twin
     if found is None:
         found = next((each for each in scene.objects if each.dimple.twin == obj), None)
@@ -37,7 +37,7 @@ def joined(bodies: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> list[b
 
 
 def shared(pressed: Mapping[int, Fingers], scene: bpy.types.Scene) -> dict[int, Fingers]:
-    """Return what presses each body, where what presses one twin presses the other in the same place."""
+    """Return the fingertips on each body, with those on one twin pressing the other at the same place too."""
     result = dict(pressed)
     for uid, fingers in pressed.items():
         pair = _pair(uid, scene) if any(fingers) else None
