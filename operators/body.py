@@ -17,7 +17,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.poke import FINGERS, Kind, PokeEvent, PokeState, fingers, on_event
-from . import baking, final_mesh, press
+from . import baking, final_mesh, press, sessions
 from .object_body import ObjectBody
 
 
@@ -48,6 +48,8 @@ class Body(ObjectBody):
         Raises:
             DimpleError: no surface lies along the direction, or the body is thinner than the depth.
         """
+        if not 1 <= finger <= FINGERS:
+            raise DimpleError(f"There are at most {FINGERS} fingertips.")
         state = PokeState(
             radius=radius or bpy.context.scene.dimple.finger_radius_mm / 1e3, depth=depth, force=force,
             by_force=force > 0, press_s=seconds, active=finger - 1,
@@ -93,7 +95,7 @@ class Body(ObjectBody):
         Raises:
             DimpleError: it cannot be baked; nothing has changed.
         """
-        messages: list[str] = []
+        messages = sessions.stop_all()  # a bake starts at rest
         plan = baking.plan_of(bpy.context.scene, [self.obj], first, last, target)
         for _ in baking.bake(bpy.context, plan, messages):
             pass
