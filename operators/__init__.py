@@ -13,7 +13,6 @@ from . import (
     calibrate_apply,
     calibrate_together,
     command_line,
-    compare_materials,
     device,
     experiment,
     export,
@@ -26,11 +25,12 @@ from . import (
     record,
     softness,
     start,
+    twins,
 )
 
 PARTS = (
     bug_report, make_soft, start, poke, play, record, bake, export, apply_preset, add_fingertip, key_press, calibrate,
-    calibrate_apply, calibrate_together, softness, measure, compare_materials, device, experiment, command_line,
+    calibrate_apply, calibrate_together, softness, measure, twins, device, experiment, command_line,
     handlers,
 )  # fmt: skip
 

@@ -1,23 +1,34 @@
-"""Make Soft: everything that a bare mesh needs to be pressed, in one click; what changes the mesh itself is asked."""
+"""Make Soft: everything that a bare mesh needs to be pressed, in one click; changes to the mesh itself are asked."""
 
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from . import polls, sessions
-from .mesh_faults import Faults, faults, repair
 from .messages import gathered, report, say
 from .names import Op
 from .sizing import fit, settle_size
 from .start import LARGE
 
+if TYPE_CHECKING:
+    import bmesh
+
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # other types than meshes are converted
 TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
-
-
+SAME = 1e-6  # of the size: vertices that are no farther apart are one
+MOST_LOOKED_AT = 100_000  # vertices: more take longer than a click
 FIRST = "object_2_vinyl_air"  # number 0 of the list, and so its default
 Item = tuple[str, str, str, str, int]
 _items: list[Item] = []  # Blender does not keep the strings of a list that a function returns
+
+
+class Faults(NamedTuple):
+    """How many vertices are doubled or loose, and how many faces look inward."""
+
+    doubled: int = 0
+    loose: int = 0
+    inward: int = 0
 
 
 def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[Item]:
@@ -186,6 +197,52 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.type
     made = context.view_layer.objects.active if replaced else obj  # Blender removes a metaball
     made.name = name
     return made, f'"{made.name}" was {given}converted to a mesh.'
+
+
+def faults(obj: bpy.types.Object) -> Faults:
+    """Return the faults of a mesh; none where it is too large to be looked at in a click."""
+    return _repaired(obj, keep=False) if len(obj.data.vertices) <= MOST_LOOKED_AT else Faults()
+
+
+def repair(obj: bpy.types.Object) -> Faults:
+    """Weld doubled vertices, delete loose ones and turn faces outward; return the repaired faults."""
+    return _repaired(obj, keep=True)
+
+
+def _repaired(obj: bpy.types.Object, *, keep: bool) -> Faults:
+    import bmesh
+
+    mesh = bmesh.new()
+    try:
+        mesh.from_mesh(obj.data)
+        size = max(obj.dimensions) / max(*map(abs, obj.matrix_world.to_scale()), 1e-30)
+        pairs = bmesh.ops.find_doubles(mesh, verts=mesh.verts, dist=SAME * size)["targetmap"]
+        bmesh.ops.weld_verts(mesh, targetmap=pairs)
+        loose = [vertex for vertex in mesh.verts if not vertex.link_faces]
+        found = Faults(len(pairs), len(loose), _turn_outward(mesh))
+        bmesh.ops.delete(mesh, geom=loose, context="VERTS")
+        if keep:
+            mesh.to_mesh(obj.data)
+            obj.data.update()
+        return found
+    finally:
+        mesh.free()
+
+
+def _turn_outward(mesh: "bmesh.types.BMesh") -> int:
+    """Turn faces outward; return how many. Which side of an open mesh is outward nobody knows: most faces decide."""
+    import bmesh
+
+    mesh.normal_update()
+    before = [face.normal.copy() for face in mesh.faces]
+    bmesh.ops.recalc_face_normals(mesh, faces=mesh.faces)
+    mesh.normal_update()
+    turned = [face for face, normal in zip(mesh.faces, before, strict=True) if face.normal.dot(normal) < 0]
+    is_open = any(edge.is_boundary for edge in mesh.edges)
+    if is_open and 2 * len(turned) > len(before):
+        bmesh.ops.reverse_faces(mesh, faces=mesh.faces)
+        return len(before) - len(turned)
+    return len(turned)
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_make_soft])
