@@ -203,9 +203,7 @@ def _opening(
     return body
 
 
-def _step(
-    context: bpy.types.Context, bodies: Sequence[Baked], worlds: Sequence[contact.LiveWorld], frame: int
-) -> None:
+def _step(context: bpy.types.Context, bodies: Sequence[Baked], worlds: Sequence[contact.LiveWorld], frame: int) -> None:
     """Bring every body from the frame before to this one."""
     scene = context.scene
     for look_s in timeline.looks(scene, frame):

@@ -137,9 +137,7 @@ def selected(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[None
 
 
 @contextlib.contextmanager
-def playing(
-    context: bpy.types.Context, obj: bpy.types.Object, plays: tuple[Path, float, int] | None
-) -> Iterator[None]:
+def playing(context: bpy.types.Context, obj: bpy.types.Object, plays: tuple[Path, float, int] | None) -> Iterator[None]:
     """Select an object that plays a PC2 file of offsets in place of its own bake.
 
     Args:

@@ -181,9 +181,7 @@ def check_space(context: bpy.types.Context, plan: ExportPlan) -> None:
         )
 
 
-def export(
-    context: bpy.types.Context, plan: ExportPlan, messages: list[str], written: list[Path]
-) -> Iterator[float]:
+def export(context: bpy.types.Context, plan: ExportPlan, messages: list[str], written: list[Path]) -> Iterator[float]:
     """Export; yield the share that is done. Closing the generator cancels; finished files are kept.
 
     Args:
@@ -261,9 +259,7 @@ def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> 
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
 
 
-def _clip(
-    context: bpy.types.Context, obj: bpy.types.Object, source: Source, plan: ExportPlan, folder: Path
-) -> Clip:
+def _clip(context: bpy.types.Context, obj: bpy.types.Object, source: Source, plan: ExportPlan, folder: Path) -> Clip:
     samples = np.empty((0, 0, 3), np.float32)
     if not all(FORMATS[each].played for each in plan.formats):
         path = folder / "seen.pc2"

@@ -190,9 +190,7 @@ def _ply(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     )  # fmt: skip
 
 
-def _sequence(
-    context: bpy.types.Context, clip: Clip, path: Path, exporter: str, **options: object
-) -> Iterator[float]:
+def _sequence(context: bpy.types.Context, clip: Clip, path: Path, exporter: str, **options: object) -> Iterator[float]:
     """Write a file a frame into a folder, whose name ends in that of the format."""
     stem, ending = path.name.rsplit("_", 1)
     path.mkdir()

@@ -132,9 +132,7 @@ def is_shared(obj: bpy.types.Object) -> bool:
     return bool(obj.data.shape_keys) or obj.data.users > 1
 
 
-def make_soft(
-    context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool
-) -> tuple[str, list[str]]:
+def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool) -> tuple[str, list[str]]:
     """Make a mesh a soft body; return a sentence on the result, and notes on the mesh.
 
     A large one is prepared when it is pressed first, with its progress shown.

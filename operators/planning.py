@@ -58,9 +58,7 @@ def proxy_for(
     return found
 
 
-def planning_for(
-    scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None
-) -> Parts:
+def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None) -> Parts:
     """Plan an object in parts; see `proxy_for`."""
     settings, now = obj.dimple, key(scene, obj, model)
     build = partial(_proxy, moving)

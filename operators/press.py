@@ -143,9 +143,7 @@ def run(context: bpy.types.Context, state: PokeState, hold_s: float, messages: l
     return deepest, strongest
 
 
-def frames(
-    scene: bpy.types.Scene, state: PokeState | None, seconds: float
-) -> Iterator[tuple[float, PokeState | None]]:
+def frames(scene: bpy.types.Scene, state: PokeState | None, seconds: float) -> Iterator[tuple[float, PokeState | None]]:
     """Yield the time [s] and the fingertips of each frame of a time; a last one may be shorter."""
     dt = timeline.frame_s(scene)
     whole = math.floor(seconds / dt + 1e-9)
