@@ -3,6 +3,7 @@
 import bpy
 
 from ..core.fills import FILLS
+from ..core.messages import read
 from ..operators import twins
 from ..operators.names import Op
 from .drawing import MaterialPanel, SidebarPanel, draw_notes, shown_if
@@ -54,7 +55,7 @@ def draw_constants(context: bpy.types.Context, layout: bpy.types.UILayout, setti
     if settings.provenance:
         if settings.edited:
             draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
-        draw_notes(context, layout, [settings.provenance], "BOOKMARKS")
+        draw_notes(context, layout, [read(settings.provenance)], "BOOKMARKS")
 
 
 class WithPresets:

@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..core.messages import read
 from ..operators.names import MAPS, Op
 from .drawing import draw_notes, draw_prop, shown_if
 
@@ -78,7 +79,7 @@ class DIMPLE_PT_reduction(PhysicsPanel, bpy.types.Panel):
         draw_prop(layout, settings, "proxy_vertices", active=settings.simulated == "PROXY")
         draw_prop(layout, context.scene.dimple, "frame_budget_percent", active=settings.simulated == "AUTO")
         if settings.plan_reason:
-            draw_notes(context, layout, [settings.plan_reason])
+            draw_notes(context, layout, [read(settings.plan_reason)])
 
 
 PROPERTIES = (DIMPLE_PT_body, DIMPLE_PT_contact, DIMPLE_PT_reduction)

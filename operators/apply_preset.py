@@ -38,7 +38,7 @@ class DIMPLE_OT_apply_preset(polls.Declared, bpy.types.Operator):
         preset = next((each for each in OBJECTS if each.name == self.preset), None)
         if preset is None:
             known = ", ".join(each.name for each in OBJECTS)
-            raise DimpleError(f'There is no preset "{self.preset}". There are: {known}.')
+            raise DimpleError('There is no preset "{preset}". There are: {known}.', preset=self.preset, known=known)
         give(context.object, preset)
 
 

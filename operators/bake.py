@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import EnumProperty
 
+from ..core.messages import Message
 from . import fingertip_objects, polls, sessions
 from .messages import say
 from .names import Op
@@ -47,7 +48,7 @@ class DIMPLE_OT_bake(FrameRange, Working, polls.Declared, bpy.types.Operator):
         return baking.bake(context, plan, self._messages)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
-        return self._done(f"Baked objects: {self._count}", self._messages)
+        return self._done(Message("Baked objects: {count}", count=self._count), self._messages)
 
 
 def _may_play(context: bpy.types.Context) -> bool:

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import bpy
 
 from ..core.base import DimpleError
+from ..core.messages import about
 from ..core.poke import FINGERS, Kind, PokeEvent, PokeState, fingers, on_event
 from . import baking, final_mesh, press, sessions
 from .object_body import ObjectBody
@@ -49,7 +50,7 @@ class Body(ObjectBody):
             DimpleError: no surface lies along the direction, or the body is thinner than the depth.
         """
         if not 1 <= finger <= FINGERS:
-            raise DimpleError(f"There are at most {FINGERS} fingertips.")
+            raise DimpleError("There are at most {most} fingertips.", most=FINGERS)
         state = PokeState(
             radius=radius or bpy.context.scene.dimple.finger_radius_mm / 1e3, depth=depth, force=force,
             by_force=force > 0, press_s=seconds, active=finger - 1,
@@ -80,7 +81,7 @@ class Body(ObjectBody):
             if poke:
                 self.session.set_fingers(fingers(poke, self.link.uid))
             if self.session.step(step_s).note:
-                raise DimpleError(f'"{self.name}": {self.frame.note}')
+                raise DimpleError(about(self.name, self.frame.note))
 
     def bake(self, first: int | None = None, last: int | None = None, *, target: str = "MESH_CACHE") -> list[str]:
         """Bake the object over frames of the scene, pressed by its keyframed fingertip objects.

@@ -6,6 +6,7 @@ from collections import deque
 
 import bpy
 
+from ..core.messages import read
 from . import polls
 from .messages import LOG, say
 from .names import Op
@@ -43,7 +44,7 @@ class DIMPLE_OT_copy_report(polls.Declared, bpy.types.Operator):
             core = f"ABI {native.ABI}, {native.instructions()}"
         except DimpleError as error:
             core = str(error)
-        bodies = [f"{obj.name}: {obj.dimple.plan_reason}" for obj in context.scene.objects if obj.dimple.enabled]
+        bodies = [f"{obj.name}: {read(obj.dimple.plan_reason)}" for obj in context.scene.objects if obj.dimple.enabled]
         versions = f"Dimple {cache_files.version()}, Blender {bpy.app.version_string}, {platform.platform()}"
         context.window_manager.clipboard = "\n".join([versions, f"Core: {core}", *bodies, *MEMORY.entries])
         say(self, {"INFO"}, "The report is in the clipboard")

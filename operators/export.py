@@ -5,6 +5,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from ..core.messages import Message
 from . import polls, sessions
 from .messages import megabytes, wrapped
 from .names import EXPORTS, Op
@@ -97,8 +98,6 @@ class DIMPLE_OT_export_animation(FrameRange, Working, polls.Declared, bpy.types.
 
     def _estimate(self, context: bpy.types.Context) -> tuple[str, str]:
         """Return a sentence on frames and size, and its icon."""
-        from bpy.app.translations import pgettext_iface as iface_
-
         from ..core.base import DimpleError
         from . import export_plan
 
@@ -108,7 +107,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, polls.Declared, bpy.types.
             size = megabytes(export_plan.estimate(context, plan))
         except DimpleError as error:
             return str(error), "ERROR"
-        return iface_("{} frames, about {} MB").format(plan.last - plan.first + 1, size), "INFO"
+        return Message("{frames} frames, about {size} MB", frames=plan.last - plan.first + 1, size=size), "INFO"
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; live sessions end first, for an export starts at rest."""
@@ -142,7 +141,10 @@ class DIMPLE_OT_export_animation(FrameRange, Working, polls.Declared, bpy.types.
         )
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
-        return self._done(f"Exported {len(self._written)} files to {self._written[0].parent}", self._messages)
+        return self._done(
+            Message("Exported {count} files to {folder}", count=len(self._written), folder=self._written[0].parent),
+            self._messages,
+        )
 
 
 def _draw_in_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:

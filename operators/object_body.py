@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ..core.messages import about
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from typing import Self
@@ -73,7 +75,7 @@ class ObjectBody:
             link=link, session=session, settings=settings_of(context.scene, obj), matrix=link.matrix, rest=link.rest,
             triangles=input_vertices(model.mesh)[model.mesh.triangles],
         )  # fmt: skip
-        return body, [*filter(None, [reason]), *(type(note)(f'"{obj.name}": {note}') for note in model.notes)]
+        return body, [*filter(None, [reason]), *(about(obj.name, note) for note in model.notes)]
 
     @property
     def name(self) -> str:
@@ -92,7 +94,7 @@ class ObjectBody:
 
         obj = bridge.find(self.link.uid, self.name)
         if obj is None:
-            raise DimpleError(f'"{self.name}" is gone.')
+            raise DimpleError('"{name}" is gone.', name=self.name)
         return obj
 
     @property

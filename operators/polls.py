@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import ClassVar
 
 import bpy
-from bpy.app.translations import pgettext_tip
 
 from ..core.errors import DimpleError
 from . import fingertip_objects, modal_runs, sessions
 from .messages import LOG, say
+from .translation import tip_
 
 LARGEST = 1e9  # of a number that an operator takes
 Need = Callable[..., bool]  # of an operator and a context
@@ -44,14 +44,9 @@ def need(is_met: Callable[[bpy.types.Context], object], sentence: str) -> Need:
     return lambda operator, context=None: bool(is_met(context)) or refuse(operator, sentence)
 
 
-def tip_(text: str) -> str:
-    """Translate a sentence of ours into the language of the interface."""
-    return pgettext_tip(text)
-
-
 def refuse(operator: type, sentence: str) -> bool:
     """Say why an operator cannot be used now; Blender does not translate it, so it is looked up when it is shown."""
-    operator.poll_message_set(pgettext_tip, sentence)
+    operator.poll_message_set(tip_, sentence)
     return False
 
 
@@ -61,7 +56,7 @@ def check_numbers(operator: bpy.types.Operator, *names: str) -> None:
         value = getattr(operator, name)
         if not all(abs(each) <= LARGEST for each in ([value] if isinstance(value, float) else value)):
             label = name.replace("_", " ").capitalize()
-            raise DimpleError(f"{label} must be a number from -1e9 to 1e9.")
+            raise DimpleError("{label} must be a number from -1e9 to 1e9.", label=label)
 
 
 in_object_mode = need(lambda context: context.mode == "OBJECT", "Go back to Object Mode first")

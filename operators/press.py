@@ -11,6 +11,7 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ..core.base import DimpleError
+from ..core.messages import Message
 from ..core.poke import Hit, Kind, PokeEvent, PokeState, Vector, along, fingers, on_event
 from . import bridge, live, pointer, polls, record, sessions, timeline
 from .messages import report, say
@@ -33,7 +34,9 @@ def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> None
         deepest, strongest = run(context, state, operator.hold_s, messages)
         messages += sessions.stop_all(restore=not operator.keep)
     report(operator, [*wrong, *messages])
-    say(operator, {"INFO"}, f"Pressed {deepest * 1e3:.1f} mm deep with up to {strongest:.2f} N")
+    say(operator, {"INFO"}, Message(
+        "Pressed {deepest:.1f} mm deep with up to {strongest:.2f} N", deepest=deepest * 1e3, strongest=strongest
+    ))  # fmt: skip
 
 
 def new_state(context: bpy.types.Context, operator: bpy.types.Operator) -> PokeState:
@@ -75,9 +78,9 @@ def pressed(
     size = body.session.model.mesh.size
     if not state.by_force and state.depth > size:
         raise DimpleError(
-            f'"{body.name}" is {1e3 * size:.4g} mm across, so a press of {1e3 * state.depth:.4g} mm would go '
-            "through it. Press less deep."
-        )
+            '"{name}" is {size:.4g} mm across, so a press of {depth:.4g} mm would go through it. Press less deep.',
+            name=body.name, size=1e3 * size, depth=1e3 * state.depth
+        )  # fmt: skip
     return on_event(state, event)[0]
 
 
@@ -99,7 +102,7 @@ def aimed(bodies: Mapping[int, ObjectBody], place: Vector | None, direction: Vec
     hits = [(math.dist(bodies[hit.body].to_world(hit.point), place), i, hit) for i, hit in enumerate(found) if hit]
     if not hits:
         at = ", ".join(f"{c:.3g}" for c in place)
-        raise DimpleError(f"No surface lies along the direction of the press at ({at}). Choose another location.")
+        raise DimpleError("No surface lies along the direction of the press at ({at}). Choose another location.", at=at)
     return PokeEvent(kind=Kind.PRESS, hit=min(hits)[2], view=inward)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import bpy
 from mathutils import Matrix, Vector
 
+from ..core.messages import Message
 from . import modal_runs, polls, sessions
 from .messages import report, say
 from .names import Op
@@ -118,7 +119,8 @@ class DIMPLE_OT_compare_materials(polls.Declared, bpy.types.Operator):
         twin.matrix_world = Matrix.Translation(_to_the_right(context, obj)) @ obj.matrix_world
         twin.dimple.twin = obj
         twin.select_set(False)
-        say(self, {"INFO"}, polls.tip_("{} is its twin: select it and change its material").format(f'"{twin.name}"'))
+        said = Message('"{name}" is its twin: select it and change its material', name=twin.name)
+        say(self, {"INFO"}, said)
 
 
 class DIMPLE_OT_use_material(polls.Declared, bpy.types.Operator):

@@ -3,7 +3,7 @@
     f = p dV/dx,   V = sum over faces of x_0 . (x_1 x x_2) / 6
 
 dV/dx_i is a sixth of the sum of x_j x x_k round vertex i, so it sums to no net force and no net torque on any
-closed surface. Of a gas p = (p_a + p_0) (V_0/V)^gamma - p_a., of a liquid or a solid p = p_0 + kappa (V_0 - V) / V_0.
+closed surface. Of a gas p = (p_a + p_0) (V_0/V)^gamma - p_a, of a liquid or a solid p = p_0 + kappa (V_0 - V) / V_0.
 p_0, the pressure at rest, is that of the shape at rest: with it the body swells until its skin holds it.
 """
 

@@ -41,6 +41,7 @@ FLOORS = {
     "core.base": 0,
     "core.errors": 0,
     "core.fills": 0,
+    "core.messages": 0,
     "core.steps": 0,
     "core.vectors": 0,
     "core.material": 0,

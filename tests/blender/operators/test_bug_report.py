@@ -11,6 +11,7 @@ def test_a_report_has_versions_plan_messages_and_the_last_traceback(
 ) -> None:
     from types import SimpleNamespace
 
+    from bl_ext.user_default.dimple.core.messages import read
     from bl_ext.user_default.dimple.operators import bug_report, live
 
     bpy.ops.dimple.poke(depth_mm=5.0)
@@ -23,7 +24,7 @@ def test_a_report_has_versions_plan_messages_and_the_last_traceback(
     bug_report.DIMPLE_OT_copy_report.run(operator, SimpleNamespace(window_manager=manager, scene=bpy.context.scene))
     lines = manager.clipboard.splitlines()
     assert bpy.app.version_string in lines[0] and lines[1].startswith("Core: ABI ")
-    assert f"Cube: {cube.dimple.plan_reason}" in lines
+    assert f"Cube: {read(cube.dimple.plan_reason)}" in lines
     assert any("Pressed 5.0 mm deep" in line for line in lines)
     assert any("ZeroDivisionError" in line for line in lines) and any("Traceback" in line for line in lines)
     assert said == ["The report is in the clipboard"]
