@@ -19,7 +19,7 @@ from tools.extension import build_zip
 BUILD = ROOT / "build"
 # what runs by the real clock, with a device's processes, runs alone, then the rest in parts, as many at a time as there
 # are processors; they begin in an order in which two end together
-BY_THE_CLOCK = "byte_poller", "device", "mailbox", "processes", "pseudo_terminal", "serial_link", "udp_line"
+BY_THE_CLOCK = "byte_poller", "device", "mailbox", "processes", "pseudo_terminal", "serial_line", "udp_line"
 REAL_TIME = [f"tests/haptics/test_{name}.py" for name in BY_THE_CLOCK]
 BLENDERS_OWN = ["tests/blender"]
 LONG = ["tests/calibration", "tests/experiment", "tests/studies", "tests/unit"]

@@ -23,9 +23,7 @@ class DevicePlace:
     """The settings of a scene that name the device and place its workspace."""
 
     device_port: StringProperty(
-        name="Port",
-        description='Serial port of the device, a path, or udp:HOST:PORT. '
-        'On Linux and macOS "emulated" tries a simulated one',
+        name="Port", description="Serial port of the device, its path, or udp:HOST:PORT",
         search=_ports, search_options={"SORT", "SUGGESTION"}, **_FIXED,
     )  # fmt: skip
     device_file: StringProperty(

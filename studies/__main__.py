@@ -16,7 +16,7 @@ COMMANDS = {
     "calibrate": ("fit a material to a force-depth file", ".calibrate", "add_command"),
     "paper": ("reproduce the paper's tables and figures, beside the printed numbers", ".paper", "add_command"),
     "law": ("press and drag any mesh at random places: the force over the measured law", ".law", "add_law"),
-    "emulator": ("run an emulated haptic device, with faults on demand", ".emulator", "add_emulator"),
+    "emulator": ("run an emulated haptic device, with faults on demand", ".bench.command", "add_emulator"),
     "grasp": ("lift a cube with three emulated fingertips and put it down", ".grasp", "add_grasp"),
     "solid": ("press solids by finite elements, to compare bodies with", ".solid_report", "add_solid"),
     "release": ("press a hundred meshes, let go, and see what comes back", ".release_report", "add_release"),

@@ -17,9 +17,8 @@ WORDS = {
         "今の指先の中央を 3D カーソルの位置に合わせます"
     ),
     "Port": "ポート",
-    'Serial port of the device, a path, or udp:HOST:PORT. On Linux and macOS "emulated" tries a simulated one': (
-        "力覚デバイスのシリアルポート、パス、または udp:HOST:PORT。"
-        "Linux と macOS では「emulated」で模擬デバイスを試せます"
+    "Serial port of the device, its path, or udp:HOST:PORT": (
+        "力覚デバイスのシリアルポート、そのパス、または udp:HOST:PORT"
     ),
     "Device File": "デバイスファイル",
     "TOML file with the numbers of the device. Empty: the Haptic Master's": (

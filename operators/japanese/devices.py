@@ -55,21 +55,6 @@ MESSAGES = {
     "The servo process does not answer, so the device has no force. Disconnect, then connect again.": (
         "サーボのプロセスが応答しないため、力が出ません。切断してから接続し直してください。"
     ),
-    "The emulated device did not start ({}).": "エミュレートしたデバイスが起動しませんでした（{}）。",
-    "it takes three tips, and a stiffness and a damping of at least 0": "3 つの先端と、0 以上の剛性と減衰が必要です",
-    "The hand {} cannot be read: {}.": "手の動きのファイル {} を読めません: {}。",
-    "{} is not a hand ({}).": "{} は手の動きのファイルではありません（{}）。",
-    "a tip has no keyframes, or one that is not made of numbers": (
-        "先端にキーフレームがないか、数でないものがあります"
-    ),
-    "the times of a tip do not rise": "先端の時刻が増えていません",
-    "The {} cannot reach {} m from its base.": "{} は基部から {} m には届きません。",
-    "The tip of the {} is on the axis of its base: it cannot move sideways there.": (
-        "{} の先端が基部の軸上にあり、そこでは横に動けません。"
-    ),
-    "The links of the {} lie in one line: the tip cannot move along it.": (
-        "{} のリンクが一直線に並び、先端がその方向に動けません。"
-    ),
     "The mailbox of the device's servo cannot be used: {} ({}).": (
         "デバイスのサーボとの受け渡しができません: {}（{}）。"
     ),
@@ -82,15 +67,6 @@ MESSAGES = {
         "Blender の Python が見つからないため、デバイスを動かせません。blender.org の Blender をインストールしてく"
         "ださい。"
     ),
-    "This system has no pseudo-terminals; the emulated device runs on Linux and macOS.": (
-        "このシステムには擬似端末がありません。エミュレートしたデバイスは Linux と macOS で動きます。"
-    ),
-    "{} (emulated) at {}": "{}（エミュレート）、{}",
-    "{} exists already, perhaps from another emulator. End that one, or choose a free path.": (
-        "{} はすでにあります。別のエミュレーターのものかもしれません。それを終えるか、空いているパスを選んでくださ"
-        "い。"
-    ),
-    "{} cannot be made: {}.": "{} を作れません: {}。",
     "The connection to {} is lost ({}). Plug it in, connect, then arm again.": (
         "{} との接続が切れました（{}）。差し込んで接続し、もう一度力をオンにしてください。"
     ),
@@ -160,36 +136,26 @@ MESSAGES = {
     "{} must be a number, not {}": "{} は {} ではなく数にしてください",
     "{} must be a whole number, not {}": "{} は {} ではなく整数にしてください",
     "{} must be a list of three, not {}": "{} は {} ではなく 3 つのリストにしてください",
-    "continuous_force_n, peak_force_n and force_ceiling_n must not fall in this order and be above 0": (
-        "continuous_force_n、peak_force_n、force_ceiling_n は 0 より大きく、この順に減らないようにしてください"
+    "continuous_force_n and peak_force_n must be above 0, {} at most, and not fall in this order": (
+        "continuous_force_n と peak_force_n は 0 より大きく最大 {} とし、この順に減らないようにしてください"
     ),
     "hold_s, zero_s and latch_s must rise, to {}, {} and {} at most": (
         "hold_s、zero_s、latch_s はこの順に大きく、最大 {}、{}、{} にしてください"
     ),
-    "slew_n_s must be above 0, {} at most": "slew_n_s は 0 より大きく、最大 {} にしてください",
     "tip_speed_m_s must be above 0, {} at most": "tip_speed_m_s は 0 より大きく、最大 {} にしてください",
-    "arm_force_n must be above 0, {} at most": "arm_force_n は 0 より大きく、最大 {} にしてください",
-    "arm_s must be {} at least and ramp_s {} at least": "arm_s は {} 以上、ramp_s は {} 以上にしてください",
     "l1_m and l2_m must be above 0, 2 at most": "l1_m と l2_m は 0 より大きく、最大 2 にしてください",
-    "mass_kg must be above 0, 10 at most": "mass_kg は 0 より大きく、最大 10 にしてください",
     "viscous_ns_m must be from 0 to 20": "viscous_ns_m は 0 から 20 までにしてください",
-    "coulomb_n must be from 0 to 5": "coulomb_n は 0 から 5 までにしてください",
-    "brake_ns_m must be from 0 to 12": "brake_ns_m は 0 から 12 までにしてください",
     "the workspace must be within reach": "作業域は届く範囲にしてください",
     "adc_bits and dac_bits must be from 8 to 16": "adc_bits と dac_bits は 8 から 16 までにしてください",
     "span_deg must be above 0, 360 at most": "span_deg は 0 より大きく、最大 360 にしてください",
     "angles_deg and centres_deg must be from -360 to 360": (
         "angles_deg と centres_deg は -360 から 360 までにしてください"
     ),
-    "noise_steps must be above 0 (a reading without noise counts as frozen), 100 at most": (
-        "noise_steps は 0 より大きく（雑音のない値は停止とみなします）、最大 100 にしてください"
-    ),
     "torque_limits_nm must be above 0, 60 at most": "torque_limits_nm は 0 より大きく、最大 60 にしてください",
     "id must be from 0 to 255": "id は 0 から 255 までにしてください",
     "tick_hz must be from 250 to 2000, and its period shorter than hold_s": (
         "tick_hz は 250 から 2000 までとし、その周期は hold_s より短くしてください"
     ),
-    "rms_window_s must be above 0, {} at most": "rms_window_s は 0 より大きく、最大 {} にしてください",
     "The device speaks protocol {}.{}, this Dimple {}.{}: they do not understand each other. Update the older of "
     "the two.": "デバイスのプロトコルは {}.{}、この Dimple は {}.{} で、通信できません。古いほうを更新してください。",
     "The device is not the one of the device file ({}): it reports {}. Choose the file of this device.": (

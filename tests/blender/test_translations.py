@@ -21,7 +21,7 @@ BESIDE = re.compile(r"(?<=[.?])\s*\{\}$|^\{\}\s(?=[A-Z][a-z])")
 # what no artist reads: command lines, what is written to files, names in a .blend, the columns of measured files, and
 # what only a mistake in our own code raises
 UNSEEN = (
-    "core/calibration/export.py", "core/calibration/vocabulary.py", "core/haptics/command.py",
+    "core/calibration/export.py", "core/calibration/vocabulary.py", "core/device/servo_process.py",
     "core/native/body.py", "core/native/carry.py", "core/native/scene.py", "core/solver/twin.py",
     "operators/clip.py", "operators/command_line.py", "operators/curves.py", "operators/formats.py",
     "operators/sidecar.py",

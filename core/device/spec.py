@@ -1,0 +1,232 @@
+"""The numbers of a haptic device, from its TOML file, and whether the device on the line is that one."""
+
+from __future__ import annotations
+
+import math
+import struct
+import tomllib
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from ..errors import DimpleError
+from ..vectors import Vector
+from . import wire
+from .limits import HARD_CEILING, LOST_TIME, STATE_GAP, TOP_SPEED, ZERO_TIME
+
+HAPTIC_MASTER: Final = Path(__file__).with_name("haptic_master.toml")
+BITS_A_BYTE: Final = 10  # on a serial line: start, eight, stop
+HAS_FORCE: Final = 1  # Info.capabilities
+DEGREE: Final = math.pi / 180
+# of Spec: table and name in the file, and what the number is multiplied by; 0: it is whole
+NUMBERS: Final = {
+    "geometry": ("geometry", "id", 0),
+    "l1": ("geometry", "l1_m", 1),
+    "l2": ("geometry", "l2_m", 1),
+    "centre_distance": ("geometry", "centre_distance_m", 1),
+    "base_height": ("geometry", "base_height_m", 1),
+    "workspace_radius": ("geometry", "workspace_diameter_m", 0.5),
+    "adc_bits": ("sensors", "adc_bits", 0),
+    "adc_span": ("sensors", "span_deg", DEGREE),
+    "dac_bits": ("motors", "dac_bits", 0),
+    "peak_force": ("motors", "peak_force_n", 1),
+    "continuous_force": ("motors", "continuous_force_n", 1),
+    "viscous": ("tip", "viscous_ns_m", 1),
+    "tick_hz": ("link", "tick_hz", 0),
+    "baud": ("link", "baud", 0),
+    "hold": ("safety", "hold_s", 1),
+    "zero": ("safety", "zero_s", 1),
+    "latch": ("safety", "latch_s", 1),
+    "tip_speed": ("safety", "tip_speed_m_s", 1),
+}
+VECTORS: Final = {  # the same of lists of three
+    "block_angles": ("blocks", "angles_deg", DEGREE),
+    "adc_centres": ("sensors", "centres_deg", DEGREE),
+    "torque_limits": ("motors", "torque_limits_nm", 1),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spec:
+    """The numbers of a device in SI units; haptic_master.toml explains each.
+
+    Raises:
+        DimpleError: the baud rate cannot carry a STATE each tick.
+    """
+
+    name: str
+    block_names: tuple[str, ...]
+    block_angles: Vector
+    geometry: int
+    l1: float
+    l2: float
+    centre_distance: float
+    base_height: float
+    workspace_radius: float
+    adc_bits: int
+    adc_span: float
+    adc_centres: Vector
+    dac_bits: int
+    torque_limits: Vector
+    peak_force: float
+    continuous_force: float
+    viscous: float
+    tick_hz: int
+    baud: int
+    hold: float
+    zero: float
+    latch: float
+    tip_speed: float
+
+    def __post_init__(self) -> None:
+        highest = self.baud // (BITS_A_BYTE * wire.size(wire.DeviceState))
+        if self.tick_hz > highest:
+            raise DimpleError(
+                f"{self.baud} baud cannot carry the {self.tick_hz} positions a second of the {self.name}, {highest} at "
+                "most. Raise the baud rate, on the device too, or use a device that is made for a lower rate (tick_hz)."
+            )
+
+    def left(self, age: float) -> float:
+        """Return the share of a force that still acts when its command is so old [s]."""
+        return min(max((self.zero - age) / (self.zero - self.hold), 0.0), 1.0)
+
+    @property
+    def tick(self) -> float:
+        """Return the period of the device [s]."""
+        return 1 / self.tick_hz
+
+
+def load_spec(path: Path | None = None) -> Spec:
+    """Return the device of a TOML file, None for the Haptic Master.
+
+    Raises:
+        DimpleError: the file cannot be read, lacks a number, or has one that is not safe.
+    """
+    path = path or HAPTIC_MASTER
+    try:
+        spec = _spec(tomllib.loads(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise DimpleError(f"The device file {path} cannot be read: {error.strerror or error}.") from None
+    except KeyError as error:
+        raise DimpleError(f"The device file {path} has no {error}; see {HAPTIC_MASTER.name}.") from None
+    except DimpleError:
+        raise
+    except ValueError as error:  # TOMLDecodeError and UnicodeDecodeError are among them
+        raise DimpleError(f"The device file {path} is not valid: {error}.") from None
+    return spec
+
+
+def _spec(file: dict[str, Any]) -> Spec:
+    name = _text("name", file["name"])
+    names = tuple([_text("names", each) for each in _list(file, "blocks", "names")])
+    numbers = {field: _number(file, *where) for field, where in NUMBERS.items()}
+    vectors = {
+        field: tuple([_scaled(key, value, factor) for value in _list(file, table, key)])
+        for field, (table, key, factor) in VECTORS.items()
+    }
+    spec = Spec(name=name, block_names=names, **numbers, **vectors)  # type: ignore[arg-type]
+    _check(spec)
+    return spec
+
+
+def _value(file: dict[str, Any], table: str, name: str) -> Any:
+    if not isinstance(file[table], dict):
+        raise ValueError(f"[{table}] must be a table")
+    return file[table][name]
+
+
+def _text(name: str, value: Any) -> str:
+    if not isinstance(value, str) or not value:
+        raise ValueError(f"{name} must be text, not {value!r}")
+    return value
+
+
+def _number(file: dict[str, Any], table: str, name: str, factor: float) -> float:
+    return _scaled(name, _value(file, table, name), factor)
+
+
+def _scaled(name: str, value: Any, factor: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise ValueError(f"{name} must be a number, not {value!r}")
+    if factor:
+        return factor * value
+    if value != round(value):
+        raise ValueError(f"{name} must be a whole number, not {value!r}")
+    return round(value)
+
+
+def _list(file: dict[str, Any], table: str, name: str) -> list[Any]:
+    values = _value(file, table, name)
+    if not isinstance(values, list) or len(values) != wire.FINGERS:
+        raise ValueError(f"{name} must be a list of three, not {values!r}")
+    return values
+
+
+def _check(spec: Spec) -> None:
+    far, near = spec.centre_distance + spec.workspace_radius, spec.centre_distance - spec.workspace_radius
+    for what, holds in (
+        (f"continuous_force_n and peak_force_n must be above 0, {HARD_CEILING:g} at most, and not fall in this order",
+         0 < spec.continuous_force <= spec.peak_force <= HARD_CEILING),
+        (f"hold_s, zero_s and latch_s must rise, to {STATE_GAP}, {ZERO_TIME} and {LOST_TIME} at most",
+         0 < spec.hold < spec.zero < spec.latch
+         and spec.hold <= STATE_GAP and spec.zero <= ZERO_TIME and spec.latch <= LOST_TIME),
+        (f"tip_speed_m_s must be above 0, {TOP_SPEED} at most", 0 < spec.tip_speed <= TOP_SPEED),
+        ("l1_m and l2_m must be above 0, 2 at most", 0 < min(spec.l1, spec.l2) <= max(spec.l1, spec.l2) <= 2),
+        ("viscous_ns_m must be from 0 to 20", 0 <= spec.viscous <= 20),  # the stiffest wall follows from it
+        ("the workspace must be within reach", 0 < spec.workspace_radius < spec.centre_distance
+         and math.hypot(far, spec.base_height) < spec.l1 + spec.l2
+         and math.hypot(near, spec.base_height) > abs(spec.l1 - spec.l2)),
+        ("adc_bits and dac_bits must be from 8 to 16", 8 <= spec.adc_bits <= 16 and 8 <= spec.dac_bits <= 16),
+        ("span_deg must be above 0, 360 at most", 0 < spec.adc_span <= 2 * math.pi),
+        ("angles_deg and centres_deg must be from -360 to 360",
+         all(abs(angle) <= 2 * math.pi for angle in (*spec.block_angles, *spec.adc_centres))),
+        ("torque_limits_nm must be above 0, 60 at most", 0 < min(spec.torque_limits) and max(spec.torque_limits) <= 60),
+        ("id must be from 0 to 255", 0 <= spec.geometry <= 255),
+        # a force is held for 5 ms at most, on both ends: a slower device would drop it between two ticks
+        ("tick_hz must be from 250 to 2000, and its period shorter than hold_s",
+         250 <= spec.tick_hz <= 2000 and spec.tick < spec.hold),
+    ):  # fmt: skip
+        if not holds:
+            raise ValueError(what)
+
+
+def geometry_crc(spec: Spec) -> int:
+    """Return a number that differs for a linkage with other lengths, positions or converters."""
+    numbers = (*spec.block_angles, spec.l1, spec.l2, spec.centre_distance, spec.base_height, *spec.adc_centres)
+    return zlib.crc32(struct.pack(f"<I{len(numbers)}i", spec.geometry, *(round(1e6 * number) for number in numbers)))
+
+
+def info(spec: Spec, nonce: int, session: int, protocol: tuple[int, int] = wire.PROTOCOL) -> wire.Info:
+    """Return the INFO of a device."""
+    a, b, c = (round(1e3 * limit) for limit in spec.torque_limits)
+    return wire.Info(
+        nonce=nonce, major=protocol[0], minor=protocol[1], session=session, blocks=len(spec.block_names),
+        adc_bits=spec.adc_bits, dac_bits=spec.dac_bits, span_1e4rad=round(1e4 * spec.adc_span), torque_mnm=(a, b, c),
+        tick_hz=spec.tick_hz, hold_ms=round(1e3 * spec.hold), zero_ms=round(1e3 * spec.zero),
+        latch_ms=round(1e3 * spec.latch), peak_cn=round(100 * spec.peak_force),
+        continuous_cn=round(100 * spec.continuous_force), speed_dms=round(10 * spec.tip_speed),
+        geometry=spec.geometry, geometry_crc=geometry_crc(spec), capabilities=HAS_FORCE,
+    )  # fmt: skip
+
+
+def check_info(spec: Spec, reported: wire.Info) -> None:
+    """Refuse a device that is not the one of the file: forces and positions would be wrong.
+
+    Raises:
+        DimpleError: another protocol, linkage, converter, tick or limit.
+    """
+    if reported.major != wire.PROTOCOL[0]:
+        raise DimpleError(
+            f"The device speaks protocol {reported.major}.{reported.minor}, this Dimple "
+            f"{wire.PROTOCOL[0]}.{wire.PROTOCOL[1]}: they do not understand each other. Update the older of the two."
+        )
+    own = info(spec, reported.nonce, reported.session)
+    free = {"nonce", "minor", "session", "capabilities"}
+    other = [name for name, a, b in zip(own._fields, reported, own, strict=True) if a != b and name not in free]
+    if other:
+        differences = ", ".join(f"{name} {getattr(reported, name)} instead of {getattr(own, name)}" for name in other)
+        raise DimpleError(
+            f"The device is not the one of the device file ({spec.name}): it reports {differences}. "
+            "Choose the file of this device."
+        )
