@@ -9,21 +9,16 @@ import math
 from dataclasses import dataclass, field
 
 from ..vectors import ZERO, Vector, along, dot, scaled
-from .limits import ALLOWED, GRAIN, MOST_DAMPING, QUIET_TIME, RAMP_TIME, STATE_GAP
+from . import limits
 from .spec import Spec
 from .wire import ARMED, FINGERS, MODE, RAMP, DeviceState
-
-YIELD_ENERGY = ALLOWED / 2  # [J] of each more that is given back, the force yields to 1/e
-SPARE = 4 * ALLOWED  # [J] of what was taken are kept once the device let go: what it gave is known some pieces late
-GRAIN_ENERGY = ALLOWED / 5  # [J] less is the noise of the converters
-KNOWN_LATE = STATE_GAP + 1e-3  # [s] and a tick: what a force gave has been counted by then, and the force has ended
 
 Forces = tuple[Vector, ...]
 
 
 def _is_far(x: Vector, before: Vector) -> bool:
     way = along(x, before, -1.0)
-    return dot(way, way) > GRAIN**2
+    return dot(way, way) > limits.GRAIN**2
 
 
 @dataclass(slots=True)
@@ -55,7 +50,7 @@ class Passivity:
     total: Vector = ZERO
     count: int = 0
     share: float = 1.0
-    floor: float = -ALLOWED
+    floor: float = -limits.ALLOWED
     unwanted: float = 0.0
 
     def observe(self, force: Vector, x: Vector, now: float) -> None:
@@ -69,7 +64,7 @@ class Passivity:
             self.idle_since = None
         elif self.idle_since is None:
             self.idle_since = now
-        elif now - self.idle_since > QUIET_TIME:
+        elif now - self.idle_since > limits.QUIET_TIME:
             self.stored = min(self.stored, 0.0)  # what was dissipated pays for nothing later
 
     def _count(self, x: Vector) -> None:
@@ -77,7 +72,7 @@ class Passivity:
         self.stored -= dot(self.total, along(x, self.begin or x, -1.0)) / self.count
         self.least = min(self.least, self.stored)
         if self.stored < self.floor:
-            self.share *= math.exp((self.stored - self.floor) / YIELD_ENERGY)
+            self.share *= math.exp((self.stored - self.floor) / limits.YIELD_ENERGY)
             self.floor = self.stored
         self.begin, self.total, self.count = x, ZERO, 0
 
@@ -87,18 +82,18 @@ class Passivity:
 
     def lose(self) -> None:
         """Note that the device let go: a fingertip that sank in is pushed out with no more than the hand gave."""
-        self.floor = min(SPARE, self.stored - GRAIN_ENERGY)
+        self.floor = min(limits.SPARE, self.stored - limits.GRAIN_ENERGY)
 
     def want(self, force: Vector, dt: float) -> Vector:
         """Return what is left of a force [N] wanted for a time [s]; wanted none for a while, the touch is over."""
         self.unwanted = 0.0 if force != ZERO else self.unwanted + dt
-        if self.unwanted > QUIET_TIME:
-            self.share, self.floor = 1.0, min(self.stored, 0.0) - ALLOWED
+        if self.unwanted > limits.QUIET_TIME:
+            self.share, self.floor = 1.0, min(self.stored, 0.0) - limits.ALLOWED
         return scaled(force, self.share)
 
     def afford(self, force: Vector, speed: Vector) -> Vector:
         """Return the force [N], less where at a speed [m/s] it would give more than is left before that is known."""
-        given, left = KNOWN_LATE * dot(force, speed), max(self.stored - self.floor, 0.0)
+        given, left = limits.KNOWN_LATE * dot(force, speed), max(self.stored - self.floor, 0.0)
         return scaled(force, left / given) if given > left else force
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
@@ -106,7 +101,7 @@ class Passivity:
         squared = dot(speed, speed)
         if self.stored >= 0 or force == ZERO or squared == 0 or dt <= 0:
             return force
-        return along(force, speed, -min(-self.stored / (squared * dt), MOST_DAMPING))
+        return along(force, speed, -min(-self.stored / (squared * dt), limits.MOST_DAMPING))
 
 
 @dataclass(slots=True)
@@ -143,7 +138,7 @@ class SentForces:
         none = (ZERO,) * FINGERS
         acted = self.sent.get(before.ack, none) if before else none
         if before and before.status & MODE == RAMP:
-            gain = min((now - self.ramp_since) / RAMP_TIME, 1.0)
+            gain = min((now - self.ramp_since) / limits.RAMP_TIME, 1.0)
             acted = tuple([scaled(force, gain) for force in acted])
         left = spec.left(now - self.since)
         if before is None or state.ack != before.ack:

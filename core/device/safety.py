@@ -15,8 +15,6 @@ from . import limits
 from .notes import NOT_ARMED
 from .passivity import Passivity
 
-REFUSAL_TIME = limits.ANSWER_TIME + 2 * limits.LOST_TIME  # [s] a device waits 1 s for the quiet, then refuses
-
 
 class Arming(Enum):
     """How far the arming is."""
@@ -71,7 +69,7 @@ class Switch:
                     self._go(Arming.RAMP if device_on else Arming.ASKED, now)
             case Arming.ASKED if device_on:
                 self._go(Arming.RAMP, now)
-            case Arming.ASKED if now - self.since > REFUSAL_TIME:
+            case Arming.ASKED if now - self.since > limits.REFUSAL_TIME:
                 self.disarm(NOT_ARMED)
             case Arming.RAMP | Arming.ON if not device_on:  # it brakes, and its ramp begins again
                 self._go(Arming.RAMP, now)
@@ -133,7 +131,7 @@ class Guard:
     passivity: its energy.
     sent: the force that acts now [N].
     square: 10 s mean of its square [N2].
-    full: it had to be limited.
+    full: it had to be limited, or yields because it gave back more than it took.
     """
 
     peak: float
@@ -181,7 +179,7 @@ class Guard:
         most = min(self.peak, limits.HARD_CEILING)
         if self.square >= self.continuous**2:
             most = min(most, self.continuous)
-        self.full = length(force) > most
+        self.full = length(force) > most or self.passivity.share < 1
         force = capped(force, most)
         self.sent = along(self.sent, capped(along(force, self.sent, -1.0), limits.SLEW * max(dt, 0.0)), 1.0)
         return self.sent

@@ -15,7 +15,6 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Protocol
 
 from ..errors import DimpleError
 from . import priority
@@ -25,15 +24,8 @@ from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .messages import ORDER_SIZE, LinkState, ServoReport, pack_report, unpack_order
 from .serial_line import WINDOWS, LineLost, SerialLine, open_line
 from .servo import Servo
-from .spec import Spec, load_spec
+from .spec import load_spec
 from .udp_line import PREFIX, UdpLine, open_udp
-
-
-class MakeServo(Protocol):
-    """What makes a servo for a device; a study passes one that keeps a log."""
-
-    def __call__(self, spec: Spec, *, nonce: int) -> Servo:
-        """Return a servo."""
 
 
 def main(words: list[str]) -> int:
@@ -51,11 +43,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--device", type=Path, metavar="TOML", help="device file, if not the Haptic Master's")
 
 
-def run(make_servo: MakeServo, port: str, mailbox: Path, device: Path | None) -> int:
+def run(make_servo: Callable[..., Servo], port: str, mailbox: Path, device: Path | None) -> int:
     """Serve a line until standard input closes, and leave the device without force.
 
     Args:
-        make_servo: the class Servo.
+        make_servo: Servo, or of a study one that keeps a log.
         port: path of the serial port.
         mailbox: the file that Blender made.
         device: device file, None for the Haptic Master's.

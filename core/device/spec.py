@@ -6,7 +6,7 @@ import math
 import struct
 import tomllib
 import zlib
-from dataclasses import dataclass
+from dataclasses import Field, dataclass, field, fields
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,32 +19,11 @@ HAPTIC_MASTER: Final = Path(__file__).with_name("haptic_master.toml")
 BITS_A_BYTE: Final = 10  # on a serial line: start, eight, stop
 HAS_FORCE: Final = 1  # Info.capabilities
 DEGREE: Final = math.pi / 180
-# of Spec: table and name in the file, and what the number is multiplied by; 0: it is whole
-NUMBERS: Final = {
-    "geometry": ("geometry", "id", 0),
-    "l1": ("geometry", "l1_m", 1),
-    "l2": ("geometry", "l2_m", 1),
-    "centre_distance": ("geometry", "centre_distance_m", 1),
-    "base_height": ("geometry", "base_height_m", 1),
-    "workspace_radius": ("geometry", "workspace_diameter_m", 0.5),
-    "adc_bits": ("sensors", "adc_bits", 0),
-    "adc_span": ("sensors", "span_deg", DEGREE),
-    "dac_bits": ("motors", "dac_bits", 0),
-    "peak_force": ("motors", "peak_force_n", 1),
-    "continuous_force": ("motors", "continuous_force_n", 1),
-    "viscous": ("tip", "viscous_ns_m", 1),
-    "tick_hz": ("link", "tick_hz", 0),
-    "baud": ("link", "baud", 0),
-    "hold": ("safety", "hold_s", 1),
-    "zero": ("safety", "zero_s", 1),
-    "latch": ("safety", "latch_s", 1),
-    "tip_speed": ("safety", "tip_speed_m_s", 1),
-}
-VECTORS: Final = {  # the same of lists of three
-    "block_angles": ("blocks", "angles_deg", DEGREE),
-    "adc_centres": ("sensors", "centres_deg", DEGREE),
-    "torque_limits": ("motors", "torque_limits_nm", 1),
-}
+
+
+def _at(table: str, key: str, factor: float = 1.0) -> Any:
+    """Say where a number is in the file, and what it is multiplied by there; 0: it is whole."""
+    return field(metadata={"at": (table, key, factor)})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,27 +36,27 @@ class Spec:
 
     name: str
     block_names: tuple[str, ...]
-    block_angles: Vector
-    geometry: int
-    l1: float
-    l2: float
-    centre_distance: float
-    base_height: float
-    workspace_radius: float
-    adc_bits: int
-    adc_span: float
-    adc_centres: Vector
-    dac_bits: int
-    torque_limits: Vector
-    peak_force: float
-    continuous_force: float
-    viscous: float
-    tick_hz: int
-    baud: int
-    hold: float
-    zero: float
-    latch: float
-    tip_speed: float
+    block_angles: Vector = _at("blocks", "angles_deg", DEGREE)
+    geometry: int = _at("geometry", "id", 0)
+    l1: float = _at("geometry", "l1_m")
+    l2: float = _at("geometry", "l2_m")
+    centre_distance: float = _at("geometry", "centre_distance_m")
+    base_height: float = _at("geometry", "base_height_m")
+    workspace_radius: float = _at("geometry", "workspace_diameter_m", 0.5)
+    adc_bits: int = _at("sensors", "adc_bits", 0)
+    adc_span: float = _at("sensors", "span_deg", DEGREE)
+    adc_centres: Vector = _at("sensors", "centres_deg", DEGREE)
+    dac_bits: int = _at("motors", "dac_bits", 0)
+    torque_limits: Vector = _at("motors", "torque_limits_nm")
+    peak_force: float = _at("motors", "peak_force_n")
+    continuous_force: float = _at("motors", "continuous_force_n")
+    viscous: float = _at("tip", "viscous_ns_m")
+    tick_hz: int = _at("link", "tick_hz", 0)
+    baud: int = _at("link", "baud", 0)
+    hold: float = _at("safety", "hold_s")
+    zero: float = _at("safety", "zero_s")
+    latch: float = _at("safety", "latch_s")
+    tip_speed: float = _at("safety", "tip_speed_m_s")
 
     def __post_init__(self) -> None:
         highest = self.baud // (BITS_A_BYTE * wire.size(wire.DeviceState))
@@ -120,12 +99,8 @@ def load_spec(path: Path | None = None) -> Spec:
 def _spec(file: dict[str, Any]) -> Spec:
     name = _text("name", file["name"])
     names = tuple([_text("names", each) for each in _list(file, "blocks", "names")])
-    numbers = {field: _number(file, *where) for field, where in NUMBERS.items()}
-    vectors = {
-        field: tuple([_scaled(key, value, factor) for value in _list(file, table, key)])
-        for field, (table, key, factor) in VECTORS.items()
-    }
-    spec = Spec(name=name, block_names=names, **numbers, **vectors)  # type: ignore[arg-type]
+    numbers = {each.name: _read(file, each) for each in fields(Spec) if each.metadata}
+    spec = Spec(name=name, block_names=names, **numbers)
     _check(spec)
     return spec
 
@@ -142,8 +117,11 @@ def _text(name: str, value: Any) -> str:
     return value
 
 
-def _number(file: dict[str, Any], table: str, name: str, factor: float) -> float:
-    return _scaled(name, _value(file, table, name), factor)
+def _read(file: dict[str, Any], number: Field[Any]) -> Any:
+    table, key, factor = number.metadata["at"]
+    if number.type == "Vector":
+        return tuple([_scaled(key, value, factor) for value in _list(file, table, key)])
+    return _scaled(key, _value(file, table, key), factor)
 
 
 def _scaled(name: str, value: Any, factor: float) -> float:

@@ -14,9 +14,7 @@ from typing import NamedTuple
 
 from ..material import law_force
 from ..vectors import ZERO, Vector, along, capped, dot, is_finite, scaled
-from .limits import FADE_TIME, FARTHEST, LOST_TIME, PASSIVE_SHARE, SIDEWAYS, SLOWEST_FRAME, STATE_GAP, STIFFEST
-
-LEVEL = 1e-3  # how far the square of a normal's length may be from 1: it was rounded, or it is no direction
+from .limits import FADE_TIME, FARTHEST, LEVEL, LOST_TIME, PASSIVE_SHARE, SIDEWAYS, SLOWEST_FRAME, STATE_GAP, STIFFEST
 
 
 class Law(NamedTuple):

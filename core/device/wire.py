@@ -1,4 +1,4 @@
-"""The frames between a haptic device and its host on a serial line, as bytes.
+"""The frames between a haptic device and its host, as bytes; PROTOCOL.md has the fields and their units.
 
 A frame is a payload of at most 33 bytes, little-endian, and its CRC-32, coded by COBS so that 0x00 appears nowhere in
 it, then 0x00. Up to 33 bytes CRC-32 finds every error of five bits or fewer. A reader that comes in late, or loses
@@ -36,16 +36,7 @@ NO_TORQUE: Final[Nine] = (0,) * 9
 
 
 class DeviceState(NamedTuple):
-    """STATE, from the device at each tick: where the joints are.
-
-    session: number of the session.
-    seq: sequence number.
-    ack: seq of the last CMD that was taken.
-    t_us: on the device's clock [us].
-    adc: readings, left-justified in 16 bits, three joints of each finger.
-    buttons: bits, DEADMAN_BUTTON.
-    status: mode, LIMITED, MASKED.
-    """
+    """STATE, from the device at each tick: where the joints are."""
 
     session: int
     seq: int
@@ -57,15 +48,7 @@ class DeviceState(NamedTuple):
 
 
 class Command(NamedTuple):
-    """CMD, from the host for each STATE: the torques.
-
-    session: number of the session.
-    seq: sequence number.
-    echo: seq of the STATE answered.
-    torque: of each joint, as a share of FULL_SCALE.
-    flags: ENABLE, DEADMAN, CLEAR.
-    ttl_ms: how long it is valid at most [ms].
-    """
+    """CMD, from the host for each STATE: the torques."""
 
     session: int
     seq: int
@@ -76,7 +59,7 @@ class Command(NamedTuple):
 
 
 class Hello(NamedTuple):
-    """HELLO, from the host: begin a session.  major_min, major_max: the versions of PROTOCOL that it speaks."""
+    """HELLO, from the host: begin a session."""
 
     nonce: int
     major_min: int
@@ -84,20 +67,7 @@ class Hello(NamedTuple):
 
 
 class Info(NamedTuple):
-    """INFO, from the device for a HELLO of the same nonce: what it is, and the number of the new session.
-
-    major, minor: version of its protocol.
-    blocks: how many fingers it has.
-    adc_bits, dac_bits: of its converters.
-    span_1e4rad: of an ADC [1e-4 rad].
-    torque_mnm: full scale of the three joints [mN m].
-    tick_hz: its rate [Hz].
-    hold_ms, zero_ms, latch_ms: of the watchdog [ms].
-    peak_cn, continuous_cn: force [0.01 N].
-    speed_dms: speed limit [0.1 m/s].
-    geometry, geometry_crc: of the linkage (spec.geometry_crc).
-    capabilities: bits, 1: it has force.
-    """
+    """INFO, from the device for a HELLO of the same nonce: what it is, and the number of the new session."""
 
     nonce: int
     major: int
@@ -127,7 +97,7 @@ class Arm(NamedTuple):
 
 
 class Disarm(NamedTuple):
-    """DISARM, from the host: end all force.  reason: FAULT_HOST..."""
+    """DISARM, from the host: end all force."""
 
     session: int
     reason: int
@@ -141,7 +111,7 @@ class Ping(NamedTuple):
 
 
 class Fault(NamedTuple):
-    """FAULT, from the device at once and every 100 ms while it is latched.  seq: of the last STATE."""
+    """FAULT, from the device at once and every 100 ms while it is latched."""
 
     session: int
     code: int
@@ -152,15 +122,7 @@ class Fault(NamedTuple):
 class LinkReport(NamedTuple):
     """REPORT, from the device for a PING of the same nonce: the link, measured on the device's clock.
 
-    ticks: since the session began.
-    answered: STATEs that were answered.
-    late: those answered more than a tick later.
-    rtt_p50_us, rtt_p99_us, rtt_max_us: from the tick of a STATE to the whole answer to it, or to a newer one where it
-        was passed over, of the last 1000 [us].
-    wire_us: the time of the bytes on the line in it [us].
-    bad: frames of the host refused by their CRC or form.
-    stale: refused because they were too old or came twice.
-    lost: that never came.
+    The round trips are those of the last 1000 STATEs, from its tick to the whole answer to it or to a newer one.
     """
 
     session: int

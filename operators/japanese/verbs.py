@@ -174,7 +174,6 @@ MESSAGES = {
         "はありませんか？"
     ),
     "Choose a port, or type its path.": "ポートを選ぶか、パスを入力してください。",
-    '"{}" is a device to try.': '"{}" は試しに使えるデバイスです。',
     "Blender draws only {} frames a second, so the dead-man key lapses and there is no force. Simulate a proxy, or "
     "draw less.": (
         "Blender の描画が毎秒 {} フレームしかないため、デッドマンキーが切れて力が出ません。プロキシで計算するか"
