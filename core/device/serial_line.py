@@ -9,10 +9,11 @@ import time
 from typing import Any, Final
 
 from ..errors import DimpleError
-from .byte_poller import take
 from .limits import POLL_TIME
 
 WINDOWS: Final = os.name == "nt"
+EDGE_TRIGGERED: Final = hasattr(select, "epoll")
+MAX_BYTES: Final = 65536  # read at once
 IN_USE: Final = {errno.EAGAIN, errno.EWOULDBLOCK, errno.EBUSY}
 
 
@@ -47,7 +48,7 @@ class SerialLine:
             LineLost: the line is gone.
         """
         try:
-            # pyserial retries a full queue for ever, and asking for room first can take milliseconds (byte_poller.py)
+            # pyserial retries a full queue for ever, and asking for room first can take milliseconds (Poller)
             sent = self._port.write(data) if WINDOWS else os.write(self._port.fileno(), data)
         except BlockingIOError:
             sent = 0
@@ -144,3 +145,37 @@ def ports() -> list[tuple[str, str]]:
     from serial.tools import list_ports
 
     return sorted((port.device, port.description) for port in list_ports.comports())
+
+
+class Poller:
+    """Watch descriptors. Each is returned once for all that has come since, and when its other end is gone.
+
+    On Linux to ask a terminal whether it has bytes (select, or a read where nothing is there) waits for the kernel
+    worker that delivers them. A real-time process takes the processor from that worker just as it is notified;
+    whatever else computes there then keeps the worker, and so the question, waiting for 1 to 4 ms. A terminal that is
+    watched edge-triggered need not be asked.
+    """
+
+    def __init__(self, *descriptors: int) -> None:
+        self._descriptors = descriptors
+        if EDGE_TRIGGERED:
+            self._epoll = select.epoll()
+            for each in descriptors:
+                self._epoll.register(each, select.EPOLLIN | select.EPOLLET)
+
+    def wait(self, seconds: float) -> list[int]:
+        """Return the descriptors where bytes have come, after so long [s] at most."""
+        if not EDGE_TRIGGERED:
+            return select.select(self._descriptors, [], [], seconds)[0]
+        if seconds < 1e-3:  # epoll counts in milliseconds
+            select.select([self._epoll], [], [], seconds)
+            seconds = 0
+        return [each for each, _ in self._epoll.poll(seconds)]
+
+
+def take(descriptor: int) -> bytes:
+    """Return the bytes that are there, b"" where there are none."""
+    try:
+        return os.read(descriptor, MAX_BYTES)
+    except BlockingIOError:
+        return b""

@@ -18,11 +18,10 @@ from pathlib import Path
 
 from ..errors import DimpleError
 from . import priority
-from .byte_poller import Poller
 from .limits import BLENDER_GONE, POLL_TIME, REPORT_EVERY, STATE_GAP
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .messages import ORDER_SIZE, LinkState, ServoReport, pack_report, unpack_order
-from .serial_line import WINDOWS, LineLost, SerialLine, open_line
+from .serial_line import WINDOWS, LineLost, Poller, SerialLine, open_line
 from .servo import Servo
 from .spec import load_spec
 from .udp_line import PREFIX, UdpLine, open_udp
@@ -33,7 +32,11 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="start.py")
     add_options(parser)
     options = parser.parse_args(words)
-    return run(Servo, options.port, options.mailbox, options.device)
+    try:
+        return run(Servo, options.port, options.mailbox, options.device)
+    except DimpleError as error:
+        print(error, file=sys.stderr)
+        return 2
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

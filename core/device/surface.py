@@ -35,21 +35,22 @@ class Law(NamedTuple):
     factors: tuple[float, ...] = ()
     deepest: float = 0.0
 
-    def factor(self, depth: float) -> float:
-        """Return the factor of the tip at a depth [m], beyond the deepest the last one."""
+    def factor(self, depth: float) -> tuple[float, float]:
+        """Return the factor of the tip at a depth [m], beyond the deepest the last one; and its slope times the depth."""
         if not self.factors:
-            return 1.0
+            return 1.0, 0.0
         last = len(self.factors) - 1
         at = math.sqrt(min(max(depth / self.deepest, 0.0), 1.0)) * last
         k = min(int(at), last - 1)
-        return self.factors[k] + (at - k) * (self.factors[k + 1] - self.factors[k])
+        step = self.factors[k + 1] - self.factors[k]
+        return self.factors[k] + (at - k) * step, step * at / 2 if at < last else 0.0
 
     def force(self, depth: float, cap: float) -> float:
         """Return the force [N] at a depth [m], no steeper than a cap [N/m]: a function of the depth alone."""
-        factor = self.factor(depth)
+        factor, growth = self.factor(depth)
         if not factor > 0:
             return 0.0
-        steepest = cap / factor
+        steepest = cap / (factor + max(growth, 0.0))
         return factor * law_force(
             depth, min(self.K1, steepest / self.power**2), min(self.K2, steepest), self.x0, self.power
         )

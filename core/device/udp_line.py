@@ -10,8 +10,7 @@ import socket
 from typing import Final
 
 from ..errors import DimpleError
-from .byte_poller import MAX_BYTES
-from .serial_line import LineLost
+from .serial_line import MAX_BYTES, LineLost
 
 PREFIX: Final = "udp:"
 EXAMPLE: Final = "udp:127.0.0.1:7400"

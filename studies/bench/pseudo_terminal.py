@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from core.device import priority
-from core.device.byte_poller import MAX_BYTES, Poller, take
+from core.device.serial_line import MAX_BYTES, Poller, take
 from core.errors import DimpleError
 
 from .emulator import Emulator

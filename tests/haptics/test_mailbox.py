@@ -33,7 +33,6 @@ WRITER = """
 import sys
 sys.path.append(sys.argv[1])
 from pathlib import Path
-from core import other_tip
 from core.device.mailbox import TO_SERVO, Mailbox
 box = Mailbox(Path(sys.argv[2]))
 i = 0
