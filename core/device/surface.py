@@ -36,7 +36,7 @@ class Law(NamedTuple):
     deepest: float = 0.0
 
     def factor(self, depth: float) -> tuple[float, float]:
-        """Return the factor of the tip at a depth [m], beyond the deepest the last one; and its slope times the depth."""
+        """Return the factor of the tip at a depth [m], the last one beyond the deepest, and its slope times x."""
         if not self.factors:
             return 1.0, 0.0
         last = len(self.factors) - 1
