@@ -76,7 +76,7 @@ class Mailbox:
 
 
 def _map(path: Path | None, length: int) -> tuple[Path, mmap.mmap]:
-    """Return a mailbox file and its bytes, so many; None makes one."""
+    """Return a mailbox file of a length [bytes], and its bytes; None makes one."""
     if path is None:
         handle, name = tempfile.mkstemp(dir=_folder(), prefix="dimple-", suffix=".mail")
     else:

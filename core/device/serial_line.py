@@ -57,7 +57,7 @@ class SerialLine:
         return bool(sent == len(data))
 
     def wait(self, seconds: float) -> bool:
-        """Wait for bytes, for so long [s] at most; tell whether there are some, or the line is gone and `read` raises.
+        """Wait for bytes, at most for a time [s]; tell whether there are some, or the line is gone and `read` raises.
 
         Raises:
             LineLost: the line is gone.
@@ -164,7 +164,7 @@ class Poller:
                 self._epoll.register(each, select.EPOLLIN | select.EPOLLET)
 
     def wait(self, seconds: float) -> list[int]:
-        """Return the descriptors where bytes have come, after so long [s] at most."""
+        """Return the descriptors where bytes have come, at most after a time [s]."""
         if not EDGE_TRIGGERED:
             return select.select(self._descriptors, [], [], seconds)[0]
         if seconds < 1e-3:  # epoll counts in milliseconds

@@ -53,7 +53,7 @@ class UdpLine:
             raise self._gone(error) from None
 
     def wait(self, seconds: float) -> bool:
-        """Wait for bytes, for so long [s] at most; tell whether there are some."""
+        """Wait for bytes, at most for a time [s]; tell whether there are some."""
         import select
 
         return bool(select.select([self._port], [], [], seconds)[0])
