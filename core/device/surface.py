@@ -88,7 +88,7 @@ def is_sane(surface: Surface) -> bool:
         and max(max(map(abs, place)) for place in places) <= FARTHEST
         and all(0 <= number <= STIFFEST for number in (*law[:4], *law.factors, surface.friction))
         and (not law.factors or (len(law.factors) > 1 and 0 < law.deepest <= FARTHEST))
-        and law.power >= 1 and law.x0 > 0
+        and law.power >= 1
         and abs(dot(surface.normal, surface.normal) - 1) < LEVEL
         and math.isfinite(surface.stamp)
     )  # fmt: skip

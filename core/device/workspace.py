@@ -106,5 +106,5 @@ def _factors(law: tuple[float, float, float, float], radius: float, law_at: LawA
     """Return the factors of a tip on a law, and the deepest of their depths [m]."""
     deepest = FARTHEST * max(radius, law[2])
     depths = [deepest * (max(k, 0.25) / (COUNT - 1)) ** 2 for k in range(COUNT)]
-    forces = law_at(depths)
-    return tuple([force / law_force(x, *law) for force, x in zip(forces, depths, strict=True)]), deepest
+    pairs = [(force, law_force(x, *law)) for force, x in zip(law_at(depths), depths, strict=True)]
+    return tuple([force / plain if plain > 0 else 0.0 for force, plain in pairs]), deepest

@@ -142,7 +142,7 @@ def test_an_old_surface_fades_between_100_and_200_ms_and_one_from_the_future_is_
         {"place": (math.nan, 0, 0)}, {"place": (0, math.inf, 0)}, {"place": (1e9, 0, 0)}, {"anchor": (0, 0, 1e9)},
         {"anchor": (0, math.nan, 0)}, {"normal": (0, 0, 2.0)}, {"normal": (0, 0, 0)}, {"friction": -0.1},
         {"stamp": math.nan}, {"law": VINYL._replace(K1=-1.0)}, {"law": VINYL._replace(K2=math.inf)},
-        {"law": VINYL._replace(x0=0.0)}, {"law": VINYL._replace(power=math.nan)}, {"law": VINYL._replace(power=0.5)},
+        {"law": VINYL._replace(x0=-0.001)}, {"law": VINYL._replace(power=math.nan)}, {"law": VINYL._replace(power=0.5)},
         {"law": VINYL._replace(K1=1e300)}, {"law": OTHER._replace(deepest=0.0)},
         {"law": OTHER._replace(factors=(1.0, math.nan))}, {"law": OTHER._replace(factors=(1.0,))},
     ],

@@ -8,7 +8,7 @@ import pytest
 
 from core.body.model import build_model
 from core.device.messages import ServoReport, TipState
-from core.device.surface import Contact, Surface
+from core.device.surface import Contact, Surface, is_sane
 from core.device.workspace import Workspace, fingers, surface_of, surfaces_of
 from core.material import PRESETS, law_force
 from core.mesh.surface import base_vertices
@@ -88,6 +88,15 @@ def test_a_touch_without_a_push_has_no_grip(force: Vector) -> None:
     """Whatever a frame says: the force along the normal is the law's, and all numbers are finite."""
     found = felt(touch(0.005)._replace(force=force))
     assert found == (0.0, 0.0, pytest.approx(MATERIAL.K1 * 0.005)) and all(map(math.isfinite, found))
+
+
+def test_where_painting_leaves_no_stiffness_there_is_no_force_with_any_tip() -> None:
+    painted = touch(0.005)._replace(law=(0.0, 0.0, 0.01, 1.0), force=(0.0, 0.0, 0.0))
+    for other in (None, (0.02, lambda depths: [0.0] * len(depths))):
+        found, made = surface_of(painted, Workspace(), 7.0, other), Contact()
+        assert found and is_sane(found)
+        made.take(found, painted.centre, 7.0, CAP)
+        assert made.force(painted.centre, 7.1) == (0.0, 0.0, 0.0)
 
 
 def test_a_fingertip_that_is_not_trusted_is_none() -> None:
