@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ..core.messages import Message, in_a_row
 from . import modal_runs, sessions
 
 if TYPE_CHECKING:
     from ..core.device.device import Device
-    from ..core.device.messages import ServoReport
+    from ..core.device.orders import ServoReport
     from ..core.device.workspace import Workspace
     from ..core.session import Finger
     from .sessions import LiveBody
@@ -102,7 +103,7 @@ def hold(seconds: float) -> None:
 
 def read() -> list[str]:
     """Read the device; return sentences for the artist."""
-    from ..core.device.messages import LinkState
+    from ..core.device.orders import LinkState
     from ..core.device.safety import Arming
 
     connection = get()
@@ -113,10 +114,11 @@ def read() -> list[str]:
     report = connection.report
     armed = report.link is LinkState.READY and report.arming is not Arming.OFF
     if gap > SLOW_S and armed and not connection.slow:
-        connection.slow, connection.note = True, (
-            f"Blender draws only {1 / gap:.1f} frames a second, so the dead-man key lapses and there is no force. "
-            "Simulate a proxy, or draw less."
-        )
+        connection.slow, connection.note = True, Message(
+            "Blender draws only {rate:.1f} frames a second, so the dead-man key lapses and there is no force. "
+            "Simulate a proxy, or draw less.",
+            rate=1 / gap
+        )  # fmt: skip
     elif gap < SLOW_S / 2 or not armed:
         connection.slow = False
     ended = report.link is not before.link and report.link in (LinkState.LOST, LinkState.REFUSED)
@@ -141,7 +143,7 @@ def workspace(scene: bpy.types.Scene, scale: float) -> Workspace:
 
 def fingertips(scene: bpy.types.Scene, body: LiveBody) -> list[Finger | None]:
     """Return the device's fingertips in a session's space; none where no device is ready."""
-    from ..core.device.messages import LinkState
+    from ..core.device.orders import LinkState
     from ..core.device.workspace import fingers
 
     connection = get()
@@ -157,7 +159,7 @@ def write(scene: bpy.types.Scene) -> None:
     of a poke, must not push, as when the device is armed: else it is disarmed.
     """
     from ..core.device.limits import QUIET_FORCE
-    from ..core.device.messages import TIPS, LinkState
+    from ..core.device.orders import TIPS, LinkState
     from ..core.device.workspace import surfaces_of
 
     connection = get()
@@ -208,7 +210,7 @@ def _look() -> float | None:
     if now - connection.read_at > LOOK_S:
         notes = read()
         if sessions.sessions:
-            connection.note = " ".join(notes)  # for when it goes on
+            connection.note = in_a_row(notes)  # for when it goes on
             connection.device.renew()
         else:
             write(bpy.context.scene)

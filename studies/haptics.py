@@ -20,7 +20,7 @@ import numpy as np
 
 from core.base import DimpleError
 from core.body.model import build_model
-from core.device.messages import LinkState, ServoReport
+from core.device.orders import LinkState, ServoReport
 from core.device.safety import Arming
 from core.device.workspace import fingers, surfaces_of
 from core.mesh.surface import base_vertices

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.base import DimpleError, Floats
-from core.device.messages import ServoReport
+from core.device.orders import ServoReport
 from core.device.wire import RAMP
 from core.device.workspace import Workspace
 from core.material import PRESETS, Material

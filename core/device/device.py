@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import IO, Protocol
 
 from ..errors import DimpleError
+from ..messages import Message
 from .limits import ANSWER_TIME, LEASE
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
-from .messages import REPORT_SIZE, LinkState, Order, ServoReport, pack_order, unpack_report
+from .orders import REPORT_SIZE, LinkState, Order, ServoReport, pack_order, unpack_report
 from .process import end, start
 from .safety import Arming
 from .surface import Surface
@@ -83,7 +84,7 @@ class HapticMaster:
         except BaseException as error:
             self.close()
             if isinstance(error, OSError):
-                raise DimpleError(f"The device cannot be opened: {error}.") from None
+                raise DimpleError("The device cannot be opened: {error}.", error=error) from None
             raise
 
     def _open(self) -> None:
@@ -106,7 +107,7 @@ class HapticMaster:
                 self._report, self._heard = unpack_report(message), time.perf_counter()
         running = self.process is not None and self.process.poll() is None
         if not running and self._report.link in (LinkState.OPENING, LinkState.READY):
-            self._lose(f"The servo process ended ({_last_line(self._errors)}). Connect and arm again.")
+            self._lose(Message("The servo process ended ({why}). Connect and arm again.", why=_last_line(self._errors)))
         elif self._report.link is LinkState.READY and time.perf_counter() - self._heard > ANSWER_TIME:
             self._lose("The servo process does not answer, so the device has no force. Disconnect, then connect again.")
         return self._report

@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 
 from ..errors import DimpleError
+from ..messages import Message
 from ..vectors import ZERO, Vector, is_finite, length
 from . import kinematics, limits, wire
-from .messages import LinkState, Order, ServoReport, TipState
 from .notes import BAD_FORCE, FAULTS, LOSSY, NO_ANSWER, NO_STATES, SILENT, STOOD_STILL, TOO_FAST, WAS_SILENT
+from .orders import LinkState, Order, ServoReport, TipState
 from .passivity import SentForces
 from .received import Received
 from .safety import Arming, BadNumbers, Guard, Switch
@@ -92,7 +93,7 @@ class Servo:
     def report(self) -> ServoReport:
         """Return the state of device and link."""
         measured, received = self._measured, self._received
-        warning = LOSSY.format(share=received.lost_share) if received.lost_share > limits.LOSS_WARNS else ""
+        warning = Message(LOSSY, share=received.lost_share) if received.lost_share > limits.LOSS_WARNS else ""
         return ServoReport(
             link=self.link, arming=self._switch.arming, states=received.taken, lost=received.missing,
             unsent=self.unsent, wrong=self._decoder.refused, stale=received.stale, rate=received.rate,
@@ -112,7 +113,7 @@ class Servo:
     def _send_hello(self, now: float) -> bytes:
         """Return a HELLO each limits.LOST_TIME until a device answers; give up after limits.ANSWER_TIME."""
         if self.link is LinkState.OPENING and now - self._began > limits.ANSWER_TIME:
-            self.link, self.note = LinkState.REFUSED, NO_ANSWER.format(baud=self.spec.baud, name=self.spec.name)
+            self.link, self.note = LinkState.REFUSED, Message(NO_ANSWER, baud=self.spec.baud, name=self.spec.name)
         if self.link is LinkState.REFUSED or now - self._asked < limits.LOST_TIME:
             return b""
         self._asked = now

@@ -20,7 +20,7 @@ from ..errors import DimpleError
 from . import priority
 from .limits import BLENDER_GONE, POLL_TIME, REPORT_EVERY, STATE_GAP
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
-from .messages import ORDER_SIZE, LinkState, ServoReport, pack_report, unpack_order
+from .orders import ORDER_SIZE, LinkState, ServoReport, pack_report, unpack_order
 from .serial_line import WINDOWS, LineLost, Poller, SerialLine, open_line
 from .servo import Servo
 from .spec import load_spec

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from ..errors import DimpleError
+from ..messages import Message
 from ..vectors import Vector
 from . import wire
 from .limits import HARD_CEILING, LOST_TIME, STATE_GAP, TOP_SPEED, ZERO_TIME
@@ -62,9 +63,10 @@ class Spec:
         highest = self.baud // (BITS_A_BYTE * wire.size(wire.DeviceState))
         if self.tick_hz > highest:
             raise DimpleError(
-                f"{self.baud} baud cannot carry the {self.tick_hz} positions a second of the {self.name}, {highest} at "
-                "most. Raise the baud rate, on the device too, or use a device that is made for a lower rate (tick_hz)."
-            )
+                "{baud} baud cannot carry the {tick_hz} positions a second of the {name}, {highest} at most. Raise "
+                "the baud rate, on the device too, or use a device that is made for a lower rate (tick_hz).",
+                baud=self.baud, tick_hz=self.tick_hz, name=self.name, highest=highest
+            )  # fmt: skip
 
     def left(self, age: float) -> float:
         """Return the share of a force that still acts when its command is so old [s]."""
@@ -86,13 +88,17 @@ def load_spec(path: Path | None = None) -> Spec:
     try:
         spec = _spec(tomllib.loads(path.read_text(encoding="utf-8")))
     except OSError as error:
-        raise DimpleError(f"The device file {path} cannot be read: {error.strerror or error}.") from None
+        raise DimpleError(
+            "The device file {path} cannot be read: {error}.", path=path, error=error.strerror or error
+        ) from None
     except KeyError as error:
-        raise DimpleError(f"The device file {path} has no {error}; see {HAPTIC_MASTER.name}.") from None
+        raise DimpleError(
+            "The device file {path} has no {error}; see {example}.", path=path, error=error, example=HAPTIC_MASTER.name
+        ) from None
     except DimpleError:
         raise
     except ValueError as error:  # TOMLDecodeError and UnicodeDecodeError are among them
-        raise DimpleError(f"The device file {path} is not valid: {error}.") from None
+        raise DimpleError("The device file {path} is not valid: {error}.", path=path, error=error) from None
     return spec
 
 
@@ -107,13 +113,13 @@ def _spec(file: dict[str, Any]) -> Spec:
 
 def _value(file: dict[str, Any], table: str, name: str) -> Any:
     if not isinstance(file[table], dict):
-        raise ValueError(f"[{table}] must be a table")
+        raise ValueError(Message("[{table}] must be a table", table=table))
     return file[table][name]
 
 
 def _text(name: str, value: Any) -> str:
     if not isinstance(value, str) or not value:
-        raise ValueError(f"{name} must be text, not {value!r}")
+        raise ValueError(Message("{name} must be text, not {value}", name=name, value=repr(value)))
     return value
 
 
@@ -126,30 +132,33 @@ def _read(file: dict[str, Any], number: Field[Any]) -> Any:
 
 def _scaled(name: str, value: Any, factor: float) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise ValueError(f"{name} must be a number, not {value!r}")
+        raise ValueError(Message("{name} must be a number, not {value}", name=name, value=repr(value)))
     if factor:
         return factor * value
     if value != round(value):
-        raise ValueError(f"{name} must be a whole number, not {value!r}")
+        raise ValueError(Message("{name} must be a whole number, not {value}", name=name, value=repr(value)))
     return round(value)
 
 
 def _list(file: dict[str, Any], table: str, name: str) -> list[Any]:
     values = _value(file, table, name)
     if not isinstance(values, list) or len(values) != wire.FINGERS:
-        raise ValueError(f"{name} must be a list of three, not {values!r}")
+        raise ValueError(Message("{name} must be a list of three, not {value}", name=name, value=repr(values)))
     return values
 
 
 def _check(spec: Spec) -> None:
     far, near = spec.centre_distance + spec.workspace_radius, spec.centre_distance - spec.workspace_radius
     for what, holds in (
-        (f"continuous_force_n and peak_force_n must be above 0, {HARD_CEILING:g} at most, and not fall in this order",
+        (Message("continuous_force_n and peak_force_n must be above 0, {most:g} at most, and not fall in this order",
+                 most=HARD_CEILING),
          0 < spec.continuous_force <= spec.peak_force <= HARD_CEILING),
-        (f"hold_s, zero_s and latch_s must rise, to {STATE_GAP}, {ZERO_TIME} and {LOST_TIME} at most",
+        (Message("hold_s, zero_s and latch_s must rise, to {state_gap}, {zero_time} and {state_lost} at most",
+                 state_gap=STATE_GAP, zero_time=ZERO_TIME, state_lost=LOST_TIME),
          0 < spec.hold < spec.zero < spec.latch
          and spec.hold <= STATE_GAP and spec.zero <= ZERO_TIME and spec.latch <= LOST_TIME),
-        (f"tip_speed_m_s must be above 0, {TOP_SPEED} at most", 0 < spec.tip_speed <= TOP_SPEED),
+        (Message("tip_speed_m_s must be above 0, {top_speed} at most", top_speed=TOP_SPEED),
+         0 < spec.tip_speed <= TOP_SPEED),
         ("l1_m and l2_m must be above 0, 2 at most", 0 < min(spec.l1, spec.l2) <= max(spec.l1, spec.l2) <= 2),
         ("viscous_ns_m must be from 0 to 20", 0 <= spec.viscous <= 20),  # the stiffest wall follows from it
         ("the workspace must be within reach", 0 < spec.workspace_radius < spec.centre_distance
@@ -166,7 +175,7 @@ def _check(spec: Spec) -> None:
          250 <= spec.tick_hz <= 2000 and spec.tick < spec.hold),
     ):  # fmt: skip
         if not holds:
-            raise ValueError(what)
+            raise ValueError(Message(what))
 
 
 def geometry_crc(spec: Spec) -> int:
@@ -196,15 +205,25 @@ def check_info(spec: Spec, reported: wire.Info) -> None:
     """
     if reported.major != wire.PROTOCOL[0]:
         raise DimpleError(
-            f"The device speaks protocol {reported.major}.{reported.minor}, this Dimple "
-            f"{wire.PROTOCOL[0]}.{wire.PROTOCOL[1]}: they do not understand each other. Update the older of the two."
-        )
+            "The device speaks protocol {major}.{minor}, this Dimple {own_major}.{own_minor}: they do not understand "
+            "each other. Update the older of the two.",
+            major=reported.major, minor=reported.minor, own_major=wire.PROTOCOL[0], own_minor=wire.PROTOCOL[1]
+        )  # fmt: skip
     own = info(spec, reported.nonce, reported.session)
     free = {"nonce", "minor", "session", "capabilities"}
     other = [name for name, a, b in zip(own._fields, reported, own, strict=True) if a != b and name not in free]
     if other:
-        differences = ", ".join(f"{name} {getattr(reported, name)} instead of {getattr(own, name)}" for name in other)
-        raise DimpleError(
-            f"The device is not the one of the device file ({spec.name}): it reports {differences}. "
-            "Choose the file of this device."
+        differences = ", ".join(
+            Message(
+                "{name} {given} instead of {expected}",
+                name=name,
+                given=getattr(reported, name),
+                expected=getattr(own, name),
+            )
+            for name in other
         )
+        raise DimpleError(
+            "The device is not the one of the device file ({name}): it reports {differences}. Choose the file of "
+            "this device.",
+            name=spec.name, differences=differences
+        )  # fmt: skip

@@ -12,7 +12,7 @@ from ..session import Finger, Session
 from ..solver.motion import Touch
 from ..vectors import ZERO, Vector, along, dot, scaled
 from .limits import SIDEWAYS
-from .messages import ServoReport
+from .orders import ServoReport
 from .surface import Law, Surface
 
 LawAt = Callable[[Sequence[float]], Sequence[float]]

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 from core.device import kinematics, wire
 from core.device.limits import LEASE
-from core.device.messages import pack_order, unpack_order
+from core.device.orders import pack_order, unpack_order
 from core.device.servo import Servo
 from core.device.spec import Spec, info, load_spec
 from core.device.surface import Law, Surface

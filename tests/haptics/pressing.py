@@ -18,7 +18,7 @@ import numpy as np
 
 from core.device import wire
 from core.device.device import HapticMaster
-from core.device.messages import LinkState, ServoReport
+from core.device.orders import LinkState, ServoReport
 from core.device.process import end
 from core.device.safety import Arming
 from core.vectors import length

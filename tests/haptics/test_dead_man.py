@@ -9,7 +9,7 @@ import pytest
 from core.device.device import HapticMaster
 from core.device.limits import LEASE
 from core.device.mailbox import TO_SERVO, Mailbox
-from core.device.messages import ORDER_SIZE, Order, unpack_order
+from core.device.orders import ORDER_SIZE, Order, unpack_order
 from tests.haptics.bench_device import TICK, BenchDevice, wall
 
 RENEW = 0.05  # [s] between two looks of Blender at the key

@@ -14,7 +14,7 @@ from core.device import device as devices
 from core.device import process as processes
 from core.device.device import HapticMaster
 from core.device.mailbox import Mailbox
-from core.device.messages import LinkState
+from core.device.orders import LinkState
 from core.device.process import python
 from core.device.spec import HAPTIC_MASTER
 from studies.bench import logged_servo

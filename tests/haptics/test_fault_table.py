@@ -14,7 +14,7 @@ import pytest
 
 from core.device import wire
 from core.device.limits import LEASE, QUIET_TIME
-from core.device.messages import LinkState
+from core.device.orders import LinkState
 from core.device.servo import Servo
 from core.device.spec import Spec
 from core.device.surface import Law, Surface, stiffness_cap

@@ -11,7 +11,7 @@ import pytest
 
 from core import other_tip
 from core.device.mailbox import FROM_SERVO, TO_SERVO, Mailbox
-from core.device.messages import (
+from core.device.orders import (
     FACTORS,
     ORDER_SIZE,
     REPORT_SIZE,

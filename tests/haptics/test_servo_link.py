@@ -5,7 +5,7 @@ import random
 import pytest
 
 from core.device import wire
-from core.device.messages import LinkState
+from core.device.orders import LinkState
 from core.device.servo import Servo
 from core.device.spec import info, load_spec
 from tests.haptics.bench_device import SESSION, BenchDevice, disarmed, note

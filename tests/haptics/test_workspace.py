@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from core.body.model import build_model
-from core.device.messages import ServoReport, TipState
+from core.device.orders import ServoReport, TipState
 from core.device.surface import Contact, Surface, is_sane
 from core.device.workspace import Workspace, fingers, surface_of, surfaces_of
 from core.material import PRESETS, law_force

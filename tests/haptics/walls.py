@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from core.device.limits import LEASE
-from core.device.messages import LinkState
+from core.device.orders import LinkState
 from core.device.passivity import Passivity
 from core.device.servo import Servo
 from core.device.wire import RAMP

@@ -114,7 +114,7 @@ def test_a_servo_hears_of_blender_while_nothing_moves(
 ) -> None:
     """Where its pipe cannot be watched (Windows) a servo that hears nothing for 10 s takes Blender for gone."""
     from bl_ext.user_default.dimple.core.device.mailbox import TO_SERVO
-    from bl_ext.user_default.dimple.core.device.messages import ORDER_SIZE
+    from bl_ext.user_default.dimple.core.device.orders import ORDER_SIZE
     from bl_ext.user_default.dimple.operators import haptic
 
     body = add()
@@ -210,7 +210,7 @@ def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: Mo
 def test_a_blender_that_draws_too_slowly_for_the_dead_man_key_is_said_once(
     bpy: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.core.device.messages import LinkState
+    from bl_ext.user_default.dimple.core.device.orders import LinkState
     from bl_ext.user_default.dimple.core.device.safety import Arming
     from bl_ext.user_default.dimple.operators import haptic
 

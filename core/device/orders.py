@@ -9,6 +9,7 @@ from enum import Enum
 from itertools import islice
 from typing import Final
 
+from ..messages import kept, read
 from ..vectors import ZERO, Vector
 from .limits import LEASE, STATE_GAP
 from .safety import Arming
@@ -19,7 +20,7 @@ TIPS: Final = FINGERS
 FACTORS: Final = 33  # of another tip, as other_tip.COUNT
 _ORDER: Final = struct.Struct(f"<{3 + TIPS * (17 + FACTORS)}d")
 _REPORT: Final = struct.Struct(f"<{13 + TIPS * 9}d")
-_NOTE: Final = 400  # bytes of the note
+_NOTE: Final = 1000  # bytes of the note, with its values
 ORDER_SIZE, REPORT_SIZE = _ORDER.size, _REPORT.size + _NOTE
 
 
@@ -152,7 +153,13 @@ def pack_report(report: ServoReport) -> bytes:
     ]  # fmt: skip
     for tip in (*r.tips, *(TipState(),) * TIPS)[:TIPS]:
         numbers += [*tip.position, *tip.force, tip.least_energy, tip.masked, tip.full]
-    return _REPORT.pack(*numbers) + r.note.encode()[:_NOTE].ljust(_NOTE, b"\0")
+    return _REPORT.pack(*numbers) + _note(r.note).ljust(_NOTE, b"\0")
+
+
+def _note(note: str) -> bytes:
+    """Return a note as bytes; of one that is too long, a text without values that is cut off."""
+    whole = kept(note).encode()
+    return whole if len(whole) <= _NOTE else note.encode()[:_NOTE]
 
 
 def unpack_report(message: bytes) -> ServoReport:
@@ -163,7 +170,7 @@ def unpack_report(message: bytes) -> ServoReport:
     return ServoReport(
         link=LinkState(link), arming=Arming(arming), tips=tips[: int(count)], states=int(states), lost=int(lost),
         unsent=int(unsent), wrong=int(wrong), stale=int(stale), rate=rate, delay_p50=p50, delay_p99=p99, cap=cap,
-        peak=peak, note=message[-_NOTE:].rstrip(b"\0").decode(errors="ignore"),
+        peak=peak, note=read(message[-_NOTE:].rstrip(b"\0").decode(errors="ignore")),
     )  # fmt: skip
 
 
