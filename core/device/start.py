@@ -1,4 +1,4 @@
-"""Start with the standard library and pyserial alone: `python -I -S start.py FOLDER --mailbox FILE -- PORT`.
+"""Start with the standard library and pyserial alone: `python -I -S start.py FOLDER OPTIONS`.
 
 Isolated from the environment and from site-packages, so that no package installed on this computer interferes.
 """
