@@ -23,9 +23,7 @@ class DevicePlace:
     """The settings of a scene that name the device and place its workspace."""
 
     device_port: StringProperty(
-        name="Port",
-        description="Where the device is plugged in: a serial port, a path, or udp:HOST:PORT. On Linux and macOS, "
-                    '"emulated" starts a simulated device',
+        name="Port", description="Where the device is plugged in: a serial port, a path, or udp:HOST:PORT",
         search=_ports, search_options={"SORT", "SUGGESTION"}, **_FIXED,
     )  # fmt: skip
     device_file: StringProperty(

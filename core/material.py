@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .base import DimpleError
+from .errors import DimpleError  # not of base: the servo process has no numpy
 from .fills import FILLS
 from .messages import Message
 
