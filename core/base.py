@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
+from .errors import LARGEST as LARGEST
 from .errors import DimpleError as DimpleError  # a module of its own, so that the servo process needs no numpy
 
 Floats = npt.NDArray[np.float64]
@@ -17,7 +18,6 @@ Singles = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
-LARGEST = 1e12  # in any SI unit: what is larger is taken for a mistake; its cube is all that single precision holds
 EXACT = 1e-9  # of what is summed: a million units in the last place of double precision
 TINY = 1e-30  # keeps a quotient finite: its square is still a number
 LEAST_VOLUME_OPEN = 1e-2  # of size x area, in an open mesh: a crumpled sheet encloses none, a hemisphere has 0.17
