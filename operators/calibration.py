@@ -7,14 +7,12 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
 from datetime import date
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..core.calibration.calibrate import Calibration
-    from ..core.calibration.together import Together
 
 EXTENSIONS = ".csv;.txt;.tsv;.dat;.asc;.tra"
 FILTER = ";".join(f"*{ending}" for ending in EXTENSIONS.split(";"))  # of a file browser
@@ -33,19 +31,13 @@ def load(text: str) -> dict[str, Any]:
     return record if isinstance(record, dict) else {}
 
 
-def to_text(calibration: Calibration, advice: Sequence[str] = ()) -> str:
-    """Return the text that keeps a calibration: the core's record, and what a chart and a material need of it.
-
-    Args:
-        calibration: what was found.
-        advice: sentences that follow the warnings.
-    """
-    from ..core.calibration.misfit import NOTICEABLE_FORCE
+def to_text(calibration: Calibration) -> str:
+    """Return the text that keeps a calibration: the core's record, and what a chart and a material need of it."""
+    from ..core.calibration.doubts import NOTICEABLE_FORCE
     from ..core.calibration.record import to_record
 
     record = to_record(calibration)
     loading, surface = calibration.loading, calibration.surface
-    record["warnings"] += advice
     record["date"], record["noticeable"] = date.today().isoformat(), NOTICEABLE_FORCE
     record["provenance"] = f"{record['provenance']}, calibrated {record['date']}"
     record["points"] = thinned(1e3 * loading.depth, loading.force, POINTS)
@@ -53,22 +45,6 @@ def to_text(calibration: Calibration, advice: Sequence[str] = ()) -> str:
     record["k_to_use"] = surface.k.value / 1e3 if surface and surface.k else None
     record["unusable"] = _unusable(record)
     return json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-
-
-def joint_text(first: Calibration, found: Together) -> str:
-    """Return the text that keeps a joint fit: as that of its first curve alone, with the constants of all."""
-    from ..core.calibration.record import joint_record
-
-    record, joint = load(to_text(first)), joint_record(found)
-    said = joint.pop("lines")
-    names = ", ".join(each.name for each in found.curves)
-    kept = record | joint | {
-        "provenance": f"{names}: {said[0]}; {said[1]}, calibrated {record['date']}", "band": [],
-        "warnings": [warning for warning in record["warnings"] if found.knee or "knee" not in warning],
-        "notes": [*record["notes"], *said[2:]], "source": names,
-        "residual_share": max(each.rms for each in found.curves),
-    }  # fmt: skip
-    return json.dumps(kept | {"unusable": _unusable(kept)}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
 def headline(warning: str) -> str:

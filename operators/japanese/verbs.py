@@ -114,12 +114,8 @@ MESSAGES = {
     "Depth Column": "深さの列",
     "Force Column": "力の列",
     "Contact (mm)": "接触 (mm)",
-    "If it is known, give {}.": "分かっていれば {} を指定してください。",
     "A question of the dialog has no answer.": "ダイアログの質問に答えがありません。",
     "Give {}: {}.": "{} を指定してください: {}。",
-    "{} is ambiguous: {} Calibrate from this file alone to answer, or state it in its header.": (
-        "{} だけでは決まりません: {} このファイルだけでキャリブレーションして答えるか、見出しに書いてください。"
-    ),
     'Collider "{}" is gone. Start again.': 'コライダー "{}" がなくなりました。もう一度始めてください。',
     'Collider "{}" has no faces, or a coordinate that is not a number. Repair it, or switch Dimple Collider off.': (
         'コライダー "{}" に面がないか、数でない座標があります。直すか、Dimple コライダーをオフにしてください。'
