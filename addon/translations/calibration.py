@@ -5,8 +5,6 @@ BUTTONS = {
     "Calibrate from File...": "ファイルからキャリブレーション...",
     "Softness from Pokes": "押し込み記録から柔らかさを塗る",
     "Softness from Pokes...": "押し込み記録から柔らかさを塗る...",
-    "Calibrate Together": "まとめてキャリブレーション",
-    "Calibrate from Several Files...": "複数のファイルからキャリブレーション...",
     "Apply to Material": "マテリアルに適用",
     "Discard": "破棄",
     "Keep as My Material": "自分のマテリアルとして保存",
@@ -94,6 +92,8 @@ RESULT = {
     "Slopes": "傾きの数",
     "One": "一つ",
     "Two": "二つ",
+    "First Touch": "最初の接触",
+    "Tare": "風袋",
     "Measured Range": "測定範囲",
     "k, Eqs. 9, 10": "k、式 9, 10",
     "k, Force Balance": "k、力の釣り合い",
@@ -101,17 +101,10 @@ RESULT = {
     "Hysteresis Loss": "ヒステリシス損失",
     "Residual": "残差",
     "Spread": "広がり",
-    "Fit one material to several force-depth files of one object; tips of different radius determine the spread": (
-        "同じ物体の複数の力-変位ファイルに一つのマテリアルを当てはめます。半径の異なる先端が広がりを決めます"
-    ),
-    "Not determined by these curves": "これらの曲線からは決まりません",
     "Paint softness from a table of pokes: x, y, z, depth and force, in places on the object as it stands": (
         "押した記録の表 (x, y, z, 深さ, 力) から柔らかさを塗ります。場所は今ある物体の上の位置です"
     ),
     "Table of pokes: CSV or text": "押した記録の表。CSV またはテキスト",
-    "Where the files are": "ファイルのある場所",
-    "Of files that are dropped together": "まとめてドロップされたファイルのフォルダー",
-    "Files": "ファイル",
     "Largest Error from Points": "測定点からの最大誤差",
     "{} of full scale": "フルスケールの {}",
     "Just-Noticeable Difference": "弁別閾 (JND)",

@@ -8,17 +8,38 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
-from .distributions import f_above, t_quantile
-from .parameters import Free, Parameters, jacobian_of, law, pressed_residual, residual_of, sum_of_squares
 from .segments import MIN_PIECE, two_pieces
 
-CONFIDENCE = 0.95
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
-_STEPS = 20  # of Gauss-Newton
-_ROWS = 8  # beyond the touch: fewer determine nothing
-_ON_A_PIECE = 2  # rows: fewer leave its slope open
+_ROWS = 7  # beyond the touch: with that, as many as a table has at least
 _LEAST = 20.0  # rows: what even the smoothest systematic misfit is allowed to count as
 _STRAY = 4.0  # standard errors that the joint fit may move the contact
+Free = tuple[str, ...]  # of "contact" and "tare", in this order
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameters:
+    """What is fitted: K1; K2 and x0 where there is a knee; then contact and tare where they are free.
+
+    knee: whether there is one.
+    free: of "contact" and "tare".
+    values: (p,) [N/m], [N/m], [m], [m], [N].
+    """
+
+    knee: bool
+    free: Free
+    values: Floats
+
+    def parts(self, x: Floats) -> tuple[float, float, float, float, float]:
+        """Return K1, K2, x0, contact, tare."""
+        v = [float(value) for value in self.values]
+        known = {"contact": 0.0, "tare": 0.0} | dict(zip(self.free, v[3 if self.knee else 1 :], strict=True))
+        contact, tare = known["contact"], known["tare"]
+        return (v[0], v[1], v[2], contact, tare) if self.knee else (v[0], v[0], float(x.max()) - contact, contact, tare)
+
+    def index(self, name: str) -> int | None:
+        """Return where the values hold "contact" or "tare", None where it is known."""
+        return len(self.values) - len(self.free) + self.free.index(name) if name in self.free else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +79,6 @@ class Fit:
     noise: standard deviation of the residuals [N].
     correlation: of neighbouring residuals.
     full_scale: largest force [N].
-    knee_p: probability, by the F test, of so much gain by a knee where there is none.
     knee_bic: by how much a knee lowers the Bayesian information criterion.
     rows: number of rows in contact.
     parameters: constants, contact and tare as they were fitted.
@@ -76,7 +96,6 @@ class Fit:
     noise: float
     correlation: float
     full_scale: float
-    knee_p: float
     knee_bic: float
     rows: int
     parameters: Parameters
@@ -97,6 +116,39 @@ class Fit:
         """Return half the width [N] of the law's 95 % interval at depths [m] below the contact."""
         slopes = jacobian_of(self.parameters, np.asarray(x, np.float64) + self.parameters.parts(x)[3])
         return np.sqrt(np.maximum(((slopes @ self.spread) * slopes).sum(axis=1), 0))
+
+
+def law(x: Floats, K1: float, K2: float, x0: float) -> Floats:
+    """Return K(x) of Eq. (1), (n,) [N], at depths (n,) [m]."""
+    x = np.maximum(x, 0)
+    return K1 * np.minimum(x, x0) + K2 * np.maximum(x - x0, 0)
+
+
+def residual_of(parameters: Parameters, x: Floats, f: Floats) -> Floats:
+    """Return how far forces (n,) [N] at depths (n,) [m] are above the law and the tare, (n,) [N]."""
+    K1, K2, x0, contact, tare = parameters.parts(x)
+    return f - tare - law(x - contact, K1, K2, x0)
+
+
+def jacobian_of(parameters: Parameters, x: Floats) -> Floats:
+    """Return the slopes (n, p) of the law in each parameter."""
+    K1, K2, x0, contact, _ = parameters.parts(x)
+    y = np.maximum(x - contact, 0)
+    beyond = y > x0
+    columns = [np.minimum(y, x0), np.maximum(y - x0, 0), (K1 - K2) * beyond] if parameters.knee else [y]
+    of = {"contact": -np.where(beyond, K2, K1) * (y > 0), "tare": np.ones_like(x)}
+    columns += [of[name] for name in parameters.free]
+    return np.stack([np.asarray(column, np.float64) for column in columns], axis=1)
+
+
+def sum_of_squares(parameters: Parameters, x: Floats, f: Floats) -> float:
+    """Return the sum of the squared residuals [N2]."""
+    return float((residual_of(parameters, x, f) ** 2).sum())
+
+
+def pressed_residual(parameters: Parameters, x: Floats, f: Floats) -> Floats:
+    """Return the residuals of the rows in contact: those before it may be many, and quieter."""
+    return residual_of(parameters, x, f)[x > parameters.parts(x)[3]]
 
 
 def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
@@ -134,10 +186,10 @@ def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
     if pieces is not None:
         start = _start([pieces.slope1, pieces.slope2, pieces.join], pieces.offset, free)
     if pieces is None or not _has_rows(start, x):
-        return _result(one, x, f, 1.0, 0.0)
+        return _result(one, x, f, 0.0)
     two = _settled(start, x, f)
-    p, bic = _compare(one, two, x, f)
-    return replace(_result(two if bic > 0 else one, x, f, p, bic), falls=falls and bic > 0)
+    bic = _knee_gain(one, two, x, f)
+    return replace(_result(two if bic > 0 else one, x, f, bic), falls=falls and bic > 0)
 
 
 def _start(values: list[float], offset: float, free: Free) -> Parameters:
@@ -153,7 +205,7 @@ def _has_rows(parameters: Parameters, x: Floats) -> bool:
     """Return whether enough rows lie on each piece; a touch or a knee may come to lie beyond them."""
     _, _, x0, contact, _ = parameters.parts(x)
     pressed, beyond = int((x > contact).sum()), int((x > contact + x0).sum())
-    return min(pressed - beyond, beyond) >= _ON_A_PIECE if parameters.knee else pressed >= _ROWS
+    return min(pressed - beyond, beyond) >= 2 if parameters.knee else pressed >= _ROWS
 
 
 def _holds(parameters: Parameters, start: Parameters, x: Floats) -> bool:
@@ -175,7 +227,7 @@ def _settled(start: Parameters, x: Floats, f: Floats) -> Parameters:
     if not start.free:
         return start
     best, least = start, sum_of_squares(start, x, f)
-    for _ in range(_STEPS):
+    for _ in range(20):
         jacobian = jacobian_of(best, x)
         scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
         step = np.linalg.lstsq(jacobian / scale, residual_of(best, x, f), rcond=None)[0] / scale
@@ -220,8 +272,8 @@ def independent_rows(n: int, correlation: float) -> float:
     return min(float(n), max(n * (1 - correlation) / (1 + correlation), _LEAST))
 
 
-def _compare(one: Parameters, two: Parameters, x: Floats, f: Floats) -> tuple[float, float]:
-    """Weigh one slope against two: the F test's probability of so much gain by chance, and the gain in BIC.
+def _knee_gain(one: Parameters, two: Parameters, x: Floats, f: Floats) -> float:
+    """Return by how much two slopes lower the Bayesian information criterion against one.
 
     A knee costs 3 log n: a slope, and a place that is searched for, which weighs as two (Zhang and Siegmund,
     Biometrics 63, 2007).
@@ -230,12 +282,18 @@ def _compare(one: Parameters, two: Parameters, x: Floats, f: Floats) -> tuple[fl
     n = independent_rows(len(after), _correlation(after))
     floor = (_EXACT * float(np.abs(f).max())) ** 2
     s1, s2 = max(float((before**2).mean()), floor), max(float((after**2).mean()), floor)
-    freedom = max(n - len(two.values), 1.0)
-    p = f_above(max(s1 - s2, 0) / 2 / (s2 / freedom), 2, freedom)
-    return p, n * math.log(s1 / s2) - 3 * math.log(max(n, 2.0))
+    return n * math.log(s1 / s2) - 3 * math.log(max(n, 2.0))
 
 
-def _result(parameters: Parameters, x: Floats, f: Floats, p: float, bic: float) -> Fit:
+def t_95(freedom: float) -> float:
+    """Return the t that Student's variable stays within with 95 %, to 1 % from 3 degrees of freedom on.
+
+    Source: Abramowitz and Stegun, Handbook of Mathematical Functions, 26.7.5.
+    """
+    return 1.960 + 2.372 / freedom + 2.823 / freedom**2 + 2.556 / freedom**3
+
+
+def _result(parameters: Parameters, x: Floats, f: Floats, bic: float) -> Fit:
     K1, K2, x0, contact, tare = parameters.parts(x)
     residual = pressed_residual(parameters, x, f)
     r = _correlation(residual)
@@ -243,7 +301,7 @@ def _result(parameters: Parameters, x: Floats, f: Floats, p: float, bic: float) 
     covariance = _covariance(parameters, x, f)
     errors = np.sqrt(np.diag(covariance))
     wider = math.sqrt(len(residual) / count)
-    reach = t_quantile((1 + CONFIDENCE) / 2, max(count - len(parameters.values), 1.0)) * wider
+    reach = t_95(max(count - len(parameters.values), 1.0)) * wider
 
     def constant(value: float, at: int | None) -> Constant:
         error = 0.0 if at is None else float(errors[at])
@@ -260,7 +318,6 @@ def _result(parameters: Parameters, x: Floats, f: Floats, p: float, bic: float) 
         noise=math.sqrt(_variance(parameters, x, f)),
         correlation=r,
         full_scale=float(np.abs(f - tare).max()),
-        knee_p=p,
         knee_bic=bic,
         rows=len(residual),
         parameters=parameters,

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..base import DimpleError, Floats
+from .dialect import number
 from .question import Candidate, Question
 from .table import Table
 from .vocabulary import role_of, unit_of
@@ -62,11 +63,8 @@ def factor_to_si(
     if role == "force" and counts and at is not None:
         units_above = [value for key, value in table.values.items() if re.search(r"force units?", key)]
         found = unit_of(units_above[0]) if units_above else None
-        try:
-            divisor = float(counts[0].replace(",", ""))
-        except ValueError:
-            return None
-        if found is None or found[0] != "force" or not divisor > 0:
+        divisor = number(counts[0], ".")
+        if found is None or found[0] != "force" or divisor is None or not divisor > 0:
             return None
         notes.append(f"Counts were divided by {divisor:g}, as the file says, to get {units_above[0]}.")
         return found[1] / divisor, f"counts of {units_above[0]}/{divisor:g}"

@@ -24,31 +24,27 @@ MESSAGES = {
     "k {} N/mm (95 %) by the force balance": "力のつり合いによる k {} N/mm (95 %)",
     "“{}” (column {}) in {}": "“{}”（{} 列目、単位 {}）",
     "The depth is {}, the force {}.": "深さは{}、力は{}です。",
-    "The touch is as given.": "接触は指定どおりです。",
-    "First touch at {} mm of the file; {} N there is no load.": (
-        "最初の接触はファイルの {} mm。そこでの {} N を無負荷とします。"
-    ),
-    "The file begins in contact or near it; the touch is taken at {} mm.": (
-        "ファイルは接触中かその近くから始まります。接触は {} mm とします。"
-    ),
-    "The file begins at the touch: depth 0 as the file has it.": (
-        "ファイルは接触から始まります。深さ 0 はファイルのとおりです。"
-    ),
-    "The force is {} N where the file begins: it was taken for no load.": (
-        "ファイルの始まりの力 {} N を無負荷とみなしました。"
-    ),
-    "The noise hides the first touch.\nIt was taken at {} mm, but {} mm is as likely, with K1 {} N/mm and x0 {} mm.": (
-        "雑音のため最初の接触が分かりません。\n{0} mm としましたが、K1 {2} N/mm、x0 {3} mm となる {1} mm も同じくら"
-        "い確かです。"
-    ),
     "The force changes by {} N before the touch.\nThe load cell drifts, and the slopes are off by {} N/mm, or the "
     "touch is earlier.": (
         "接触の前に力が {} N 変わっています。\nロードセルがずれていて傾きに {} N/mm の誤差があるか、接触がもっと早"
         "いかです。"
     ),
+    "The first touch is at {} mm of the file, the tare {} N.": "最初の接触はファイルの {} mm、風袋は {} N です。",
+    "The first touch is at {} mm of the file, as given, the tare {} N.": (
+        "最初の接触は指定どおりファイルの {} mm、風袋は {} N です。"
+    ),
     "The force is {} N where the file begins, at {} mm. At which depth was the first touch?": (
         "ファイルの始まり ({1} mm) で力が {0} N あります。最初の接触はどの深さでしたか？"
     ),
+    "The noise hides the first touch. At which depth was it?": (
+        "雑音のため最初の接触が分かりません。どの深さでしたか？"
+    ),
+    "then K1 is {} N/mm": "K1 は {} N/mm になります",
+    "The force rises by no more than {} N over the first {} mm. At which depth was the first touch?": (
+        "最初の {1} mm で力は {0} N しか増えません。最初の接触はどの深さでしたか？"
+    ),
+    "where it begins to rise: there was air before": "力が増え始めるところ（その前は空気）",
+    "before: the object is that soft at first": "それより前（物体が初めはそれほど柔らかい）",
     "before the file begins: the object was pressed already": "ファイルの始まりより前（すでに押されていた）",
     "where the file begins: the load cell was not tared": "ファイルの始まり（ロードセルのゼロ合わせがされていない）",
     "There is no table in this file: no run of rows with two or more numbers. It must have a column of depth and a "
@@ -86,10 +82,8 @@ MESSAGES = {
     ),
     "{}, as the header says (a press driven by its force)": "{}、見出しのとおり（力を制御した押し込み）",
     "{}: the columns are swapped": "{}: 列が入れ替わっている",
-    "No knee was found down to {} mm.\nOne slope says as much as two (F test p = {}): K2 equals K1 and x0 is the "
-    "deepest row.": (
-        "{} mm まで折れ点が見つかりません。\n傾きは一つで十分です (F 検定 p = {})。K2 は K1 と同じ、x0 は最も深い行"
-        "とします。"
+    "No knee was found down to {} mm.\nOne slope says as much as two: K2 equals K1 and x0 is the deepest row.": (
+        "{} mm まで折れ点が見つかりません。\n傾きは一つで十分です。K2 は K1 と同じ、x0 は最も深い行とします。"
     ),
     "The force falls while the depth grows.\nThe best two pieces would fall; these are the best of those that "
     "rise, as a body of the model must.": (
@@ -139,10 +133,6 @@ MESSAGES = {
     "The tip misses the object. Move it over the place to be pressed.": (
         "先端が物体に当たりません。押す場所の上に動かしてください。"
     ),
-    "{}: no force was measured in contact.": "{}: 接触中の力が測定されていません。",
-    "{}: only {} depths in contact. Measure at more depths.": (
-        "{}: 接触中の深さが {} 個しかありません。もっと多くの深さで測定してください。"
-    ),
     "a ZIP archive (an Excel or LibreOffice sheet is one too)": (
         "ZIP アーカイブ（Excel や LibreOffice のシートもこれです）"
     ),
@@ -152,6 +142,8 @@ MESSAGES = {
     "an xz archive": "xz アーカイブ",
     "a 7-Zip archive": "7-Zip アーカイブ",
     "a zstd archive (a .blend file may be one)": "zstd アーカイブ（.blend ファイルのこともあります）",
+    "a MATLAB file": "MATLAB のファイル",
+    "a MATLAB or HDF5 file": "MATLAB または HDF5 のファイル",
     "a Blender file": "Blender ファイル",
     "This is {}, not a text table. Export the measurement as CSV and open that.": (
         "これは{}で、テキストの表ではありません。測定を CSV で書き出し、それを開いてください。"
@@ -171,10 +163,14 @@ MESSAGES = {
     "{} is larger than {} MB, the most a measurement may have. Export one test, or fewer samples a second.": (
         "{} は測定の上限 {} MB を超えています。試験を一つだけ、またはサンプリングを粗くして書き出してください。"
     ),
-    "{} pokes at {} places: each place predicted from the others, the force is off by {} (RMS; with one softness "
-    "for all {}), {} lie in their 95 % interval. Softness changes over {} mm.": (
+    "{} pokes at {} places: each place predicted from the others, the force is off by {} (RMS; with one softness for "
+    "all {}).": (
         "{1} か所で {0} 回押した記録: 各場所をほかの場所から予測すると力の誤差は {2} (RMS、全体を一つの柔らかさとす"
-        "ると {3})、{4} が 95 % 区間に入ります。柔らかさは {5} mm ほどの距離で変わります。"
+        "ると {3}) です。"
+    ),
+    "One softness is as good as a map: each place predicted from the others, the force is off by {} with a map and {} "
+    "without.": (
+        "一つの柔らかさで十分です。各場所をほかの場所から予測した力の誤差は、マップで {}、マップなしで {} です。"
     ),
     "No poke has a depth and a force greater than 0. Are the columns the right ones?": (
         "深さと力がともに 0 より大きい記録がありません。列は正しいですか？"
@@ -182,15 +178,11 @@ MESSAGES = {
     "A map needs pokes at {} or more different places; this file has {}.": (
         "マップには {} か所以上での記録が必要です。このファイルは {} か所です。"
     ),
-    "All pokes are at almost the same place. Record them across the surface.": (
-        "記録の場所がほとんど同じです。表面のあちこちで記録してください。"
-    ),
     "The pokes lie {} mm from the surface. Their x, y and z are places on the object as it stands in the scene, at "
     "its physical size.": (
         "押した場所が表面から {} mm 離れています。x、y、z は、シーンに置かれた物体の実物の大きさでの位置です。"
     ),
     "{} is no table of pokes: there is no column {}.": "{} は押した記録の表ではありません。列 {} がありません。",
-    "{} holds no pokes below its headers.": "{} の見出しの下に記録がありません。",
     "The depth or the force is the same in every row, so there is no press to fit.": (
         "深さか力がすべての行で同じで、当てはめる押し込みがありません。"
     ),
@@ -205,11 +197,6 @@ MESSAGES = {
     ),
     "Touches to {} mm, less deep or of a few rows only, were left out.": (
         "浅いか数行だけの接触 ({} mm) を除きました。"
-    ),
-    "the force is {} N": "力は {} N",
-    "the force rises to {} N": "力は {} N まで増えます",
-    "In the first {} rows, before the depth moves, {}; they count as one.": (
-        "深さが動く前の最初の {} 行で、{}。これらは 1 行とみなします。"
     ),
     "A press has {} rows; a fit needs at least {}.": "押し込みが {} 行です。当てはめには少なくとも {} 行が必要です。",
     "The force dips by {} N before the press, as where a tip sticks; {} rows of it were left out.": (
@@ -229,11 +216,6 @@ MESSAGES = {
         "ファイルに {} 回の押し込みがあり、フルスケールの {} % まで違います。どれを当てはめますか？"
     ),
     "{} mm deep, up to {} N": "深さ {} mm、最大 {} N",
-    "The force falls by {} N ({} % of full scale) before {} mm while the depth grows: the object snaps, and two "
-    "slopes cannot show that.": (
-        "深さが増える間に、{2} mm の手前で力が {0} N (フルスケールの {1} %) 下がります。物体が飛び移る現象で、2 本"
-        "の傾きでは表せません。"
-    ),
     "The way back returns {} % more work than the press takes": (
         "戻りの仕事が、押し込みの仕事より {} % 多くなっています"
     ),
@@ -250,7 +232,6 @@ MESSAGES = {
         "深さと力がそろった行が {} 行しかありません。当てはめには少なくとも {} 行が必要です。"
     ),
     "{} of {} rows have no depth or no force and were left out.": "{1} 行のうち、深さか力のない {0} 行を除きました。",
-    "{} was taken, column {}, of the same test.": "同じ試験の {}（{} 列目）を使いました。",
     "{} was taken; {} says the same.": "{} を使いました。{} も同じ内容です。",
     "No single column is called “{}”. Give its number, 1 to {}.": (
         "“{}” という列が一つに決まりません。1 から {} の番号で指定してください。"
@@ -293,19 +274,6 @@ MESSAGES = {
         "{1} 行のうち、セルの数が違う {0} 行を除きました。"
     ),
     "The table has {} rows; a fit needs at least {}.": "表が {} 行です。当てはめには少なくとも {} 行が必要です。",
-    "Give two curves or more of one object, measured with different tips or at several places.": (
-        "一つの物体を、違う先端または複数の場所で測定した 2 本以上の曲線を与えてください。"
-    ),
-    "K1 = {} N/mm (95 %)": "K1 = {} N/mm (95 %)",
-    ", K2 = {} N/mm, x0 = {} mm": "、K2 = {} N/mm、x0 = {} mm",
-    "spread = {} mm, from {} to {} mm (95 %)": "広がり = {} mm、{} から {} mm (95 %)",
-    "The spread is not determined: measure with tips of different radius.": (
-        "広がりが決まりません。半径の違う先端で測定してください。"
-    ),
-    "{} curves together, for a {}: {}": "{} 本の曲線をまとめて、先端は{}: {}",
-    "{}, {}: error {} % of full scale (RMS)": "{}、{}: 誤差はフルスケールの {} % (RMS)",
-    ", {} % at worst": "、最大 {} %",
-    "{} of {} mm": "{}、{} mm",
     "“{}” is not a unit of {}. Use one of {}.": "“{}” は{}の単位ではありません。{} のいずれかを使ってください。",
     "Counts were divided by {}, as the file says, to get {}.": (
         "ファイルの記述に従い、カウントを {} で割って {} にしました。"
@@ -320,5 +288,4 @@ MESSAGES = {
     "then it reaches {} N": "最大 {} N になります",
     "then it reaches {} mm": "最大 {} mm になります",
     "{}; {}": "{}、{}",
-    "{}: {}; {}, calibrated {}": "{}: {}、{}、キャリブレーション {}",
 }

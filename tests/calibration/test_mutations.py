@@ -11,8 +11,8 @@ import pytest
 
 from core.base import DimpleError
 from core.calibration.calibrate import calibrate
-from core.calibration.load import MAX_BYTES
 from core.calibration.question import Undecided
+from core.calibration.reader import MAX_BYTES
 from tests.calibration.damage import DAMAGE, TRUTH, WRITERS, damaged, press
 
 HANG_S = 20  # of processor time, which no other load shortens
