@@ -59,7 +59,7 @@ def rising_from(x: Floats, f: Floats, touch: float) -> Beginning:
     u = np.maximum(x - touch, 0) / max(float(np.ptp(x)), 1e-300)
     slope = float(np.polyfit(x, f, 1, w=(u > 0) + 1e-9)[0]) if np.ptp(u) > 0 else 0.0
     found, least = None, math.inf
-    for terms in (2, 3, 4):
+    for terms in (2, 3):
         design = u[:, None] ** np.arange(terms)
         solution = np.linalg.lstsq(design, f, rcond=None)[0]
         squares = max(float(((f - design @ solution) ** 2).sum()), 1e-300)

@@ -68,10 +68,10 @@ def test_undamaged_files_are_right(files, write):
 
 
 @pytest.mark.parametrize("seed", [1204, 1708])
-def test_a_press_that_breaks_off_soon_after_the_touch_has_one_slope(seed, write):
+def test_a_press_that_breaks_off_soon_after_the_touch_has_one_slope_or_is_asked_about(seed, write):
     """Two pieces through its noise would have their knee before the touch."""
     content, _ = damaged(seed)
-    assert outcome(write(content)) == "right"
+    assert outcome(write(content)) in ("right", "question")
 
 
 @pytest.mark.parametrize("step", [9, pytest.param(1, marks=pytest.mark.slow)])

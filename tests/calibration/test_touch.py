@@ -76,7 +76,7 @@ def test_a_force_on_the_cell_where_the_file_begins_is_asked_and_the_answer_is_ta
 
 def test_a_touch_that_the_noise_hides_is_asked_for_with_the_constants_of_each(tmp_path):
     """A millimetre before the touch, which the file calls 0, under half a newton of noise."""
-    pressed(tmp_path / "x.csv", PRESETS[1], approach=0.001, seed=1)
+    pressed(tmp_path / "x.csv", PRESETS[1], approach=0.0015, seed=1)
     with pytest.raises(Undecided, match="noise hides the first touch") as caught:
         calibrate(tmp_path / "x.csv")
     (question,) = caught.value.questions
