@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import EnumProperty, IntProperty
 
+from ..core.messages import Message
 from . import fingertip_objects, modal_runs, polls, sessions
 from .messages import say
 from .names import Op
@@ -63,7 +64,7 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
         return baking.bake(context, plan, self._messages)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
-        say(self, {"INFO"}, f"Baked objects: {self._count}")
+        say(self, {"INFO"}, Message("Baked objects: {count}", count=self._count))
         for sentence in self._messages:  # the last is what is seen
             say(self, {"WARNING"}, sentence)
         return {"FINISHED"}

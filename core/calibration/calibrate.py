@@ -10,6 +10,7 @@ import numpy as np
 
 from ..base import DimpleError
 from ..material import POINT, Indenter, law_force, law_power
+from ..messages import Message
 from .columns import Measurement
 from .doubts import Miss, doubts, largest_miss
 from .fit import Fit
@@ -71,7 +72,7 @@ def calibrate(
     """
     for name, value in (("length", length), ("section", section), ("Young's modulus", youngs_modulus)):
         if value is not None and not 0 < value < math.inf:
-            raise DimpleError(f"The {name} of the object must be a number greater than 0.")
+            raise DimpleError("The {name} of the object must be a number greater than 0.", name=Message(name))
     measurement = read_measurement(path, answers)
     loading, fit = settle(prepare(measurement, answers), answers)
     gained = check_loss(loading, measurement.timed or bool(answers and answers.order))
@@ -114,10 +115,17 @@ def provenance(calibration: Calibration) -> str:
     """Return a line that says where constants come from: file, fit, uncertainty and tip."""
     fit, tip = calibration.fit, calibration.tip
     knee = f"K1 {fit.K1.text(1e3)} N/mm, K2 {fit.K2.text(1e3)} N/mm, x0 {fit.x0.text(1e-3)} mm"
-    law = knee if fit.model == "two" else f"one slope {fit.K1.text(1e3)} N/mm"
-    return (
-        f"{calibration.measurement.source}: {law} (95 %), {fit.rows} rows, "
-        f"residual {100 * fit.misfit:.1f} % of {fit.full_scale:.3g} N, {tip.shape} of {1e3 * tip.radius:.3g} mm radius"
+    law = knee if fit.model == "two" else Message("one slope {K1} N/mm", K1=fit.K1.text(1e3))
+    return Message(
+        "{source}: {law} (95 %), {rows} rows, residual {misfit:.1f} % of {full_scale:.3g} N, {tip} of {radius:.3g} "
+        "mm radius",
+        source=calibration.measurement.source,
+        law=law,
+        rows=fit.rows,
+        misfit=100 * fit.misfit,
+        full_scale=fit.full_scale,
+        tip=Message(tip.shape),
+        radius=1e3 * tip.radius,
     )
 
 
@@ -127,8 +135,8 @@ def source_of_k(calibration: Calibration) -> str:
     if surface is None or surface.k is None:
         return ""
     if surface.paper_k is not None:  # of numbers that were typed in
-        return f"k {surface.paper_k / 1e3:.4g} N/mm by Eqs. (9), (10)"
-    return f"k {surface.k.text(1e3)} N/mm (95 %) by the force balance"
+        return Message("k {paper_k:.4g} N/mm by Eqs. (9), (10)", paper_k=surface.paper_k / 1e3)
+    return Message("k {k} N/mm (95 %) by the force balance", k=surface.k.text(1e3))
 
 
 def _columns(measurement: Measurement) -> str:
@@ -136,14 +144,17 @@ def _columns(measurement: Measurement) -> str:
     m = measurement
     named = (m.depth_header, m.force_header)
     depth, force = (
-        f"“{name}” (column {number}) in {unit}" for name, number, unit in zip(named, m.columns, m.units, strict=True)
+        Message("“{name}” (column {number}) in {unit}", name=name, number=number, unit=unit)
+        for name, number, unit in zip(named, m.columns, m.units, strict=True)
     )
-    return f"The depth is {depth}, the force {force}."
+    return Message("The depth is {depth}, the force {force}.", depth=depth, force=force)
 
 
 def _touch(loading: LoadingCurve, answers: Answers | None) -> str:
     """Return a message about the touch and the tare that were taken."""
     touch, tare = f"{loading.reading(0.0):.4g}", f"{loading.tare:.4g}"
     if answers and answers.contact_mm is not None:
-        return f"The first touch is at {touch} mm of the file, as given, the tare {tare} N."
-    return f"The first touch is at {touch} mm of the file, the tare {tare} N."
+        return Message(
+            "The first touch is at {touch} mm of the file, as given, the tare {tare} N.", touch=touch, tare=tare
+        )
+    return Message("The first touch is at {touch} mm of the file, the tare {tare} N.", touch=touch, tare=tare)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..messages import Message, in_a_row
 from .question import Answers, Candidate, Question, Undecided
 from .strokes import SLIGHT
 from .table import MIN_ROWS, Table
@@ -96,7 +97,13 @@ def _choose(
     for role in (role for role in named if role not in given):
         options = [i for i in _options(table, units, role) if i not in given.values()]
         if len(options) > 1 and _alike(table.numbers[:, options]):
-            notes.append(f"{title_of(table, options[0])} was taken; {title_of(table, options[1])} says the same.")
+            notes.append(
+                Message(
+                    "{title} was taken; {other} says the same.",
+                    title=title_of(table, options[0]),
+                    other=title_of(table, options[1]),
+                )
+            )
             options = options[:1]
         sure = len(options) == 1 and (
             role_of(table.names[options[0]]) == role or kind_of(units[options[0]]) == KIND[role]
@@ -107,7 +114,7 @@ def _choose(
             left = [i for i in _numeric(table) if i != chosen[other]]
             chosen[role] = left[0] if len(left) == 1 else None
     if chosen["depth"] is not None and chosen["depth"] == chosen["force"]:
-        raise DimpleError(f"{title_of(table, chosen['depth'])} cannot be both the depth and the force.")
+        raise DimpleError("{title} cannot be both the depth and the force.", title=title_of(table, chosen["depth"]))
     for role, other in (("depth", "force"), ("force", "depth")):
         if chosen[role] is None:
             options = [i for i in _options(table, units, role) if i not in given.values()]
@@ -145,12 +152,20 @@ def _named(table: Table, name: str, role: str) -> int:
         wanted = name.strip().lower()
         found = [i for i, each in enumerate(table.names) if wanted in (each.lower(), title_of(table, i).lower())]
         if len(found) != 1:
-            raise DimpleError(f"No single column is called “{name}”. Give its number, 1 to {len(table.names)}.")
+            raise DimpleError(
+                "No single column is called “{name}”. Give its number, 1 to {most}.", name=name, most=len(table.names)
+            )
         at = found[0]
     count, rows = int(np.isfinite(table.numbers[:, at]).sum()), len(table.numbers)
     if count < MIN_ROWS:
-        few = f"numbers in {count} of {rows:,} rows only" if count else "no numbers"
-        raise DimpleError(f"Column {at + 1} ({title_of(table, at)}) holds {few}, so it cannot be the {role}.")
+        few = "numbers in {count} of {rows:,} rows only" if count else "no numbers"
+        raise DimpleError(
+            "Column {number} ({title}) holds {few}, so it cannot be the {role}.",
+            number=at + 1,
+            title=title_of(table, at),
+            few=Message(few, count=count, rows=rows),
+            role=Message(role),
+        )
     return at
 
 
@@ -172,7 +187,12 @@ def _in_time(table: Table, units: Sequence[Unit], notes: list[str]) -> tuple[Tab
     for at in [*([] if time_at is None else [time_at]), *counts]:
         steps = np.diff(table.numbers[:, at])
         if (steps < 0).all():
-            notes.append(f"The rows stand from the last to the first by {title_of(table, at)}; they were turned round.")
+            notes.append(
+                Message(
+                    "The rows stand from the last to the first by {title}; they were turned round.",
+                    title=title_of(table, at),
+                )
+            )
             cells = tuple(column[::-1] for column in table.cells)
             return replace(table, numbers=table.numbers[::-1], cells=cells), True
         if (steps > 0).all():
@@ -192,9 +212,12 @@ def _check_clock(table: Table, time_at: int, depth_at: int) -> None:
     steps = np.diff(depth[np.isfinite(depth)])
     like_a_clock = depth[0] == 0 and len(steps) > 0 and steps.min() > 0 and np.ptp(steps) < SLIGHT * steps.mean()
     if back > SLIGHT or (time.min() < 0 and like_a_clock):
-        why = f"“{title_of(table, time_at)}” does not run like a clock: the headers may stand over the wrong columns. "
+        why = Message(
+            "“{title}” does not run like a clock: the headers may stand over the wrong columns.",
+            title=title_of(table, time_at),
+        )
         questions = [_which_column(table, role, _numeric(table)) for role in ("depth", "force")]
-        raise Undecided(replace(questions[0], text=why + questions[0].text), questions[1])
+        raise Undecided(replace(questions[0], text=in_a_row([why, questions[0].text])), questions[1])
 
 
 def _which_column(table: Table, role: str, options: Sequence[int], beside: int | None = None) -> Question:
@@ -202,9 +225,13 @@ def _which_column(table: Table, role: str, options: Sequence[int], beside: int |
     near = "" if beside is None else str(min(options, key=lambda i: abs(i - beside - 0.1)) + 1)
     return Question(
         name=f"{role}_column",
-        text=f"Which column is the {role}?",
+        text=Message("Which column is the {role}?", role=role),
         candidates=tuple(
-            Candidate(value=str(i + 1), label=f"{title_of(table, i)}: {_preview(table.numbers[:, i])}") for i in options
+            Candidate(
+                value=str(i + 1),
+                label=Message("{label}: {error}", label=title_of(table, i), error=_preview(table.numbers[:, i])),
+            )
+            for i in options
         ),
         default=near,
     )
@@ -214,7 +241,7 @@ def _preview(values: Floats) -> str:
     """Show a column: its first numbers and its range."""
     values = values[np.isfinite(values)]
     first = ", ".join(f"{value:g}" for value in values[:3])
-    return f"{first}, ... from {values.min():g} to {values.max():g}"
+    return Message("{first}, ... from {least:g} to {most:g}", first=first, least=values.min(), most=values.max())
 
 
 def _whole_rows(measurement: Measurement) -> Measurement:
@@ -222,10 +249,12 @@ def _whole_rows(measurement: Measurement) -> Measurement:
     whole = np.isfinite(measurement.depth) & np.isfinite(measurement.force)
     missing, n = int((~whole).sum()), len(whole)
     if n - missing < MIN_ROWS:
-        raise DimpleError(f"Only {n - missing} rows have both a depth and a force; a fit needs at least {MIN_ROWS}.")
+        raise DimpleError(
+            "Only {n} rows have both a depth and a force; a fit needs at least {least}.", n=n - missing, least=MIN_ROWS
+        )
     if not missing:
         return measurement
-    text = f"{missing} of {n} rows have no depth or no force and were left out."
+    text = Message("{missing} of {n} rows have no depth or no force and were left out.", missing=missing, n=n)
     serious = missing > 0.05 * n and not whole[: n - missing].all()  # beside a longer test a column just ends
     return replace(
         measurement,

@@ -15,6 +15,7 @@ import numpy as np
 from ..base import DimpleError, Floats
 from ..material import Material
 from ..mesh.surface import Mesh
+from ..messages import Message
 from .dialect import find_dialect
 from .question import Answers
 from .reader import load_lines
@@ -63,9 +64,13 @@ class PokeMap:
     @property
     def text(self) -> str:
         """Return what was found, as a sentence."""
-        return (
-            f"{self.pokes} pokes at {self.places} places: each place predicted from the others, the force is off by "
-            f"{self.error:.1%} (RMS; with one softness for all {self.without:.1%})."
+        return Message(
+            "{pokes} pokes at {places} places: each place predicted from the others, the force is off by {error:.1%} "
+            "(RMS; with one softness for all {without:.1%}).",
+            pokes=self.pokes,
+            places=self.places,
+            error=self.error,
+            without=self.without,
         )
 
 
@@ -80,7 +85,9 @@ def read_pokes(path: str | Path) -> Pokes:
     table = find_table(lines, find_dialect(lines), Answers())
     columns = _columns(table)
     if missing := [name for name in (*_AXES, "depth", "force") if name not in columns]:
-        raise DimpleError(f"{Path(path).name} is no table of pokes: there is no column {', '.join(missing)}.")
+        raise DimpleError(
+            "{name} is no table of pokes: there is no column {missing}.", name=Path(path).name, missing=tuple(missing)
+        )
     units = written_units(table)
     found = np.stack([_in_si(table, units[at], at, name) for name, at in columns.items()], axis=1)
     by = dict(zip(columns, found[np.isfinite(found).all(axis=1)].T, strict=True))
@@ -107,14 +114,20 @@ def map_pokes(mesh: Mesh, material: Material, pokes: Pokes) -> PokeMap:
     law = np.array([material.law(depth) for depth in pokes.depths.tolist()])
     places, logs = _at_places(pokes.places, pokes.forces, law, _SAME * mesh.size)
     if len(places) < _FEWEST:
-        raise DimpleError(f"A map needs pokes at {_FEWEST} or more different places; this file has {len(places)}.")
+        raise DimpleError(
+            "A map needs pokes at {least} or more different places; this file has {places}.",
+            least=_FEWEST,
+            places=len(places),
+        )
     left_out = (_near_means(places, places, logs, _NEAREST + 1) * (_NEAREST + 1) - logs) / _NEAREST
     flat = (logs.sum() - logs) / (len(logs) - 1)
     error, without = (float(np.sqrt((np.expm1(guess - logs) ** 2).mean())) for guess in (left_out, flat))
     if error >= without:
         raise DimpleError(
-            f"One softness is as good as a map: each place predicted from the others, the force is off by {error:.1%} "
-            f"with a map and {without:.1%} without."
+            "One softness is as good as a map: each place predicted from the others, the force is off by {error:.1%} "
+            "with a map and {without:.1%} without.",
+            error=error,
+            without=without,
         )
     mean = _near_means(mesh.rest_positions, places, logs, _NEAREST)
     weights = 0.5 - mean / _PER_WEIGHT
@@ -173,6 +186,7 @@ def _check(mesh: Mesh, pokes: Pokes) -> None:
     reach = _FAR * mesh.size + float(np.median(mesh.rest_lengths))
     if np.median(away) > reach:
         raise DimpleError(
-            f"The pokes lie {1e3 * float(np.median(away)):.3g} mm from the surface. Their x, y and z are places on "
-            "the object as it stands in the scene, at its physical size."
+            "The pokes lie {distance:.3g} mm from the surface. Their x, y and z are places on the object as it "
+            "stands in the scene, at its physical size.",
+            distance=1e3 * float(np.median(away)),
         )

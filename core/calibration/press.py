@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..messages import Message
 from .columns import Measurement
 from .direction import oriented, which_order
 from .question import Answers, Candidate, Question, Undecided
@@ -97,14 +98,16 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     depth, force = _in_range(depth, force, inward, answers, notes)
     cycles = find_cycles(depth)
     if not cycles and answers.order is None and not measurement.timed:
-        raise Undecided(which_order("The depth only falls, which would be a way back and no press"))
+        raise Undecided(which_order(Message("The depth only falls, which would be a way back and no press")))
     if not cycles:
         raise DimpleError("The depth never grows: the file holds unloading only, no press.")
     cycles = _long_enough(cycles, depth, notes)
     if len(cycles) > 8 and len(depth) / len(cycles) < 4 * MIN_ROWS:
         raise DimpleError(
-            f"The depth turns back {len(cycles)} times in {len(depth)} rows: they are not in the order measured, "
-            "or the depth is not the column taken."
+            "The depth turns back {cycles} times in {rows} rows: they are not in the order measured, or the depth is "
+            "not the column taken.",
+            cycles=len(cycles),
+            rows=len(depth),
         )
     strokes = [_stroke(depth, force, cycle) for cycle in cycles]
     chosen = _choose(strokes, answers, notes)
@@ -127,10 +130,10 @@ def check_loss(curve: LoadingCurve, ordered: bool) -> tuple[str, ...]:
     """
     if curve.loss is None or curve.loss >= -_GAINED:
         return ()
-    why = f"The way back returns {-100 * curve.loss:.0f} % more work than the press takes"
+    why = Message("The way back returns {loss:.0f} % more work than the press takes", loss=-100 * curve.loss)
     if not ordered:
-        raise Undecided(which_order(f"{why}, which no object does"))
-    return (f"{why}.\nNo object does that: force and depth may not be of one press.",)
+        raise Undecided(which_order(Message("{why}, which no object does", why=why)))
+    return (Message("{why}.\nNo object does that: force and depth may not be of one press.", why=why),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +151,14 @@ def _without_spikes(measurement: Measurement, warnings: list[str]) -> tuple[Floa
     if wrong.any():
         rows = ", ".join(str(row + 1) for row in np.flatnonzero(wrong)[:5])
         more = " ..." if wrong.sum() > 5 else ""
-        warnings.append(f"{int(wrong.sum())} rows stand apart from their neighbours and were left out ({rows}{more}).")
+        warnings.append(
+            Message(
+                "{count} rows stand apart from their neighbours and were left out ({rows}{more}).",
+                count=int(wrong.sum()),
+                rows=rows,
+                more=more,
+            )
+        )
     return depth[~wrong], force[~wrong]
 
 
@@ -160,9 +170,13 @@ def _in_range(depth: Floats, force: Floats, inward: int, answers: Answers, notes
     if answers.until_mm is not None:
         keep &= depth <= inward * answers.until_mm / 1e3
     if keep.sum() < MIN_ROWS:
-        raise DimpleError(f"Only {int(keep.sum())} rows lie in the range that was given; a fit needs {MIN_ROWS}.")
+        raise DimpleError(
+            "Only {rows} rows lie in the range that was given; a fit needs {least}.",
+            rows=int(keep.sum()),
+            least=MIN_ROWS,
+        )
     if not keep.all():
-        notes.append(f"{int((~keep).sum())} rows outside the range that was given were left out.")
+        notes.append(Message("{rows} rows outside the range that was given were left out.", rows=int((~keep).sum())))
     return depth[keep], force[keep]
 
 
@@ -174,7 +188,7 @@ def _long_enough(cycles: list[Cycle], depth: Floats, notes: list[str]) -> list[C
     whole = [cycle for cycle in deep if cycle.rows >= least] or deep
     if len(whole) < len(cycles):
         peaks = ", ".join(f"{1e3 * depth[cycle.peak]:.4g}" for cycle in cycles if cycle not in whole)
-        notes.append(f"Touches to {peaks} mm, less deep or of a few rows only, were left out.")
+        notes.append(Message("Touches to {peaks} mm, less deep or of a few rows only, were left out.", peaks=peaks))
     return whole
 
 
@@ -183,15 +197,19 @@ def _stroke(depth: Floats, force: Floats, cycle: Cycle) -> _Stroke:
     x, f = depth[cycle.start : cycle.peak + 1], force[cycle.start : cycle.peak + 1]
     stands = still(x)
     if stands.any():
-        notes.append(f"{int(stands.sum())} rows in which the depth stood still were left out.")
+        notes.append(Message("{dwelt} rows in which the depth stood still were left out.", dwelt=int(stands.sum())))
     x, f = x[~stands], f[~stands]
     if len(x) < MIN_ROWS:
-        raise DimpleError(f"A press has {len(x)} rows; a fit needs at least {MIN_ROWS}.")
+        raise DimpleError("A press has {rows} rows; a fit needs at least {least}.", rows=len(x), least=MIN_ROWS)
     pulled = dip(x, f)
     if pulled.any():
         notes.append(
-            f"The force dips by {f[~pulled][0] - f.min():.3g} N before the press, as where a tip sticks; "
-            f"{int(pulled.sum())} rows of it were left out."
+            Message(
+                "The force dips by {dip:.3g} N before the press, as where a tip sticks; {rows} rows of it were left "
+                "out.",
+                dip=f[~pulled][0] - f.min(),
+                rows=int(pulled.sum()),
+            )
         )
     return _Stroke(x[~pulled], f[~pulled], tuple(notes))
 
@@ -201,8 +219,12 @@ def _torn(stroke: _Stroke, at: int, inward: int) -> Question:
     tear_mm = float(depth[at] + depth[at + 1]) / 2
     return Question(
         name="until_mm",
-        text=f"The force falls for good from {force[at]:.4g} N at {tear_mm:.4g} mm: was the specimen torn? "
-        "Down to which depth should it be fitted?",
+        text=Message(
+            "The force falls for good from {force:.4g} N at {at:.4g} mm: was the specimen torn? Down to which depth "
+            "should it be fitted?",
+            force=force[at],
+            at=tear_mm,
+        ),
         candidates=(
             Candidate(value=f"{tear_mm:.7g}", label="where the force begins to fall"),
             Candidate(value=f"{depth[-1]:.7g}", label="the deepest row: no tear, it answers like this"),
@@ -215,23 +237,38 @@ def _choose(strokes: list[_Stroke], answers: Answers, notes: list[str]) -> int:
     """Return which cycle to fit: the one that was given, else the first where the others agree with it."""
     if answers.cycle is not None:
         if not 1 <= answers.cycle <= len(strokes):
-            raise DimpleError(f"There is no cycle {answers.cycle}: the file holds {len(strokes)}.")
+            raise DimpleError(
+                "There is no cycle {cycle}: the file holds {presses}.", cycle=answers.cycle, presses=len(strokes)
+            )
         return answers.cycle - 1
     if len(strokes) == 1:
         return 0
     apart = [_difference(strokes[0], other) for other in strokes[1:]]
     if max(apart) <= _AGREE:
         notes.append(
-            f"{len(strokes)} presses agree within {100 * max(apart):.1f} % of full scale; the first is fitted."
+            Message(
+                "{presses} presses agree within {apart:.1f} % of full scale; the first is fitted.",
+                presses=len(strokes),
+                apart=100 * max(apart),
+            )
         )
         return 0
     raise Undecided(
         Question(
             name="cycle",
-            text=f"The file holds {len(strokes)} presses that differ by up to {100 * max(apart):.0f} % of full scale. "
-            "Which one is fitted?",
+            text=Message(
+                "The file holds {presses} presses that differ by up to {apart:.0f} % of full scale. Which one is "
+                "fitted?",
+                presses=len(strokes),
+                apart=100 * max(apart),
+            ),
             candidates=tuple(
-                Candidate(value=str(i + 1), label=f"{1e3 * s.depth.max():.4g} mm deep, up to {s.force.max():.4g} N")
+                Candidate(
+                    value=str(i + 1),
+                    label=Message(
+                        "{depth:.4g} mm deep, up to {force:.4g} N", depth=1e3 * s.depth.max(), force=s.force.max()
+                    ),
+                )
                 for i, s in enumerate(strokes)
             ),
         )

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..messages import Message
 from .dialect import Dialect, is_row, number, number_and_unit, split
 from .question import Answers, Candidate, Question, Undecided
 from .vocabulary import is_known, role_of, split_unit, unit_of
@@ -59,7 +60,9 @@ def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers) -> Tabl
         raise Undecided(_which_table(lines, runs))
     chosen = 0 if answers.table is None else answers.table - 1
     if not 0 <= chosen < len(runs):
-        raise DimpleError(f"There is no table {chosen + 1} in this file: it has {len(runs)}.")
+        raise DimpleError(
+            "There is no table {table} in this file: it has {tables}.", table=chosen + 1, tables=len(runs)
+        )
     above = lines[runs[chosen - 1].end if chosen else 0 : runs[chosen].start]
     return _table(runs[chosen].lines, above, dialect)
 
@@ -115,11 +118,11 @@ def _which_table(lines: Sequence[str], runs: Sequence[_Run]) -> Question:
 
     def label(run: _Run) -> str:
         above = next((lines[i].strip() for i in range(run.start - 1, -1, -1) if lines[i].strip()), "")
-        return f"lines {run.start + 1} to {run.end}, under “{above[:60]}”"
+        return Message("lines {start} to {end}, under “{above}”", start=run.start + 1, end=run.end, above=above[:60])
 
     return Question(
         name="table",
-        text=f"The file holds {len(runs)} tables. Which one is the measurement?",
+        text=Message("The file holds {tables} tables. Which one is the measurement?", tables=len(runs)),
         candidates=tuple(Candidate(value=str(i + 1), label=label(run)) for i, run in enumerate(runs)),
     )
 
@@ -129,16 +132,20 @@ def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect) -> Tabl
     warnings: list[str] = []
     stride = -(-len(lines) // MAX_ROWS)
     if stride > 1:
-        notes.append(f"Of {len(lines):,} rows one in {stride} was read.")
+        notes.append(Message("Of {lines:,} rows one in {stride} was read.", lines=len(lines), stride=stride))
         lines = lines[::stride]
     rows = _filled([split(line, dialect.delimiter) for line in lines if line.strip()])
     width = Counter(map(len, rows)).most_common(1)[0][0]
     whole = [row for row in rows if len(row) == width]
     if len(whole) < len(rows):
-        text = f"{len(rows) - len(whole)} of {len(rows)} rows have another number of cells and were left out."
+        text = Message(
+            "{count} of {rows} rows have another number of cells and were left out.",
+            count=len(rows) - len(whole),
+            rows=len(rows),
+        )
         (warnings if len(whole) < 0.95 * len(rows) else notes).append(text)
     if len(whole) < MIN_ROWS:
-        raise DimpleError(f"The table has {len(whole)} rows; a fit needs at least {MIN_ROWS}.")
+        raise DimpleError("The table has {rows} rows; a fit needs at least {least}.", rows=len(whole), least=MIN_ROWS)
     columns = list(zip(*whole, strict=True))
     while columns and not any(columns[-1]):  # a delimiter at the end of every row
         columns.pop()

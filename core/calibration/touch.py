@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..messages import Message
 from .beginning import FIRST, SURE, Beginning, beginning, rising_from, squares_of_law, touch_after_air
 from .fit import Fit, fit_law, independent_rows
 from .press import LoadingCurve
@@ -140,7 +141,9 @@ def _as_given(curve: LoadingCurve, touch: float) -> Fit:
     x, f = curve.depth, curve.force
     first, span = float(x[0]), float(np.ptp(x))
     if not first - 20 * span <= touch < x.max():
-        raise DimpleError(f"The touch at {curve.reading(touch):g} mm lies outside the depths of the file.")
+        raise DimpleError(
+            "The touch at {contact_mm} mm lies outside the depths of the file.", contact_mm=curve.reading(touch)
+        )
     pressed = beginning(x, f)
     after = (x < touch).sum() >= MIN_PIECE
     found = _near(x, f, touch) if after else _from_the_first_row(x, f, pressed)
@@ -200,15 +203,18 @@ def _begun(curve: LoadingCurve, before: float, force: float) -> Question:
     first = float(curve.depth[0])
     return _which_touch(
         curve,
-        f"The force is {force:.3g} N where the file begins, at {curve.reading(first):.4g} mm. "
-        "At which depth was the first touch?",
+        Message(
+            "The force is {loaded:.3g} N where the file begins, at {first:.4g} mm. At which depth was the first touch?",
+            loaded=force,
+            first=curve.reading(first),
+        ),
         (before, "before the file begins: the object was pressed already"),
         (first, "where the file begins: the load cell was not tared"),
     )
 
 
 def _hidden(curve: LoadingCurve, fit: Fit, air: Fit) -> Question:
-    likely = [(one.contact.value, f"then K1 is {one.K1.text(1e3)} N/mm") for one in (air, fit)]
+    likely = [(one.contact.value, Message("then K1 is {K1} N/mm", K1=one.K1.text(1e3))) for one in (air, fit)]
     return _which_touch(curve, "The noise hides the first touch. At which depth was it?", *likely)
 
 
@@ -217,8 +223,12 @@ def _soft_or_air(curve: LoadingCurve, fit: Fit) -> Question:
     air = _near(curve.depth, curve.force, touch + fit.x0.value)
     return _which_touch(
         curve,
-        f"The force rises by no more than {rise:.2g} N over the first {1e3 * fit.x0.value:.3g} mm. "
-        "At which depth was the first touch?",
+        Message(
+            "The force rises by no more than {rise:.2g} N over the first {depth:.3g} mm. At which depth was the "
+            "first touch?",
+            rise=rise,
+            depth=1e3 * fit.x0.value,
+        ),
         (touch + fit.x0.value if air is None else air.contact.value, "where it begins to rise: there was air before"),
         (touch, "before: the object is that soft at first"),
     )
