@@ -127,10 +127,14 @@ def test_a_given_touch_is_taken():
         pressed(recording(depth, law(depth)), Answers(contact_mm=500.0))
 
 
-def test_a_soft_beginning_is_not_taken_for_travel_before_the_touch():
+def test_a_soft_beginning_is_taken_for_hardly_any_travel_before_the_touch_or_asked_about():
     depth = np.linspace(0, 20, 400)
-    press = pressed(recording(depth, 0.5 * np.expm1(depth / 4), noise=0.0005))
-    assert abs(press.touch) < 0.05 * 0.02 and abs(press.tare) < 0.005 * press.force.max()
+    soft = recording(depth, 0.5 * np.expm1(depth / 4), noise=0.0005)
+    try:
+        touch_mm = 1e3 * pressed(soft).touch
+    except Undecided as undecided:
+        touch_mm = float(undecided.questions[0].default)
+    assert abs(touch_mm) < 0.05 * 20
 
 
 def test_a_force_that_goes_both_ways_is_asked():
