@@ -23,7 +23,8 @@ from .strokes import SLIGHT, roughness
 
 _WITHIN = 1.5  # times the noise: residuals of a law that follows its rows
 _HARMLESS = 0.02  # of the range of depth: touches nearer to each other give the same constants
-_STRONG = 10.0  # of the criterion: very strong evidence (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
+# of the criterion: strong and very strong evidence (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
+_STRONG, _VERY_STRONG = 6.0, 10.0
 
 
 def settle(curve: LoadingCurve, answers: Answers | None = None) -> tuple[LoadingCurve, Fit]:
@@ -47,10 +48,10 @@ def _likeliest(curve: LoadingCurve) -> Fit:
     pressed, fit, found = _readings(x, f)
     if found is not None:
         after, gain = found
-        no_press = fit.K1.value < fit.K1.half_width  # at the first row
-        if 0 < gain < _STRONG and not no_press and _differs(fit, after, span):
+        least = _STRONG if fit.K1.value > fit.K1.half_width else 0.0  # else nothing is pressed at the first row
+        if 0 < least < gain < _VERY_STRONG and _differs(fit, after, span):
             raise Undecided(_hidden(curve, fit, after))
-        fit = after if gain > 0 else fit
+        fit = after if gain > least else fit
     if fit.model == "two" and fit.K1.value * fit.x0.value < SLIGHT * fit.full_scale and fit.x0.value > FIRST * span:
         raise Undecided(_soft_or_air(curve, fit))
     before = first - fit.contact.value
@@ -130,7 +131,7 @@ def _follows(fit: Fit, x: Floats, f: Floats, begins: Beginning) -> bool:
     """Return whether a fit meets the first rows within their noise, or about as well as a curve through these alone."""
     u, v, rows = x[: begins.rows], f[: begins.rows], begins.rows
     squares = float(((v - fit.tare - fit.law(u - fit.contact.value)) ** 2).sum())
-    return squares <= max(rows * (_WITHIN * roughness(f)) ** 2, begins.squares * math.exp(_STRONG / rows))
+    return squares <= max(rows * (_WITHIN * roughness(f)) ** 2, begins.squares * math.exp(_VERY_STRONG / rows))
 
 
 def _as_given(curve: LoadingCurve, touch: float) -> Fit:
