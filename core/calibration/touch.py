@@ -23,8 +23,8 @@ from .strokes import SLIGHT, roughness
 
 _WITHIN = 1.5  # times the noise: residuals of a law that follows its rows
 _HARMLESS = 0.02  # of the range of depth: touches nearer to each other give the same constants
-# of the criterion: strong and very strong evidence (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
-_STRONG, _VERY_STRONG = 6.0, 10.0
+# of the criterion: positive and very strong evidence (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
+_POSITIVE, _VERY_STRONG = 2.0, 10.0
 
 
 def settle(curve: LoadingCurve, answers: Answers | None = None) -> tuple[LoadingCurve, Fit]:
@@ -48,7 +48,7 @@ def _likeliest(curve: LoadingCurve) -> Fit:
     pressed, fit, found = _readings(x, f)
     if found is not None:
         after, gain = found
-        least = _STRONG if fit.K1.value > fit.K1.half_width else 0.0  # else nothing is pressed at the first row
+        least = _POSITIVE if fit.K1.value > fit.K1.half_width else 0.0  # else nothing is pressed at the first row
         if 0 < least < gain < _VERY_STRONG and _differs(fit, after, span):
             raise Undecided(_hidden(curve, fit, after))
         fit = after if gain > least else fit
