@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..operators import calibration
+from ..operators.translation import translated
 from .readout import iface_
 
 
@@ -14,7 +14,8 @@ def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
     if two:
         lines.append(("K2", f"{_with_error(record, 'K2')} N/mm"))
         lines.append(("x0", f"{_with_error(record, 'x0')} mm"))
-    lines += _joint(record)
+    lines.append((iface_("First Touch"), f"{record['contact']:.4g} mm"))
+    lines.append((iface_("Tare"), f"{record['tare']:.3g} N"))
     lines.append((iface_("Measured Range"), f"{record['deepest']:.4g} mm, {record['full_scale']:.4g} N"))
     lines += _surface(record)
     if record["damping_ratio_hint"] is not None:
@@ -30,24 +31,14 @@ def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
     return [*lines, _noticeable(record)]
 
 
-def _joint(record: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return what several curves determine together, and the error of each; nothing of one curve alone."""
-    if "curves" not in record:
-        return []
-    low, high = record["spread_interval"]
-    spread = f"{record['spread']:.3g} ({low:.3g} – {high:.3g}) mm" if high else iface_("Not determined by these curves")
-    errors = [(each["name"], iface_("{} of full scale").format(f"{each['rms']:.1%}")) for each in record["curves"]]
-    return [(iface_("Spread"), spread), *errors]
-
-
 def headlines(record: dict[str, Any]) -> list[str]:
     """Return what the warnings say is wrong; what they mean is among the sentences."""
-    return [calibration.headline(warning) for warning in record["warnings"]]
+    return [translated(warning, iface_).partition("\n")[0] for warning in record["warnings"]]
 
 
 def sentences(record: dict[str, Any]) -> list[str]:
     """Return the warnings that have more to say, what the values of k assume, then the notes of the core."""
-    warnings = [warning.replace("\n", " ") for warning in record["warnings"] if "\n" in warning]
+    warnings = [translated(each, iface_).replace("\n", " ") for each in record["warnings"] if "\n" in each]
     estimates = [record["k"][method] for method in _METHODS] if record["k"] else []
     return [*warnings, *(each["assumes"] for each in estimates if each["value"] is not None), *record["notes"]]
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .base import DimpleError
+from .errors import LARGEST, DimpleError  # not of base: the servo process has no numpy
+from .fills import FILLS
+from .messages import Message
 
-_LARGEST = 1e12  # in any unit: beyond it sums overflow
 _PER_UNIT = {"N/mm": 1e-3, "mm": 1e3, "kPa": 1e-3}  # of each in an SI unit
-FILLS = ("air", "liquid", "solid", "none")
-KEEP_VOLUME = ("liquid", "solid")  # of them
 LEAST_PRESSURE, MOST_PRESSURE = -1e5, 1e6  # [Pa]: nearly a vacuum; and no skin holds more
 TIPS = ("point", "punch", "sphere")
 HERTZ = 1.5  # power of the depth with which a sphere presses an elastic solid
@@ -25,9 +24,11 @@ class Indenter:
 
     def __post_init__(self) -> None:
         if self.shape not in TIPS:
-            raise DimpleError(f"The tip must be one of {', '.join(TIPS)} (it is {self.shape}).")
+            raise DimpleError("The tip must be one of {tips} (it is {shape}).", tips=tuple(TIPS), shape=self.shape)
         if not 0 < self.radius < math.inf:
-            raise DimpleError(f"The radius of the tip must be greater than 0 mm (it is {1e3 * self.radius:g}).")
+            raise DimpleError(
+                "The radius of the tip must be greater than 0 mm (it is {radius:g}).", radius=1e3 * self.radius
+            )
 
 
 POINT = Indenter()  # the paper's sensor "touches at a point"
@@ -52,7 +53,7 @@ class Material:
             twentieth of its size. Give exactly one of the two.
         damping_ratio: of springs and shape matching; 0 undamped, 1 critically damped.
         friction: Coulomb coefficient of the skin against a fingertip and the ground.
-        fill: "air", "liquid", "solid" (keeps its volume, and its skin gives way under a fingertip) or "none".
+        fill: a key of `fills.FILLS`.
         pressure: of the fill above that outside, in the shape at rest [Pa]; K1, K2 and x0 were measured without.
 
     Raises:
@@ -74,19 +75,30 @@ class Material:
 
     def __post_init__(self) -> None:
         for name, unit in (("K1", "N/mm"), ("K2", "N/mm"), ("x0", "mm"), ("k", "N/mm")):
-            _require(getattr(self, name) > 0, f"{name} must be greater than 0 {unit}", getattr(self, name), unit)
-        _require((self.spread or 0.0) >= 0, "The spread must not be negative", self.spread or 0.0, "mm")
-        given = "both" if self.mass else "neither"
-        _require((self.mass is None) != (self.density is None), "Give either a mass or a density", given)
+            _require(getattr(self, name) > 0, name, "{name} must be greater than 0 {unit}", getattr(self, name), unit)
+        _require((self.spread or 0.0) >= 0, "The spread", "{name} must not be negative", self.spread or 0.0, "mm")
+        if (self.mass is None) == (self.density is None):
+            given = Message("both" if self.mass else "neither")
+            raise DimpleError(
+                "Give either a mass or a density (it is {given}). Change it in Material > Dimple.", given=given
+            )
         if self.mass is not None:
-            _require(self.mass > 0, "The mass must be greater than 0 kg", self.mass, "kg")
+            _require(self.mass > 0, "The mass", "{name} must be greater than 0 {unit}", self.mass, "kg")
         if self.density is not None:
-            _require(self.density > 0, "The density must be greater than 0 kg/m³", self.density, "kg/m³")
-        _require(0 <= self.damping_ratio <= 2, "The damping ratio must lie between 0 and 2", self.damping_ratio)
-        _require(self.friction >= 0, "The friction must not be negative", self.friction)
-        _require(self.fill in FILLS, f"The fill must be one of {', '.join(FILLS)}", self.fill)
+            _require(self.density > 0, "The density", "{name} must be greater than 0 {unit}", self.density, "kg/m³")
+        _require(
+            0 <= self.damping_ratio <= 2, "The damping ratio", "{name} must lie between 0 and 2", self.damping_ratio
+        )
+        _require(self.friction >= 0, "The friction", "{name} must not be negative", self.friction)
+        if self.fill not in FILLS:
+            raise DimpleError(
+                "The fill must be one of {fills} (it is {fill}). Change it in Material > Dimple.",
+                fills=tuple(map(Message, FILLS)), fill=self.fill
+            )  # fmt: skip
         in_range = LEAST_PRESSURE <= self.pressure <= MOST_PRESSURE
-        _require(in_range, "The pressure must lie between -100 kPa and 1000 kPa", self.pressure, "kPa")
+        _require(
+            in_range, "The pressure", "{name} must lie between -100 kPa and 1000 kPa", self.pressure, "kPa"
+        )
 
     @property
     def power(self) -> float:
@@ -107,7 +119,7 @@ def law_power(K1: float, K2: float, fill: str, tip: str) -> float:
 
     K2 / K1 tells it: of two slopes that take as much energy as c x^p and its tangent, it is p^2.
     """
-    bent = (fill, tip) == ("solid", "sphere") and K2 > K1 > 0
+    bent = FILLS[fill].elastic and tip == "sphere" and K2 > K1 > 0
     return min(math.sqrt(K2 / K1), HERTZ) if bent else 1.0
 
 
@@ -156,14 +168,16 @@ class Preset:
     sway: float = 0.0
 
 
-def _require(holds: bool, rule: str, value: float | str, unit: str = "") -> None:
+def _require(holds: bool, name: str, rule: str, value: float, unit: str = "") -> None:
     """Raise where a rule does not hold, with the value (in SI units) in the unit that it is typed in."""
-    given = value if isinstance(value, str) else f"{value * _PER_UNIT.get(unit, 1):.6g} {unit}".rstrip()
-    if not isinstance(value, str) and abs(value) > _LARGEST:
-        name = rule.partition(" must")[0]
-        raise DimpleError(f"{name} is out of range (it is {given}). Change it in Material > Dimple.")
+    given = f"{value * _PER_UNIT.get(unit, 1):.6g} {unit}".rstrip()
+    if abs(value) > LARGEST:
+        raise DimpleError(
+            "{name} is out of range (it is {given}). Change it in Material > Dimple.", name=Message(name), given=given
+        )
     if not holds:
-        raise DimpleError(f"{rule} (it is {given}). Change it in Material > Dimple.")
+        said = Message(rule, name=Message(name), unit=unit)
+        raise DimpleError("{rule} (it is {given}). Change it in Material > Dimple.", rule=said, given=given)
 
 
 # of a body that has no material, and of a new one in the panel: the vinyl cube, as heavy as foam

@@ -1,6 +1,7 @@
-"""The bridge between Blender's objects and the core: what is read of an object to press it.
+"""The bridge between Blender's objects and the core: an object becomes a model that can be pressed.
 
-With `object_link`, `bridge_model`, `bridge_write`, `final_mesh` and `offset` the only toucher of mesh arrays and scale.
+With `object_link`, `bridge_model`, `bridge_write`, `final_mesh`, `rendered_mesh` and `offset` the only toucher of mesh
+arrays and scale.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
+from ..core.messages import Message, about, in_a_row
 from ..core.steps import Parts, at_once
 from . import bridge_model, final_mesh, stack
 from .object_link import Floats as Floats
@@ -52,8 +54,6 @@ def reading_body(
     Raises:
         DimpleError: this object cannot be pressed, with the reason and what to do.
     """
-    from ..core.mesh.surface import mesh_from_triangles
-
     check(body)
     context.view_layer.update()
     matrix = np.array(body.matrix_world)
@@ -63,12 +63,9 @@ def reading_body(
         triangles = triangles[:, ::-1]
     used, triangle_material = np.unique(np.clip(slots, 0, max(len(body.material_slots) - 1, 0)), return_inverse=True)
     try:
-        make = partial(
-            mesh_from_triangles, to_physical(scale, matrix, rest), triangles, triangle_material=triangle_material
-        )
-        mesh: Mesh = yield 0.1, make
+        mesh: Mesh = yield 0.1, partial(_mesh, scale, matrix, rest, triangles, triangle_material)
     except DimpleError as error:
-        raise DimpleError(f'"{body.name}": {error}') from error
+        raise DimpleError(about(body.name, str(error))) from error
     resting = mesh.rest_positions[mesh.source].astype(np.float32)
     pinned = body.dimple.to_params()["pinned"] != "none"
     link = ObjectLink(
@@ -79,6 +76,13 @@ def reading_body(
     )  # fmt: skip
     model: Model = yield from bridge_model.reading_model(context.scene, body, mesh, link)
     return link, model
+
+
+def _mesh(scale: float, matrix: Floats, rest: Singles, triangles: Any, triangle_material: Any) -> Mesh:
+    from ..core.mesh.surface import mesh_from_triangles
+
+    points = to_physical(scale, matrix, rest)
+    return mesh_from_triangles(points, triangles, triangle_material=triangle_material)
 
 
 def scale_of(scene: bpy.types.Scene, body: bpy.types.Object, link: ObjectLink) -> float:
@@ -95,26 +99,30 @@ def check(body: bpy.types.Object) -> None:
     if body.type != "MESH":
         raise DimpleError(_not_a_mesh(body))
     if body.mode != "OBJECT":
-        raise DimpleError(f'"{body.name}" is being edited. Go back to Object Mode first.')
+        raise DimpleError('"{name}" is being edited. Go back to Object Mode first.', name=body.name)
 
 
 def _not_a_mesh(body: bpy.types.Object) -> str:
     """Return the sentence that says what an object is instead, and what to do."""
     if body.type == "EMPTY" and body.instance_type == "COLLECTION":
-        return (
-            f'"{body.name}" is a collection instance, not a mesh. '
-            "Make its objects real first: Object > Apply > Make Instances Real."
+        return Message(
+            '"{name}" is a collection instance, not a mesh. Make its objects real first: Object > Apply > Make '
+            "Instances Real.",
+            name=body.name,
         )
     kind = body.bl_rna.properties["type"].enum_items[body.type].name.lower()
     article = "an" if kind[0] in "aeiou" else "a"
-    todo = "Make Soft converts it to a mesh." if body.type in _CONVERTIBLE else "Select a mesh to press."
-    return f'"{body.name}" is {article} {kind}, not a mesh. {todo}'
+    what = Message('"{name}" is {article} {kind}, not a mesh.', name=body.name, article=article, kind=kind)
+    can = body.type in _CONVERTIBLE
+    return in_a_row([what, "Make Soft converts it to a mesh." if can else "Select a mesh to press."])
 
 
 def check_writable(body: bpy.types.Object) -> None:
     """Raise a DimpleError when an object may not be given a modifier."""
     if body.library:
-        raise DimpleError(f'"{body.name}" is linked from another file. Make it local first: Object > Relations.')
+        raise DimpleError(
+            '"{name}" is linked from another file. Make it local first: Object > Relations.', name=body.name
+        )
 
 
 def scale_and_top(context: bpy.types.Context, body: bpy.types.Object) -> tuple[float, Floats]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ..core.base import DimpleError
+from ..core.messages import about
 from ..core.steps import Parts, at_once
 from . import advice, final_mesh
 from .names import MAPS
@@ -39,7 +40,7 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
     try:
         pinned = base_vertices(mesh) if params["pinned"] == "base" else None
         if params["pinned"] == "group":
-            pinned = _pins(body, params["pin_group"], link, least=0.0 if params["sway"] else 0.5)
+            pinned = _pins(body, params["pin_group"], link, least=0.01 if params["sway"] else 0.5)
         materials = [_material(body, slot) for slot in link.slots]
         groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
         maps = {name: _weights(body, group, name, link) for name, group in groups.items() if group}
@@ -50,12 +51,12 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
         )  # fmt: skip
         model: Model = yield 0.4, make
     except DimpleError as error:
-        raise DimpleError(f'"{name}": {error}') from error
+        raise DimpleError(about(name, str(error))) from error
     return replace(model, notes=(*model.notes, *said, *advice.on_fill(model), *advice.on_sway(model, params["sway"])))
 
 
 def _made(*given: Any, **named: Any) -> Model:
-    """Build a model, with what the frame of a change to it would wait for."""
+    """Build a model, its slots of springs included, so that a later change needs no frame of its own for them."""
     from ..core.body.model import build_model
 
     model = build_model(*given, **named)
@@ -82,15 +83,18 @@ def _material(body: bpy.types.Object, slot: int) -> Material:
     try:
         return Material(**material.dimple.to_params())
     except DimpleError as error:
-        raise DimpleError(f'material "{material.name}": {error}') from error
+        raise DimpleError('material "{name}": {error}', name=material.name, error=error) from error
 
 
 def _pins(body: bpy.types.Object, group: str, link: ObjectLink, *, least: float) -> Floats:
     if not group:
         raise DimpleError("it is pinned by a vertex group, but none is chosen. Choose one in Physics > Dimple.")
     weights = _weights(body, group, "pin", link)
-    if not (weights >= max(least, 1e-6)).any():
-        raise DimpleError(f'no vertex of the pin group "{group}" has a weight of {least:g} or more. Paint some.')
+    if not (weights >= least).any():
+        raise DimpleError(
+            'no vertex of the pin group "{group}" has a weight of {least:g} or more. Paint some.',
+            group=group, least=least,
+        )
     return weights
 
 
@@ -98,5 +102,7 @@ def _weights(body: bpy.types.Object, group: str, role: str, link: ObjectLink) ->
     """Return the weight (N,) of every vertex in a vertex group, 0 outside it; or a float attribute of that name."""
     found = final_mesh.weights(bpy.context, body, group, link.cuts)
     if found is None:
-        raise DimpleError(f'there is no vertex group "{group}" ({role}). Choose another in Physics > Dimple.')
+        raise DimpleError(
+            'there is no vertex group "{group}" ({role}). Choose another in Physics > Dimple.', group=group, role=role
+        )
     return found

@@ -10,7 +10,7 @@ from collections.abc import Collection
 import bpy
 import numpy as np
 
-from . import final_mesh, offset
+from . import final_mesh, offset, rendered_mesh
 from .bridge import ObjectLink, Singles, get_points
 from .names import CACHES_OFF, KEPT, KEPT_PRESS, PAINTING
 
@@ -37,7 +37,7 @@ def is_intact(body: bpy.types.Object, link: ObjectLink) -> bool:
     mesh = body.data
     if body.mode not in ("OBJECT", PAINTING) or len(mesh.vertices) != len(link.own):
         return False
-    if link.shaped:  # its shape at rest is read anew at every step
+    if link.shaped:  # its shape at rest is read at every step
         return True
     return np.array_equal(get_points(mesh.attributes["position"].data, len(link.own), "vector"), link.own)
 
@@ -45,7 +45,7 @@ def is_intact(body: bpy.types.Object, link: ObjectLink) -> bool:
 def keep(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, offsets: Singles) -> None:
     """Leave a press, offsets (N, 3) from the shape at rest, in a modifier on top of all others."""
     final_mesh.detach(body)
-    shown = final_mesh.shown(context, body, len(link.rest), link.cuts)
+    shown = rendered_mesh.shown(context, body, len(link.rest), link.cuts)
     for each, own in shown:
         offset.set_offsets(each.carrier, offsets if own is None else own.carry(offsets))
     offset.add(body, KEPT, KEPT_PRESS, [each for each, _ in shown])
@@ -70,10 +70,8 @@ def add_key(body: bpy.types.Object, name: str, offsets: Singles) -> bpy.types.Sh
     return key
 
 
-def paint(body: bpy.types.Object, group: str, weights: Singles, attribute: str, values: Singles) -> None:
-    """Give every vertex a weight (N,) in a vertex group, and a value (N,) of a float attribute."""
+def paint(body: bpy.types.Object, group: str, weights: Singles) -> None:
+    """Give every vertex a weight (N,) in a vertex group."""
     painted = body.vertex_groups.get(group) or body.vertex_groups.new(name=group)
     for vertex, weight in enumerate(weights.tolist()):
         painted.add([vertex], weight, "REPLACE")
-    layer = body.data.attributes.get(attribute) or body.data.attributes.new(attribute, "FLOAT", "POINT")
-    layer.data.foreach_set("value", values.astype(np.float32))

@@ -3,14 +3,13 @@
 Where the file leaves something open a dialog asks the core's question with its own preview; nothing is guessed.
 """
 
-import json
 from functools import lru_cache
 
 import bpy
-from bpy.props import CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from ..core.messages import Message, in_a_row, to_json
 from . import calibration, polls
-from .calibrate_together import several
 from .messages import say, wrapped
 from .names import TIPS, Op
 from .translation import translated
@@ -60,10 +59,6 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         name="Filter", description="Files that are shown", options={"HIDDEN"},
         default=calibration.FILTER,
     )  # fmt: skip
-    directory: StringProperty(
-        name="Folder", description="Of files that are dropped together", subtype="DIR_PATH", options=HIDDEN
-    )
-    files: CollectionProperty(name="Files", type=bpy.types.OperatorFileListElement, options=HIDDEN)
     tip: EnumProperty(name="Tip", description="What pressed the object", items=TIPS)
     tip_radius_mm: FloatProperty(
         name="Tip Radius (mm)", description="Radius of what pressed the object", default=2.0, min=0.01, soft_max=50.0
@@ -123,8 +118,6 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the file, or for what it leaves open; a dropped file that leaves nothing open is read at once."""
-        if not self.asked and (handed_on := several(self)):
-            return handed_on
         body, given = context.object, self.properties.is_property_set
         if body and not given("length_mm") and body.dimple.size_mode == "CUSTOM":
             self.length_mm = body.dimple.size_mm
@@ -155,16 +148,17 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
                 section=_si(self.section_mm2, 1e-6), youngs_modulus=_si(self.youngs_modulus_mpa, 1e6),
             )  # fmt: skip
         except Undecided as undecided:
-            return self._ask(context, json.dumps(undecided.to_record(), ensure_ascii=False), _message(undecided))
+            return self._ask(context, to_json(undecided.to_record()), _message(undecided))
         except DimpleError as error:
-            advice = f" Choose them: {_labels(error.answers)}." if isinstance(error, WrongColumns) else ""
-            say(self, {"ERROR"}, f"{error}{advice}")
+            way_out = ""
+            if isinstance(error, WrongColumns):
+                way_out = Message("Choose them: {labels}.", labels=_labels(error.answers))
+            say(self, {"ERROR"}, str(error), way_out)
             return {"CANCELLED"}
-        advice = [f"If it is known, give {_labels(found.unsure)}."] if found.unsure else []
-        context.scene.dimple.calibration = calibration.to_text(found, advice)
+        context.scene.dimple.calibration = calibration.to_text(found)
         record = calibration.load(context.scene.dimple.calibration)
         for warning in record["warnings"]:
-            say(self, {"WARNING"}, calibration.headline(warning))
+            say(self, {"WARNING"}, translated(warning).partition("\n")[0])
         say(self, {"INFO"}, calibration.source(record, record["source_of_k"]))
         return {"FINISHED"}
 
@@ -228,18 +222,20 @@ def _si(value: float, factor: float) -> float | None:
     return factor * value if value else None
 
 
-def _labels(names) -> str:
+def _labels(names) -> tuple[Message, ...]:
     """Return the labels of properties of the operator, as the interface shows them."""
-    return ", ".join(DIMPLE_OT_calibrate.__annotations__[name].keywords["name"] for name in names)
+    return tuple(Message(DIMPLE_OT_calibrate.__annotations__[name].keywords["name"]) for name in names)
 
 
 def _message(undecided) -> str:
     """Return open questions for a script: the property to set, and to what."""
     lines = []
     for question in undecided.questions:
-        choices = "; ".join(f"{c.value!r} ({c.label})" for c in question.candidates)
-        lines.append(f"{question.text} Give {question.name}: {choices}.")
-    return " ".join(lines)
+        choices = tuple(
+            Message("{value!r} ({label})", value=each.value, label=Message(each.label)) for each in question.candidates
+        )
+        lines += [question.text, Message("Give {name}: {choices}.", name=question.name, choices=choices)]
+    return in_a_row(lines)
 
 
 class DIMPLE_FH_force_depth(bpy.types.FileHandler):

@@ -5,6 +5,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty
 
+from ..core.messages import kept
 from . import calibration, polls, sizing
 from .apply_preset import material_of
 from .names import Op
@@ -45,8 +46,6 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
         record = calibration.load(scene.calibration)
         settings = material_of(body, Path(record["source"]).stem).dimple
         settings.K1, settings.K2, settings.x0 = record["K1"], record["K2"], record["x0"]
-        if record.get("spread_interval", [0, None])[1]:  # several curves have determined it
-            settings.spread_mm = record["spread"]
         k = record["source_of_k"] if self.use_k else ""
         if k:
             settings.k = record["k_to_use"]
@@ -54,7 +53,7 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
             settings.damping_ratio = record["damping_ratio_hint"]
         settings.tip, settings.tip_radius_mm = record["tip"].upper(), record["tip_radius"]
         settings.calibration, scene.calibration = scene.calibration, ""
-        settings.provenance = calibration.source(record, k)  # last: a constant that is set marks it as edited
+        settings.provenance = kept(calibration.source(record, k))  # last: a constant that is set marks it as edited
         body.dimple.enabled = True
         if record["length"]:
             body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", record["length"]

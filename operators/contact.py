@@ -1,4 +1,4 @@
-"""What running bodies meet: objects with Dimple Collider ticked, each other, themselves.
+"""Contact of running bodies: with objects that have Dimple Collider ticked, with each other, and with themselves.
 
 Once an object of the scene is ticked, all running bodies meet it and each other, where they are of one scale; without
 one, bodies run alone and nothing of this is paid for.
@@ -15,7 +15,8 @@ import numpy as np
 from mathutils import Matrix
 
 from ..core.base import DimpleError
-from . import bridge, bridge_model
+from ..core.messages import in_a_row
+from . import bridge, bridge_model, sizing
 
 if TYPE_CHECKING:
     from ..core.base import Floats, Ints
@@ -46,7 +47,7 @@ class LiveWorld:
 
 
 def is_on(scene: bpy.types.Scene) -> bool:
-    """Tell whether anything in a scene is ticked: then bodies meet."""
+    """Tell whether contact is on: an object of the scene is a collider, or a body has self contact."""
     return any(obj.dimple.collider or (obj.dimple.enabled and obj.dimple.self_contact) for obj in scene.objects)
 
 
@@ -87,19 +88,19 @@ def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
     Raises:
         DimpleError: one is gone, or has other vertices.
     """
-    from ..core.props import PropWorld
+    from ..core.world.props import PropWorld
 
     graph = context.evaluated_depsgraph_get()
     if isinstance(live.world, PropWorld):
         live.world.gravity, live.world.ground = _pull(context.scene)
     ends = []
     for i, name in enumerate(live.colliders):
-        if i in live.props:  # it goes where it falls
+        if i in live.props:  # the world moves it
             ends.append(None)
             continue
         obj = context.scene.objects.get(name)
         if obj is None:
-            raise DimpleError(f'Collider "{name}" is gone. Start again.')
+            raise DimpleError('Collider "{name}" is gone. Start again.', name=name)
         end = surface(graph, obj, live.scale)[0]
         same = end.shape == live.world.target(i).shape and np.array_equal(end, live.world.target(i))
         ends.append(None if same else end)
@@ -114,7 +115,7 @@ def _is_collider(
         and obj.type == "MESH"
         and obj.session_uid not in bodies
         and obj.evaluated_get(graph).is_evaluated  # else it is disabled in viewports, and stands still
-        and obj not in [getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)]
+        and obj not in sizing.fingertips(scene)
     )
 
 
@@ -133,12 +134,12 @@ def _moving(sessions: Sequence[Session]) -> tuple[tuple[int, int], ...]:
 
 
 def _mass_of(obj: bpy.types.Object) -> float | None:
-    """Return the mass of an object that falls [kg], None where it is led."""
+    """Return the mass of a prop [kg], None for a collider that its object moves."""
     return obj.dimple.prop_mass_kg if obj.dimple.is_prop else None
 
 
 def _pull(scene: bpy.types.Scene) -> tuple[Floats, float | None]:
-    """Return the gravity (3,) [m/s2] and the height of the ground [m] of what falls, None where there is none."""
+    """Return the gravity (3,) [m/s2] and the height of the ground [m] for props, None without a ground."""
     return np.array(bridge_model.gravity(scene)), 0.0 if scene.dimple.use_ground else None
 
 
@@ -150,16 +151,17 @@ def _make(
     colliders: Sequence[bpy.types.Object],
     itself: Sequence[bool],
 ) -> LiveWorld:
-    from ..core.props import PropWorld
     from ..core.world import Collider, World, drop_proxies
+    from ..core.world.props import PropWorld
 
     graph, made = context.evaluated_depsgraph_get(), []
     for obj in colliders:
         points, triangles = surface(graph, obj, scale)
         if not len(triangles) or not np.isfinite(points).all():
             raise DimpleError(
-                f'Collider "{obj.name}" has no faces, or a coordinate that is not a number. Repair it, or switch '
-                "Dimple Collider off."
+                'Collider "{name}" has no faces, or a coordinate that is not a number. Repair it, or switch '
+                "Dimple Collider off.",
+                name=obj.name,
             )
         made.append(Collider(points.T.copy(), triangles, obj.dimple.collider_friction))
     for (_, session, _), meets in zip(bodies, itself, strict=True):
@@ -178,7 +180,7 @@ def _make(
         )  # fmt: skip
     else:
         world = World(running, made, itself=itself, names=names)
-    world.notes = [" ".join(filter(None, each)) for each in zip(notes, world.notes, strict=True)]
+    world.notes = [in_a_row(each) for each in zip(notes, world.notes, strict=True)]
     key = (*key[:-1], _moving(running))
     uids = tuple(obj.session_uid for obj, _, _ in bodies)
     names = [obj.name for obj in colliders]

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ..core.base import DimpleError
-from ..core.clock import step_all
-from ..core.session import MAX_FINGERS, Finger
+from ..core.constants import MAX_FINGERTIPS
+from ..core.messages import about, in_a_row
+from ..core.session import Finger
+from ..core.session.clock import step_all
 from ..core.steps import Parts, at_once
 from . import (
     bridge,
     contact,
-    final_mesh,
     fingertip_objects,
     haptic,
     live_press,
@@ -84,7 +85,7 @@ def starting_all(context: bpy.types.Context) -> Parts:
                 bodies.append(body)
                 messages += notes
         if not bodies:
-            raise DimpleError(" ".join(gathered(wrong)))
+            raise DimpleError(in_a_row(gathered(wrong)))
         if crossing := _meet(context):
             raise DimpleError(crossing[0])
     except BaseException:
@@ -130,7 +131,7 @@ def advance(
         live_press.note(context, body)
         if body.frame.note:
             sessions.disarm()  # it is back at rest at once, which may be on a fingertip
-            messages.append(f'"{body.name}": {body.frame.note}')
+            messages.append(about(body.name, body.frame.note))
     slowest = min((body.lead for body in sessions.sessions.values()), default=0.0)
     for body in sessions.sessions.values():
         body.done, body.lead = body.lead, body.lead - slowest  # the others wait for it: all have one clock
@@ -166,8 +167,7 @@ def _meet(context: bpy.types.Context) -> list[str]:
 
 
 def _groups() -> list[tuple[list[LiveBody], World | None]]:
-    """Return the running bodies in groups that are stepped together, each with its world, None where they do not meet.
-    """
+    """Return the running bodies in groups that are stepped together, each with its world, None without contact."""
     together = [([sessions.sessions[uid] for uid in each.uids], each.world) for each in sessions.worlds]
     met = {uid for each in sessions.worlds for uid in each.uids}
     return [*together, ([body for uid, body in sessions.sessions.items() if uid not in met], None)]
@@ -202,7 +202,7 @@ def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger
     if body.link is not link:
         pressed = ()  # those were in metres of another size
         sessions.disarm()  # which may put it under a fingertip of the haptic device at once
-    follow(context, obj, body)
+    body.follow(context, obj)
     device = haptic.fingertips(context.scene, body)
     fingers = merged(device or pressing(context.scene, body), pressed)
     body.held = {i: finger for i, finger in enumerate(merged(device, pressed)) if finger}
@@ -221,16 +221,11 @@ def finish(body: LiveBody) -> list[str]:
     showing.show(_object(body), body)
     if body.recorder:
         try:
-            body.recorder.append(frame.time, showing.offsets_of(body), body.session)
+            body.recorder.append(frame.time, body.offsets(), body.session)
         except OSError as error:
             ended = body.recorder.cut_short(body.name, error)
             messages += [ended, *(each for each in sessions.end_recording(body) if not isinstance(each, Note))]
     return messages
-
-
-def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> None:
-    """Let what is pinned of a body go where its object has gone, and its shape at rest be what its rig makes of it."""
-    body.matrix, body.rest = final_mesh.lead(context, obj, body.link, body.session, body.matrix, body.rest)
 
 
 def pressing(scene: bpy.types.Scene, body: LiveBody) -> Sequence[Finger | None]:
@@ -246,13 +241,12 @@ def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:
         place = tuple(scale * c for c in obj.matrix_world.translation)
         return Finger(place, sizing.radius_of(obj, scene, scale))
 
-    objects = (getattr(scene.dimple, f"finger_{number}") for number in fingertip_objects.NUMBERS)
-    return [finger(obj) if obj else None for obj in objects]
+    return [finger(obj) if obj else None for obj in sizing.fingertips(scene)]
 
 
 def merged(fingers: Sequence[Finger | None], pressed: Sequence[Finger | None]) -> tuple[Finger | None, ...]:
     """Return the fingertips of a session: those of a poke, where there are any, else the device's or the objects."""
-    first, second = ([*some, *([None] * MAX_FINGERS)][:MAX_FINGERS] for some in (pressed, fingers))
+    first, second = ([*some, *([None] * MAX_FINGERTIPS)][:MAX_FINGERTIPS] for some in (pressed, fingers))
     return tuple(poked or finger for poked, finger in zip(first, second, strict=True))
 
 
@@ -266,6 +260,6 @@ def ask(scene: bpy.types.Scene, run: ModalRun, wall: float) -> tuple[float, floa
 
 
 def adapt(run: ModalRun, asked: float) -> None:
-    """Set the size of the next step by what the slowest session has just managed."""
+    """Set the size of the next step by the progress of the slowest session."""
     done = min((body.done for body in sessions.sessions.values()), default=asked)
     run.step_s = min(max(2 * done, SHORTEST_S), LONGEST_S)

@@ -1,23 +1,35 @@
-"""Make Soft: everything that a bare mesh needs to be pressed, in one click; what changes the mesh itself is asked."""
+"""Make Soft: everything that a bare mesh needs to be pressed, in one click; changes to the mesh itself are asked."""
 
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
+from ..core.messages import Message, about
 from . import polls, sessions
-from .mesh_faults import Faults, faults, repair
 from .messages import gathered, report, say
 from .names import Op
 from .sizing import fit, settle_size
 from .start import LARGE
 
-PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
+if TYPE_CHECKING:
+    import bmesh
+
+PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # other types than meshes are converted
 TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
-
-
+SAME = 1e-6  # of the size: vertices that are no farther apart are one
+MOST_LOOKED_AT = 100_000  # vertices: more take longer than a click
 FIRST = "object_2_vinyl_air"  # number 0 of the list, and so its default
 Item = tuple[str, str, str, str, int]
 _items: list[Item] = []  # Blender does not keep the strings of a list that a function returns
+
+
+class Faults(NamedTuple):
+    """How many vertices are doubled or loose, and how many faces look inward."""
+
+    doubled: int = 0
+    loose: int = 0
+    inward: int = 0
 
 
 def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[Item]:
@@ -30,8 +42,8 @@ def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[
     return _items
 
 
-class DIMPLE_OT_make_soft(bpy.types.Operator):
-    """Make the selected meshes soft bodies, ready to be pressed: material, real size, pins, and what is simulated"""
+class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
+    """Make the selected meshes soft and ready to press, with a material, a real size and pins"""
 
     bl_idname = Op.MAKE_SOFT
     bl_label = "Make Soft"
@@ -39,22 +51,20 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
 
     preset: EnumProperty(
         name="Material",
-        description="Object whose constants the material gets; unchosen, only a mesh without one gets it",
+        description="Material for the meshes. Unless you choose one, only meshes without a material get it",
         items=presets, default=0, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
     )  # fmt: skip
     repair: BoolProperty(
-        name="Repair", description="Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself"
+        name="Repair", description="Repair the mesh itself: weld doubled vertices, delete loose ones and turn faces "
+                                   "outward"
     )
     faults: StringProperty(name="Faults", options={"HIDDEN", "SKIP_SAVE"})
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need Object Mode and a mesh of this file."""
-        if context.mode != "OBJECT":
-            return polls.refuse(cls, "Go back to Object Mode first")
-        if context.object is None or context.object.type not in PRESSABLE:
-            return polls.refuse(cls, "Select a mesh first")
-        return polls.is_own(cls, context.object) and polls.is_free(cls)
+    needs = (
+        polls.in_object_mode,
+        polls.need(lambda context: context.object and context.object.type in PRESSABLE, "Select a mesh first"),
+        polls.is_own, polls.is_free,
+    )  # fmt: skip
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask only where the mesh itself should be changed."""
@@ -69,7 +79,6 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         return self.execute(context)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the material, and what is offered, and why."""
         column = self.layout.column()
         column.prop(self, "preset")
         if self.faults:
@@ -94,7 +103,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
                     obj, sentence = convert(context, obj)
                     done.append(sentence)
                 if self.repair and not is_shared(obj) and any(repaired := repair(obj)):
-                    done.append(f'"{obj.name}" was repaired. {words(repaired)}')
+                    done += [Message('"{name}" was repaired.', name=obj.name), words(repaired)]
                 chosen = self.properties.is_property_set("preset")
                 sentence, notes = make_soft(context, obj, self.preset, chosen=chosen)
                 soft.append(sentence)
@@ -107,16 +116,17 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         report(self, [*wrong, *noted])
         pointer.choose_tool(context)
         if len(soft) > 1:
-            soft = [f"{len(soft)} meshes are soft. Press them with the left mouse button."]
+            soft = [Message("{count} meshes are soft. Press them with the left mouse button.", count=len(soft))]
         say(self, {"INFO"}, *done, *soft)
         return {"FINISHED"}
 
 
 def words(found: Faults) -> str:
     """Return the faults of meshes in words."""
-    return (
-        f"Doubled vertices: {found.doubled}. Loose vertices: {found.loose}. Faces that look inward: {found.inward}."
-    )
+    return Message(
+        "Doubled vertices: {doubled}. Loose vertices: {loose}. Faces that look inward: {inward}.",
+        doubled=found.doubled, loose=found.loose, inward=found.inward
+    )  # fmt: skip
 
 
 def is_shared(obj: bpy.types.Object) -> bool:
@@ -124,10 +134,8 @@ def is_shared(obj: bpy.types.Object) -> bool:
     return bool(obj.data.shape_keys) or obj.data.users > 1
 
 
-def make_soft(
-    context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool
-) -> tuple[str, list[str]]:
-    """Make a mesh a soft body; return a sentence on what it is now, and notes on what was found.
+def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool) -> tuple[str, list[str]]:
+    """Make a mesh a soft body; return a sentence on the result, and notes on the mesh.
 
     A large one is prepared when it is pressed first, with its progress shown.
 
@@ -138,14 +146,15 @@ def make_soft(
         DimpleError: it cannot be pressed; only its material and settings may have been set.
     """
     from ..core.base import DimpleError
-    from . import bridge, planning
+    from . import bridge
+    from .object_body import ObjectBody
 
     bridge.check(obj)
     bridge.check_writable(obj)
     if sessions.get(obj):
-        raise DimpleError(f'"{obj.name}" is being pressed already.')
+        raise DimpleError('"{name}" is being pressed already.', name=obj.name)
     if chosen and obj.active_material and obj.active_material.library:
-        raise DimpleError(f'The material of "{obj.name}" is linked from another file. Make it local first.')
+        raise DimpleError('The material of "{name}" is linked from another file. Make it local first.', name=obj.name)
     if chosen or obj.active_material is None:
         with context.temp_override(object=obj, active_object=obj):
             bpy.ops.dimple.apply_preset(preset=preset)
@@ -153,11 +162,17 @@ def make_soft(
     fit(context.scene, obj)
     obj.dimple.enabled = True
     if len(obj.data.vertices) > LARGE:
-        return f'"{obj.name}" is soft: "{obj.active_material.name}". It is prepared when you press it first.', []
-    _, model = bridge.read_body(context, obj)
-    planning.proxy_for(context.scene, obj, model)  # so that the first press begins at once
-    size, notes = f"{1e3 * model.mesh.size:.3g} mm", [type(note)(f'"{obj.name}": {note}') for note in model.notes]
-    said = f'"{obj.name}" is soft: "{obj.active_material.name}", {size} across. Press it with the left mouse button.'
+        return Message(
+            '"{name}" is soft: "{material}". It is prepared when you press it first.',
+            name=obj.name,
+            material=obj.active_material.name,
+        ), []
+    model = ObjectBody.from_object(obj).session.model  # planned now, so that the first press begins at once
+    size, notes = f"{1e3 * model.mesh.size:.3g} mm", [about(obj.name, note) for note in model.notes]
+    said = Message(
+        '"{name}" is soft: "{material}", {size} across. Press it with the left mouse button.',
+        name=obj.name, material=obj.active_material.name, size=size
+    )  # fmt: skip
     return said, notes
 
 
@@ -172,23 +187,70 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.type
     """
     from ..core.base import DimpleError
 
-    given, name, replaced = "", obj.name, obj.type == "META"
+    deepened, name, replaced = False, obj.name, obj.type == "META"
     if obj.type == "FONT" and not obj.data.extrude and not obj.data.bevel_depth:  # flat characters are all rim
-        obj.data.extrude, given = TEXT_DEPTH * obj.data.size, "given a depth and "
+        obj.data.extrude, deepened = TEXT_DEPTH * obj.data.size, True
     shown = obj.evaluated_get(context.evaluated_depsgraph_get())
     faces = len(shown.to_mesh().polygons)
     shown.to_mesh_clear()
     if not faces:
-        if given:
+        if deepened:
             obj.data.extrude = 0.0
         raise DimpleError(
-            f'"{name}" has no faces, so there is no surface to press. Give it depth or a bevel first.'
+            '"{name}" has no faces, so there is no surface to press. Give it depth or a bevel first.', name=name
         )
     with context.temp_override(object=obj, active_object=obj, selected_objects=[obj], selected_editable_objects=[obj]):
         bpy.ops.object.convert(target="MESH")
     made = context.view_layer.objects.active if replaced else obj  # Blender removes a metaball
     made.name = name
-    return made, f'"{made.name}" was {given}converted to a mesh.'
+    what = '"{name}" was given a depth and converted to a mesh.' if deepened else '"{name}" was converted to a mesh.'
+    return made, Message(what, name=made.name)
+
+
+def faults(obj: bpy.types.Object) -> Faults:
+    """Return the faults of a mesh; none where it is too large to be looked at in a click."""
+    return _repaired(obj, keep=False) if len(obj.data.vertices) <= MOST_LOOKED_AT else Faults()
+
+
+def repair(obj: bpy.types.Object) -> Faults:
+    """Weld doubled vertices, delete loose ones and turn faces outward; return the repaired faults."""
+    return _repaired(obj, keep=True)
+
+
+def _repaired(obj: bpy.types.Object, *, keep: bool) -> Faults:
+    import bmesh
+
+    mesh = bmesh.new()
+    try:
+        mesh.from_mesh(obj.data)
+        size = max(obj.dimensions) / max(*map(abs, obj.matrix_world.to_scale()), 1e-30)
+        pairs = bmesh.ops.find_doubles(mesh, verts=mesh.verts, dist=SAME * size)["targetmap"]
+        bmesh.ops.weld_verts(mesh, targetmap=pairs)
+        loose = [vertex for vertex in mesh.verts if not vertex.link_faces]
+        found = Faults(len(pairs), len(loose), _turn_outward(mesh))
+        bmesh.ops.delete(mesh, geom=loose, context="VERTS")
+        if keep:
+            mesh.to_mesh(obj.data)
+            obj.data.update()
+        return found
+    finally:
+        mesh.free()
+
+
+def _turn_outward(mesh: "bmesh.types.BMesh") -> int:
+    """Turn faces outward; return how many. Which side of an open mesh is outward nobody knows: most faces decide."""
+    import bmesh
+
+    mesh.normal_update()
+    before = [face.normal.copy() for face in mesh.faces]
+    bmesh.ops.recalc_face_normals(mesh, faces=mesh.faces)
+    mesh.normal_update()
+    turned = [face for face, normal in zip(mesh.faces, before, strict=True) if face.normal.dot(normal) < 0]
+    is_open = any(edge.is_boundary for edge in mesh.edges)
+    if is_open and 2 * len(turned) > len(before):
+        bmesh.ops.reverse_faces(mesh, faces=mesh.faces)
+        return len(before) - len(turned)
+    return len(turned)
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_make_soft])

@@ -14,9 +14,10 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
+from ..core.constants import MAX_FINGERTIPS
+from ..core.messages import about, in_a_row, kept, read
 from ..core.reduction.planner import Maker, Plan, plan, plan_full_mesh, plan_proxy
 from ..core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
-from ..core.session import MAX_FINGERS
 from ..core.steps import Parts, at_once
 from . import contact, stack
 
@@ -40,7 +41,7 @@ class Choice(NamedTuple):
 
 
 _choices: dict[str, Choice] = {}
-_moving: list[tuple[Mesh, Proxy | None]] = []  # what was chosen for the last meshes, whatever their materials are
+_moving: list[tuple[Mesh, Proxy | None]] = []  # the choices for the last meshes, whatever their materials
 
 
 def proxy_for(
@@ -58,9 +59,7 @@ def proxy_for(
     return found
 
 
-def planning_for(
-    scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None
-) -> Parts:
+def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None) -> Parts:
     """Plan an object in parts; see `proxy_for`."""
     settings, now = obj.dimple, key(scene, obj, model)
     build = partial(_proxy, moving)
@@ -71,22 +70,22 @@ def planning_for(
     elif known:
         vertices = settings.plan_vertices
         proxy = (yield 0.6, partial(build, model, vertices)) if vertices else None
-        made = Choice(proxy, vertices, settings.plan_reason)
+        made = Choice(proxy, vertices, read(settings.plan_reason))
     else:
         try:
             chosen = yield 0.6, partial(choosing(scene, obj), model, build)
         except DimpleError as error:
             way_out = ""
             if settings.simulated == "PROXY" and not settings.self_contact:
-                way_out = " Choose another number, or Automatic, in Physics > Dimple."
-            raise DimpleError(f'"{obj.name}": {str(error).rstrip(".")}.{way_out}') from error
+                way_out = "Choose another number, or Automatic, in Physics > Dimple."
+            raise DimpleError(about(obj.name, in_a_row([str(error), way_out]))) from error
         made = Choice(chosen.proxy, chosen.asked, chosen.reason)
     _choices[now] = made
     _moving[:] = [(model.mesh, made.proxy), *_moving[: KEPT - 1]]
     while len(_choices) > KEPT:
         del _choices[next(iter(_choices))]
-    settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, made.reason
-    return made.proxy, f'"{obj.name}": {made.reason}' if made.proxy and not known else ""
+    settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, kept(made.reason)
+    return made.proxy, about(obj.name, made.reason) if made.proxy and not known else ""
 
 
 def _proxy(moving: Proxy | None, model: Model, vertices: int) -> Proxy:
@@ -136,10 +135,10 @@ def choosing(scene: bpy.types.Scene, obj: bpy.types.Object) -> Callable[[Model, 
 
 def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
     """Return the processor time [s] per second for the steps of one object, contact apart: at rest the others cost
-    nothing, and no more than MAX_FINGERS are pressed at a time.
+    nothing, and no more than MAX_FINGERTIPS are pressed at a time.
     """
     bodies = 1 + sum(each != obj and each.type == "MESH" and each.dimple.enabled for each in scene.objects)
-    share = scene.dimple.frame_budget_percent / 100 / min(bodies, MAX_FINGERS)
+    share = scene.dimple.frame_budget_percent / 100 / min(bodies, MAX_FINGERTIPS)
     return share / CONTACT if contact.is_on(scene) else share
 
 
@@ -155,13 +154,13 @@ class Around(NamedTuple):
 
 
 def around(scene: bpy.types.Scene, obj: bpy.types.Object) -> Around:
-    """Return what the plan of an object depends on besides its model."""
+    """Return the inputs of a plan besides the model."""
     budget = budget_of(scene, obj)
     return Around(scene.dimple.finger_radius_mm, budget, contact.is_on(scene), obj.dimple.self_contact)
 
 
 def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
-    """Return a checksum of what the plan depends on: body, materials, fingertips and budget."""
+    """Return a checksum of the inputs of a plan: body, materials, fingertips and budget."""
     law, number = model.matching, 0
     for array in (
         law.rest, model.mesh.triangles, model.mass, model.pinned, law.k1, law.k2, law.d0, law.damping, law.tension,

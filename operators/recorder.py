@@ -1,4 +1,4 @@
-"""What a session writes while it runs: a table of forces, and the recording of what it shows."""
+"""The files of a running session: its table of forces, and its recording."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
+from ..core.messages import Message, in_a_row
 from ..core.recording import PointCache
 
 if TYPE_CHECKING:
     from ..core.session import Session
     from .bridge import Singles
+    from .object_body import ObjectBody
 
 FINGERS = 3
 
@@ -36,7 +38,7 @@ class ForceTable:
 
     def append(self, number: float, time_s: float, session: Session) -> None:
         """Add the line of one frame of the animation."""
-        from ..core.energy import energies
+        from ..core.fields import energies
 
         frame, row = session.frame, list[float]()
         for i in range(FINGERS):
@@ -66,20 +68,17 @@ class Recorder:
         path: the PC2 file; the table of forces goes beside it.
         start_frame: the frame of the animation that is now.
         fps: frames per second.
-        time: of the session now [s].
-        offsets: (N, 3) from the shape at rest that show now.
+        body: what is recorded.
     """
 
-    def __init__(
-        self, path: Path, start_frame: int, fps: float, time: float, offsets: Singles, session: Session
-    ) -> None:
+    def __init__(self, path: Path, start_frame: int, fps: float, body: ObjectBody) -> None:
         self._path, self._start_frame, self._fps = path, start_frame, fps
-        self._began = self._time = time
-        self._offsets = offsets
+        self._began = self._time = body.frame.time
+        self._offsets = offsets = body.offsets()
         with contextlib.ExitStack() as self._files:
             self._cache = open_file(self._files, path, lambda name: PointCache(name, len(offsets), start_frame))
             self._table = open_file(self._files, path.with_suffix(".csv"), ForceTable)
-            self.append(time, offsets, session)
+            self.append(self._time, offsets, body.session)
             self._files = self._files.pop_all()
 
     @property
@@ -88,12 +87,12 @@ class Recorder:
         return str(self._path), self._start_frame
 
     def append(self, time: float, offsets: Singles, session: Session) -> None:
-        """Take in the state of a session at a time [s]; what falls on frames in between is interpolated.
+        """Take in the state of a session at a time [s]; frames in between are interpolated.
 
         Raises:
             OSError: the disk refuses; what was written before is kept.
         """
-        if time < self._time:  # the session was put back to rest: its clock began anew
+        if time < self._time:  # the session was put back to rest: its clock began again
             self._began -= self._time - time
             self._time = time
         span = time - self._time
@@ -113,11 +112,13 @@ class Recorder:
     def summary(self, name: str, scene_end: int) -> str:
         """Return the sentence for the artist on a recording of an object that has ended."""
         last = self._start_frame + self.frames - 1
-        beyond = f" That is beyond the scene's last frame {scene_end}." if last > scene_end else ""
-        return (
-            f'Recorded {self.frames} frames of "{name}" to {self._path.name}: when its session has ended, it plays '
-            f"them from frame {self._start_frame} to {last}.{beyond}"
-        )
+        said = Message(
+            'Recorded {frames} frames of "{name}" to {path}: when its session has ended, it plays them from frame '
+            "{first} to {last}.",
+            frames=self.frames, name=name, path=self._path.name, first=self._start_frame, last=last
+        )  # fmt: skip
+        end = Message("That is beyond the scene's last frame {last_frame}.", last_frame=scene_end)
+        return in_a_row([said, end] if last > scene_end else [said])
 
     def close(self) -> None:
         """Close the files.
@@ -136,10 +137,10 @@ class Recorder:
 
     def cut_short(self, name: str, error: OSError) -> str:
         """Return the sentence for the artist when the disk refuses the recording of an object."""
-        return (
-            f'The recording of "{name}" has ended early: {error.strerror} ({self._path}). '
-            "What was recorded until then is kept."
-        )
+        return Message(
+            'The recording of "{name}" has ended early: {error} ({path}). What was recorded until then is kept.',
+            name=name, error=error.strerror, path=self._path
+        )  # fmt: skip
 
 
 Opened = TypeVar("Opened", bound="Closes")

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import bpy
 
+from ..core.messages import Message
 from . import sessions
-
-if TYPE_CHECKING:
-    from .bridge import Singles
 
 
 def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
@@ -29,9 +25,11 @@ def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
     for uid, body in list(sessions.sessions.items()):
         obj = bridge.find(uid, body.name)
         if obj is None or (view_layer and obj.name not in view_layer.objects):
-            messages += [f'"{body.name}" is gone, so its session has ended.', *sessions.stop(uid)]
+            messages += [Message('"{name}" is gone, so its session has ended.', name=body.name), *sessions.stop(uid)]
         elif not bridge_write.is_intact(obj, body.link):
-            words = f'"{obj.name}" was edited while it was pressed, so its session has ended. The edit is kept.'
+            words = Message(
+                '"{name}" was edited while it was pressed, so its session has ended. The edit is kept.', name=obj.name
+            )
             messages += [words, *sessions.stop(uid)]
     _rest_duplicates()
     return messages
@@ -59,15 +57,8 @@ def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
         body.shown = now
 
 
-def offsets_of(body: sessions.LiveBody) -> Singles:
-    """Return how far (N, 3) the vertices of a session are from the shape at rest, in the space of its object."""
-    from . import bridge
-
-    return bridge.offsets_of(body.link, body.matrix, body.rest, body.session.positions())
-
-
 def rest_all() -> None:
-    """Take away what shows the sessions, before Blender saves or undoes; they go on."""
+    """Hide the sessions before Blender saves or undoes; they continue."""
     from . import bridge_write, props
 
     end_changed()

@@ -4,24 +4,32 @@ import math
 
 import bpy
 
+from ..core.messages import Message, about
 from .messages import Note
 
 SMALLEST_M, LARGEST_M = 0.01, 1.0  # across: what is modelled outside of that stands for a thing that was measured
 SHARES = {"finger_radius_mm": 10 / 165, "press_depth_mm": 15 / 165}  # of a body's size, until they are typed
 LEAST_MM = 0.01  # of either
+NUMBERS = (1, 2, 3)  # of the fingertips
 
 
-def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> Note | None:
+def fingertips(scene: bpy.types.Scene) -> list[bpy.types.Object | None]:
+    """Return the fingertip object in each slot of a scene, None where one is empty."""
+    return [getattr(scene.dimple, f"finger_{number}") for number in NUMBERS]
+
+
+def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> Message | None:
     """Give a body that has no size yet one that was measured; return a note where that is not the modelled one."""
     if not is_unsuited(scene, obj):
         return None
     settings = obj.dimple
     settings.size_mode = "CUSTOM"
-    return Note(
-        f'"{obj.name}": {_as_modelled(scene, obj):.3g} m across as modelled, but constants are measured on what '
-        f"one can hold: it is pressed as an object of {settings.size_mm:.3g} mm. "
-        "Physical Size in Physics > Dimple changes that."
-    )
+    said = Note(
+        "{as_modelled:.3g} m across as modelled, but constants are measured on what one can hold: it is pressed as an "
+        "object of {size_mm:.3g} mm. Physical Size in Physics > Dimple changes that.",
+        as_modelled=_as_modelled(scene, obj), size_mm=settings.size_mm
+    )  # fmt: skip
+    return about(obj.name, said)
 
 
 def is_unsuited(scene: bpy.types.Scene, obj: bpy.types.Object) -> bool:
@@ -48,8 +56,7 @@ def fit(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
     sphere presses as the scene's fingertip.
     """
     settings, size = scene.dimple, 1e3 * metres_per_unit(scene, obj) * max(obj.dimensions)
-    tips = filter(None, (settings.finger_1, settings.finger_2, settings.finger_3))
-    if size <= 0 or not all(map(is_sphere, tips)):
+    if size <= 0 or not all(map(is_sphere, filter(None, fingertips(scene)))):
         return
     following = [name for name in SHARES if follows(settings, name)]
     settings.fitted_mm = size
@@ -73,7 +80,7 @@ def is_sphere(obj: bpy.types.Object) -> bool:
 
 
 def radius_of(obj: bpy.types.Object, scene: bpy.types.Scene, scale: float) -> float:
-    """Return the radius of a fingertip [m]: of the sphere that is drawn; of what is no sphere, the scene's.
+    """Return the radius of a fingertip [m]: that of its drawn sphere, else that of the scene.
 
     Args:
         scale: physical metres per scene unit.

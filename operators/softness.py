@@ -1,13 +1,14 @@
-"""Paint softness from a table of pokes: a vertex group that every vertex gets a weight in, and the interval it has."""
+"""Paint softness from a table of pokes: a vertex group that every vertex gets a weight in."""
 
 import bpy
 from bpy.props import StringProperty
 
+from ..core.messages import Message
 from . import polls, sessions
 from .messages import say
 from .names import Op
 
-GROUP, INTERVAL = "Softness from Pokes", "dimple_softness_interval"
+GROUP = "Softness from Pokes"
 PAINTED = 0.02  # of the vertices may lie beyond what a map can say, before a warning
 
 
@@ -30,7 +31,7 @@ class DIMPLE_OT_softness_from_pokes(bpy.types.Operator):
         """Need Object Mode and a mesh of this file."""
         if context.mode != "OBJECT":
             return polls.refuse(cls, "Go back to Object Mode first")
-        return polls.needs_mesh(cls, context) and polls.is_own(cls, context.object) and polls.is_free(cls)
+        return polls.needs_mesh(cls, context) and polls.is_own(cls, context) and polls.is_free(cls)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the file."""
@@ -40,8 +41,7 @@ class DIMPLE_OT_softness_from_pokes(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Read, map and paint; nothing is lost where that fails."""
         from ..core.base import DimpleError
-        from ..core.calibration.poke_map import map_pokes
-        from ..core.calibration.poke_table import read_pokes
+        from ..core.calibration.pokes import map_pokes, read_pokes
         from . import bridge, bridge_write
 
         body = context.object
@@ -54,15 +54,16 @@ class DIMPLE_OT_softness_from_pokes(bpy.types.Operator):
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         own = model.mesh.source[bridge.nearest_final(link)]
-        bridge_write.paint(body, GROUP, found.weights[own], INTERVAL, found.interval[own])
+        bridge_write.paint(body, GROUP, found.weights[own])
         body.dimple.softness_group = GROUP
         say(self, {"INFO"}, found.text)
         if link.cuts:
             say(self, {"WARNING"}, "The mesh has too few vertices to hold the map. Subdivide it first.")
         if found.outside > PAINTED:
-            say(self, {"WARNING"}, (
-                f"{found.outside:.0%} of the vertices are over four times softer or stiffer than the material, beyond "
-                "what a map can say: change K1 and K2."
+            say(self, {"WARNING"}, Message(
+                "{outside:.0%} of the vertices are over four times softer or stiffer than the material, beyond "
+                "what a map can say: change K1 and K2.",
+                outside=found.outside
             ))  # fmt: skip
         return {"FINISHED"}
 

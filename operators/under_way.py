@@ -87,12 +87,12 @@ def source_of(name: str) -> object:
 
     preset = next((each for each in OBJECTS if name in (each.name, each.label)), None)
     if preset is None and (bpy.data.materials.get(name) is None or name.startswith(MATERIAL)):
-        raise DimpleError(f'There is no material or preset "{name}", which the experiment names.')
+        raise DimpleError('There is no material or preset "{name}", which the experiment names.', name=name)
     return preset or bpy.data.materials[name]
 
 
 def dress(obj: bpy.types.Object, name: str, level: float) -> None:
-    """Give an object the material of a task, so many times as stiff."""
+    """Give an object the material of a task, with its stiffness scaled."""
     from .apply_preset import apply
 
     source = source_of(name)

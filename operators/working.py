@@ -3,7 +3,9 @@
 import time
 
 import bpy
+from bpy.props import IntProperty
 
+from ..core.messages import Message
 from . import modal_runs, sessions
 from .messages import duration, say
 from .translation import translated
@@ -14,7 +16,26 @@ READY = 0.05  # of a bake, for getting ready: how long that takes does not tell 
 
 def show_share(context: bpy.types.Context, verb: str, share: float) -> None:
     """Show in the status bar how far something is whose time is not known."""
-    context.workspace.status_text_set(translated(f"{verb} {share:.0%} | Esc: cancel"))
+    said = Message("{verb} {share:.0%} | Esc: cancel", verb=Message(verb), share=share)
+    context.workspace.status_text_set(translated(said))
+
+
+class FrameRange:
+    """Give an operator a first and a last frame."""
+
+    frame_start: IntProperty(
+        name="First Frame", description="First frame of the animation. By default that of the scene", default=1
+    )
+    frame_end: IntProperty(
+        name="Last Frame", description="Last frame of the animation. By default that of the scene", default=250
+    )
+
+    def _frames(self, scene: bpy.types.Scene) -> tuple[int, int]:
+        given = self.properties.is_property_set
+        return (
+            self.frame_start if given("frame_start") else scene.frame_start,
+            self.frame_end if given("frame_end") else scene.frame_end,
+        )
 
 
 class Working:
@@ -23,9 +44,9 @@ class Working:
     The operator brings:
 
     _begin(context): the steps, a generator of the share that is done; closing it undoes what is half done.
-    _open(context): the ModalRun.
     _finished(context): what follows the last step.
     verb: what the status bar says it does.
+    running: what the panel says meanwhile.
     stopped: the message after Esc.
     ready: the share after which the time left is known.
     """
@@ -92,6 +113,15 @@ class Working:
         if self._run is not None:
             modal_runs.close_run(self._run)
 
+    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
+        return modal_runs.open_run(context, "work", self.running, interval=0.01)
+
+    def _done(self, sentence: str, warnings: list[str]) -> set[str]:
+        say(self, {"INFO"}, sentence)
+        for each in warnings:  # the last is what is seen
+            say(self, {"WARNING"}, each)
+        return {"FINISHED"}
+
     def _work(self) -> float:
         """Work for a moment; return the share that is done, 1 when all is."""
         until = time.perf_counter() + SLICE_S
@@ -106,7 +136,9 @@ class Working:
             show_share(context, self.verb, share)
             return
         left = (time.perf_counter() - self._began) * (1 - share) / (share - self.ready)
-        context.workspace.status_text_set(translated(f"{self.verb} {share:.0%}, {duration(left)} left | Esc: cancel"))
+        said = "{verb} {share:.0%}, {time} left | Esc: cancel"
+        said = Message(said, verb=Message(self.verb), share=share, time=duration(left))
+        context.workspace.status_text_set(translated(said))
 
     def _leave(self) -> None:
         self._steps.close()

@@ -22,7 +22,7 @@ from core.base import Floats
 from core.body.lattice import POISSON
 from core.body.modes import modes_of
 from core.mesh.surface import mesh_from_triangles
-from core.sway import Sway
+from core.session.sway import Sway
 
 GRAVITY = 9.81  # [m/s2]
 SOFT = {"Ecoflex 00-10": (55e3, 1040.0), "jelly": (6.5e3, 1020.0)}  # Young's modulus [Pa] and density [kg/m3]

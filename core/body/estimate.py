@@ -20,10 +20,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import Floats
+from ..fills import FILLS
 from ..material import HERTZ, Indenter, Material
 
 POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point
-SETTLED = 8  # times the spread is found from the last one: then it is right within a thousandth
+TURNS = 8  # of a fixed point: then it is right within a thousandth
 SPRINGS = 1 / 4  # of the tension: a face under a dragged tip keeps 0.34 of its area (0.07 without); more cost steps
 BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
 SOLID_SKIN = 80.0  # times as stiff as its bed the skin of a solid is
@@ -114,7 +115,7 @@ def spread_on(material: Material, size: float) -> float:
     if material.spread is not None:
         return material.spread
     sheet, spread = 2 * material.k / math.sqrt(3), math.sqrt(material.x0 * size)
-    for _ in range(SETTLED):
+    for _ in range(TURNS):
         gives = _bed(material, size, spread)[0] / sheet + size**-2
         spread = math.sqrt(material.x0 / math.sqrt(2 * gives))
     return spread
@@ -144,7 +145,7 @@ def estimate(material: Material, size: float) -> ModelConstants:
 def _bed(material: Material, size: float, spread: float) -> tuple[float, float]:
     """Return the stiffness of the bed up to the knee [N/m3] and the radius of contact there [m]."""
     area, radius = bed_area(material.indenter, size, spread, material.x0)
-    if material.fill == "solid":
+    if FILLS[material.fill].elastic:
         area = solid_area(material.indenter, size, spread, material.x0, _solid_skin(material))
     return material.law(material.x0) / material.x0 / area, radius
 
@@ -157,7 +158,7 @@ def skin_compliance(material: Material, constants: ModelConstants) -> float:
     What hardens more than an elastic solid has a harder skin, or the skin would give all the depth beyond the knee.
     Source: Kerr, On the formal development of elastic foundation models, 1984.
     """
-    if material.fill != "solid":
+    if not FILLS[material.fill].elastic:
         return 0.0
     return 1 / (_solid_skin(material) * constants.kappa1)
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import (
+    EXACT,
     LONGEST_CONTACT,
     LONGEST_STEP,
     MAX_SUBSTEPS,
@@ -22,8 +23,11 @@ from ..base import (
     mean_of_pairs,
     sums_at,
 )
+from ..constants import ROUNDING
+from ..fills import FILLS
 from ..material import Material
 from ..mesh.surface import Mesh, spans_a_plane
+from ..messages import Message
 from ..other_tip import layer
 from . import bound, pressure, shape_matching, springs
 from .maps import Maps, painted
@@ -33,12 +37,9 @@ from .shape_matching import Pose, ShapeMatching
 from .springs import Springs
 
 _ALL_PINS = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
-SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
-# times as stiff as at rest a fill becomes in a body pressed flat
-STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0, "solid": 2.0}
-FIRM = 0.999  # of a weight: a body that sways is pinned where it is 1
-LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
+FIRM = 0.999  # a weight of 1 as it is stored: where the pins hold a body that sways
+
 
 
 class Sways(NamedTuple):
@@ -124,14 +125,14 @@ class Model:
         share = 2 * (math.sqrt(1 + z * z) - z) * STEP_SAFETY
         limit = min(share / omega, LONGEST_STEP / omega, LONGEST_CONTACT if self.free else math.inf)
         if not tick <= MAX_SUBSTEPS * limit:
-            todo = "Raise its mass, lower k, K2 or the pressure, or use a coarser mesh."
+            todo = Message("Raise its mass, lower k, K2 or the pressure, or use a coarser mesh.")
             if self.mesh.size < SMALL:
                 size = f"{1e3 * self.mesh.size:.3g} mm"
-                todo = f"The body is only {size} across: give it a Custom Size in Physics > Dimple."
+                todo = Message("The body is only {size} across: give it a Custom Size in Physics > Dimple.", size=size)
             raise DimpleError(
-                f"The material is so stiff or light on this mesh that a millisecond needs over {MAX_SUBSTEPS} steps. "
-                + todo
-            )
+                "The material is so stiff or light on this mesh that a millisecond needs over {most} steps. {todo}",
+                most=MAX_SUBSTEPS, todo=todo
+            )  # fmt: skip
         return math.ceil(tick / limit)
 
 
@@ -197,7 +198,8 @@ def build_model(
         sways, gravity, rigged = Sways(*sway, held, np.asarray(gravity, np.float64)), (0.0, 0.0, 0.0), True
     pinned_here = mesh.loose | (held >= (FIRM if sways else 0.5))
     named = (("softness", softness), ("knee", knee), ("spread", spread), ("thickness", thickness))
-    maps = painted(*(_on_vertices(mesh, values, f"{name} map", 0.5) for name, values in named))
+    said = (Message("{name} map", name=Message(name)) for name, _ in named)
+    maps = painted(*(_on_vertices(mesh, values, name, 0.5) for name, (_, values) in zip(said, named, strict=True)))
 
     mass = mass_on(mesh, materials) * maps.thicker
     fill, rest_pressure = _fill(mesh, materials)
@@ -249,7 +251,7 @@ def assemble(
 
     membrane = springs.build_springs(mesh, stiffness, dashpots)
     shape = replace(
-        shape, damping=2 * damping * np.sqrt(k1 * mass), mass=np.where(mesh.loose, LOOSE_MASS * mass, mass)
+        shape, damping=2 * damping * np.sqrt(k1 * mass), mass=np.where(mesh.loose, EXACT * mass, mass)
     )
     inside = pressure.build_pressure(mesh, fill, rest_pressure)
     return Model(
@@ -257,7 +259,7 @@ def assemble(
         friction=friction, compliance=compliance, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
         omega_squared=bound.of_body(
-            mesh, stiffness + tension, np.maximum(k1, k2), inverse_mass, inside, STIFFENS[inside.fill]
+            mesh, stiffness + tension, np.maximum(k1, k2), inverse_mass, inside, FILLS[inside.fill].reserve
         ),
         decay=bound.of_edges(mesh, dashpots, shape.damping, inverse_mass),
         notes=mesh.notes + notes + ((_ALL_PINS,) if pinned.all() else ()),
@@ -274,13 +276,14 @@ def initial_state(model: Model) -> State:
 def _ground(mesh: Mesh, pinned: Bools, ground: float | None) -> tuple[float | None, tuple[str, ...]]:
     """Return the ground, lowered where a body would start below it and be flung out, and a note on that."""
     heights = mesh.rest_positions[~pinned & ~mesh.loose, 2]
-    if ground is None or not len(heights) or heights.min() >= ground - SUNK * mesh.size:
+    if ground is None or not len(heights) or heights.min() >= ground - ROUNDING * mesh.size:
         return ground, ()
     lowest = float(heights.min())
-    return lowest, (
-        f"The body starts {1e3 * (ground - lowest):.3g} mm below the ground, so for it the ground is as low as it is. "
-        "Move it up to let it fall.",
-    )
+    return lowest, (Message(
+        "The body starts {depth:.3g} mm below the ground, so for it the ground is as low as it is. Move it up to let "
+        "it fall.",
+        depth=1e3 * (ground - lowest)
+    ),)  # fmt: skip
 
 
 def _even_out(mass: Floats, stiffness: Floats, used: Bools) -> Floats:
@@ -304,8 +307,11 @@ def _on_vertices(mesh: Mesh, values: Bools | Floats | None, name: str, default: 
         return np.full(len(mesh.rest_positions), default)
     values = np.asarray(values, np.float64)
     if values.shape != mesh.source.shape:
-        raise DimpleError(f"The {name} must have one value for each of the {len(mesh.source)} vertices.")
+        raise DimpleError(
+            "The {name} must have one value for each of the {vertices} vertices.",
+            name=Message(name), vertices=len(mesh.source)
+        )  # fmt: skip
     if not np.isfinite(values).all():
-        raise DimpleError(f"Some values of the {name} are not numbers.")
+        raise DimpleError("Some values of the {name} are not numbers.", name=Message(name))
     total = sums_at(mesh.source, values, len(mesh.rest_positions))
     return total / np.bincount(mesh.source, minlength=len(mesh.rest_positions))

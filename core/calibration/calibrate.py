@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ..base import DimpleError
 from ..material import POINT, Indenter, law_force, law_power
-from .contact import settle
-from .doubts import doubts
-from .fit import Fit, fit_law
-from .misfit import Miss, largest_miss
-from .prepare import LoadingCurve, prepare
+from ..messages import Message
+from .columns import Measurement
+from .doubts import Miss, doubts, largest_miss
+from .fit import Fit
+from .press import LoadingCurve, check_loss, prepare
 from .question import Answers
-from .reader import Measurement, read_measurement
+from .reader import read_measurement
 from .surface import Surface, surface_constants
+from .touch import settle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,7 +34,6 @@ class Calibration:
     miss: where the law is farthest from the measured points, None where there is no force.
     notes: messages about how the file was read.
     warnings: messages about what may be wrong: a headline, and after a line break what it means.
-    unsure: fields of Answers that were found, but might be otherwise.
     """
 
     measurement: Measurement
@@ -45,7 +45,6 @@ class Calibration:
     miss: Miss | None
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
-    unsure: tuple[str, ...]
 
 
 def calibrate(
@@ -73,16 +72,12 @@ def calibrate(
     """
     for name, value in (("length", length), ("section", section), ("Young's modulus", youngs_modulus)):
         if value is not None and not 0 < value < math.inf:
-            raise DimpleError(f"The {name} of the object must be a number greater than 0.")
+            raise DimpleError("The {name} of the object must be a number greater than 0.", name=Message(name))
     measurement = read_measurement(path, answers)
-    loading, doubt = prepare(measurement, answers), ""
-    if answers and answers.contact_mm is not None:
-        fit = fit_law(loading.depth, loading.force, free=loading.free)
-    else:
-        fit, doubt = settle(loading.depth, loading.force, loading.free, loading.reading)
-    loading = _from_the_touch(loading, fit)
+    loading, fit = settle(prepare(measurement, answers), answers)
+    gained = check_loss(loading, measurement.timed or bool(answers and answers.order))
     miss = largest_miss(loading.depth, loading.force, fit.law(loading.depth))
-    notes = (_columns(measurement), *measurement.notes, *loading.notes, _touch(loading, fit, answers))
+    notes = (_columns(measurement), *measurement.notes, *loading.notes, _touch(loading, answers))
     surface = None
     if length is not None:
         surface = surface_constants(
@@ -100,10 +95,9 @@ def calibrate(
         warnings=(
             *measurement.warnings,
             *loading.warnings,
+            *gained,
             *doubts(fit, loading, length, miss, _as_solid(fit, loading, tip)),
-            *filter(None, [doubt]),
         ),
-        unsure=("contact_mm",) if doubt else (),
     )
 
 
@@ -121,10 +115,17 @@ def provenance(calibration: Calibration) -> str:
     """Return a line that says where constants come from: file, fit, uncertainty and tip."""
     fit, tip = calibration.fit, calibration.tip
     knee = f"K1 {fit.K1.text(1e3)} N/mm, K2 {fit.K2.text(1e3)} N/mm, x0 {fit.x0.text(1e-3)} mm"
-    law = knee if fit.model == "two" else f"one slope {fit.K1.text(1e3)} N/mm"
-    return (
-        f"{calibration.measurement.source}: {law} (95 %), {fit.rows} rows, "
-        f"residual {100 * fit.misfit:.1f} % of {fit.full_scale:.3g} N, {tip.shape} of {1e3 * tip.radius:.3g} mm radius"
+    law = knee if fit.model == "two" else Message("one slope {K1} N/mm", K1=fit.K1.text(1e3))
+    return Message(
+        "{source}: {law} (95 %), {rows} rows, residual {misfit:.1f} % of {full_scale:.3g} N, {tip} of {radius:.3g} "
+        "mm radius",
+        source=calibration.measurement.source,
+        law=law,
+        rows=fit.rows,
+        misfit=100 * fit.misfit,
+        full_scale=fit.full_scale,
+        tip=Message(tip.shape),
+        radius=1e3 * tip.radius,
     )
 
 
@@ -134,8 +135,8 @@ def source_of_k(calibration: Calibration) -> str:
     if surface is None or surface.k is None:
         return ""
     if surface.paper_k is not None:  # of numbers that were typed in
-        return f"k {surface.paper_k / 1e3:.4g} N/mm by Eqs. (9), (10)"
-    return f"k {surface.k.text(1e3)} N/mm (95 %) by the force balance"
+        return Message("k {paper_k:.4g} N/mm by Eqs. (9), (10)", paper_k=surface.paper_k / 1e3)
+    return Message("k {k} N/mm (95 %) by the force balance", k=surface.k.text(1e3))
 
 
 def _columns(measurement: Measurement) -> str:
@@ -143,32 +144,17 @@ def _columns(measurement: Measurement) -> str:
     m = measurement
     named = (m.depth_header, m.force_header)
     depth, force = (
-        f"“{name}” (column {number}) in {unit}" for name, number, unit in zip(named, m.columns, m.units, strict=True)
+        Message("“{name}” (column {number}) in {unit}", name=name, number=number, unit=unit)
+        for name, number, unit in zip(named, m.columns, m.units, strict=True)
     )
-    return f"The depth is {depth}, the force {force}."
+    return Message("The depth is {depth}, the force {force}.", depth=depth, force=force)
 
 
-def _touch(loading: LoadingCurve, fit: Fit, answers: Answers | None) -> str:
-    """Return a message about the touch that was taken."""
+def _touch(loading: LoadingCurve, answers: Answers | None) -> str:
+    """Return a message about the touch and the tare that were taken."""
+    touch, tare = f"{loading.reading(0.0):.4g}", f"{loading.tare:.4g}"
     if answers and answers.contact_mm is not None:
-        return "The touch is as given."
-    at, free = loading.reading(0.0), fit.parameters.free
-    if "tare" in free:
-        return f"First touch at {at:.3f} mm of the file; {loading.tare:+.4g} N there is no load."
-    if free:
-        return f"The file begins in contact or near it; the touch is taken at {at:.3f} mm."
-    return "The file begins at the touch: depth 0 as the file has it."
-
-
-def _from_the_touch(loading: LoadingCurve, fit: Fit) -> LoadingCurve:
-    """Return a loading curve whose depth and force begin at the first touch as fitted."""
-    contact, tare = fit.contact.value, fit.tare
-    return replace(
-        loading,
-        depth=loading.depth - contact,
-        force=loading.force - tare,
-        unloading_depth=loading.unloading_depth - contact,
-        unloading_force=loading.unloading_force - tare,
-        touch=loading.touch + contact,
-        tare=loading.tare + tare,
-    )
+        return Message(
+            "The first touch is at {touch} mm of the file, as given, the tare {tare} N.", touch=touch, tare=tare
+        )
+    return Message("The first touch is at {touch} mm of the file, the tare {tare} N.", touch=touch, tare=tare)

@@ -18,6 +18,7 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from .fit import Constant
+from .segments import slope_of
 
 _CLEAR = 0.05  # of the deepest: nearer the touch the tension is 0/0, all of it noise
 PAPER_ASSUMES = (
@@ -59,7 +60,7 @@ def surface_constants(
     Source: Eqs. (9), (10).
     """
     if not length > 0 or not math.isfinite(length):
-        raise DimpleError(f"The length of the object must be greater than 0 mm (it is {1e3 * length:g}).")
+        raise DimpleError("The length of the object must be greater than 0 mm (it is {length:g}).", length=1e3 * length)
     stretch, tension = string_balance(depth, force, length)
     known = section is not None and youngs_modulus is not None
     paper_k = 2 * section * youngs_modulus / length if known else None  # type: ignore[operator]
@@ -78,8 +79,5 @@ def _line(x: Floats, y: Floats) -> tuple[Constant, float] | None:
     """Return the slope of a line with its error, and where it starts; rows are taken as independent."""
     if len(x) < 8 or np.ptp(x) == 0:
         return None
-    centred = x - x.mean()
-    slope = float(centred @ y / (centred @ centred))
-    residual = y - y.mean() - slope * centred
-    error = math.sqrt(float(residual @ residual) / (len(x) - 2) / float(centred @ centred))
+    slope, error = slope_of(x, y)
     return Constant(value=slope, error=error, half_width=1.96 * error), float(y.mean() - slope * x.mean())

@@ -14,10 +14,8 @@ import numpy as np
 from trimesh.triangles import area
 
 from ..base import (
-    FARTHEST,
-    LEAST_VOLUME,
+    LARGEST,
     LEAST_VOLUME_OPEN,
-    WELD_SHARE,
     Bools,
     DimpleError,
     Floats,
@@ -27,12 +25,14 @@ from ..base import (
     sums_at,
     sums_of_three,
 )
+from ..constants import ROUNDING
+from ..messages import Message
 from .edges import Edges, edges_of
 from .repair import connected, consistent_winding, inward_parts, weld
 from .rings import Rings, ordered_rings
 
 LEAST = 0.25  # of its cotangent weights a vertex keeps, where nearly all triangles round it are blunt
-LARGEST = 4.0  # of an edge between the long sides of slivers: more would shorten the time step and hold no better
+STEEPEST = 4.0  # of an edge between the long sides of slivers: more would shorten the time step and hold no better
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +97,7 @@ class Mesh:
             area = np.maximum(2 * self.triangle_areas[part], 1e-12 * self.size**2)
             cotangents[part] = (sums_of_three(sides)[:, None] / 2 - sides) / area[:, None]
         total = sums_at(self.triangle_springs.ravel(), cotangents.ravel(), len(ends)) / 2
-        weights = np.clip(total, 0, LARGEST)
+        weights = np.clip(total, 0, STEEPEST)
         wanted, kept = (sums_at(ends.ravel(), np.repeat(w * square, 2), n) for w in (total, weights))
         return weights * mean_of_pairs(np.clip(wanted / np.maximum(kept, 1e-30), LEAST, 1.0), ends)
 
@@ -122,9 +122,11 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     size = float(np.ptp(positions[~_loose(triangles, len(positions))], axis=0).max())
     if size <= 0:
         raise DimpleError("All vertices lie at one point, so there is nothing to press. Give the mesh a size.")
-    kept, source = weld(positions, WELD_SHARE * size)
+    kept, source = weld(positions, ROUNDING * size)
     if len(kept) < len(positions):
-        notes.append(f"{len(positions) - len(kept)} vertices coincide with others and move with them.")
+        notes.append(
+            Message("{vertices} vertices coincide with others and move with them.", vertices=len(positions) - len(kept))
+        )
         positions, triangles = positions[kept], source[triangles]
 
     a, b, c = triangles.T
@@ -139,16 +141,18 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         raise DimpleError("The faces have no area. Dissolve the degenerate geometry first.")
     flat = int((areas < 1e-10 * size * size).sum()) + int((~whole).sum())
     if flat:
-        notes.append(f"{flat} faces have no area and add no stiffness.")
+        notes.append(Message("{flat} faces have no area and add no stiffness.", flat=flat))
 
     flipped, edges = np.zeros(len(triangles), bool), edges_of(triangles)
     if not edges.consistent:
         consistent = consistent_winding(triangles, edges.adjacency)
         flipped = (consistent != triangles).any(axis=1)
-        notes.append(f"{int(flipped.sum())} faces were flipped to match the normals of their neighbours.")
+        notes.append(Message(
+            "{flipped} faces were flipped to match the normals of their neighbours.", flipped=int(flipped.sum())
+        ))  # fmt: skip
         triangles, edges = consistent, edges_of(consistent)
     border, cap_loop, volume = _closed(positions, triangles, edges)
-    least = (LEAST_VOLUME_OPEN if len(border) else LEAST_VOLUME) * size * float(areas.sum())
+    least = (LEAST_VOLUME_OPEN if len(border) else ROUNDING) * size * float(areas.sum())
     if volume < -least:
         triangles, border, volume = triangles[:, ::-1].copy(), border[:, ::-1].copy(), -volume
         edges = edges_of(triangles)
@@ -158,19 +162,26 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         triangles[inward] = triangles[inward][:, ::-1]
         edges = edges_of(triangles)
         border, cap_loop, volume = _closed(positions, triangles, edges)
-        notes.append(f"{int(inward.sum())} faces of separate parts pointed inward and were flipped for the simulation.")
+        notes.append(Message(
+            "{inward} faces of separate parts pointed inward and were flipped for the simulation.",
+            inward=int(inward.sum())
+        ))  # fmt: skip
     pressurable = volume > least
     if not pressurable:
         notes.append("The mesh is a sheet and encloses no volume: its fill is off.")
     elif len(border):
-        notes.append(f"Holes closed for the pressure only: {int(cap_loop.max()) + 1}.")
+        notes.append(Message("Holes closed for the pressure only: {holes}.", holes=int(cap_loop.max()) + 1))
 
     springs, beside = edges.ends, edges.count > 2
     if beside.any():
-        notes.append(f"{int(beside.sum())} edges are non-manifold: they join three or more faces.")
+        notes.append(
+            Message("{beside} edges are non-manifold: they join three or more faces.", beside=int(beside.sum()))
+        )
     loose = _loose(triangles, len(positions))
     if loose.any():
-        notes.append(f"{int(loose.sum())} loose vertices belong to no face and stay where they are.")
+        notes.append(
+            Message("{loose} loose vertices belong to no face and stay where they are.", loose=int(loose.sum()))
+        )
     lengths = np.concatenate([_lengths(positions, springs[part]) for part in row_parts(len(springs))])
     vertex_areas = sums_at(triangles.ravel(), np.repeat(areas / 3, 3), len(positions))
     return Mesh(
@@ -216,13 +227,14 @@ def _check(positions: Floats, triangles: Ints, material: Ints) -> None:
         raise DimpleError("A face refers to a vertex that does not exist. Run Mesh > Clean Up, or rebuild the mesh.")
     if len(material) != len(triangles):
         raise DimpleError("There must be one material index for each triangle.")
-    possible = np.abs(positions) < FARTHEST
+    possible = np.abs(positions) < LARGEST
     if not possible.all():
         bad = np.flatnonzero(~possible.all(axis=1))
         raise DimpleError(
-            f"Vertex {bad[0]} has a NaN or infinite coordinate, or one beyond {FARTHEST:g} m "
-            f"({len(bad)} such vertices). Delete or move them."
-        )
+            "Vertex {vertex} has a NaN or infinite coordinate, or one beyond {farthest:g} m ({count} such vertices). "
+            "Delete or move them.",
+            vertex=bad[0], farthest=LARGEST, count=len(bad)
+        )  # fmt: skip
 
 
 def _lengths(positions: Floats, pairs: Ints) -> Floats:

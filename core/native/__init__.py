@@ -15,7 +15,9 @@ from pathlib import Path
 from typing import Any
 
 from ..body.model import Model
+from ..constants import ABI
 from ..errors import DimpleError
+from ..messages import Message
 from .body import AVX2 as AVX2
 from .body import BASE as BASE
 from .body import BEST as BEST
@@ -32,10 +34,10 @@ from .cells import follow_cells as follow_cells
 from .cells import grow_cells as grow_cells
 from .definition import BodyDef, Constants
 from .first_use import check
+from .flips import flip_edges as flip_edges
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 27
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 BITS = {"native": 32, "native64": 64}  # of the state, by the name of a backend
 
@@ -53,6 +55,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_carry_by_nodes": (c_int64, c_int64, c_void_p, c_void_p, c_void_p, c_void_p),
     "dm_grow_cells": (POINTER(CCells), c_void_p, c_void_p),
     "dm_follow_cells": (POINTER(CCells), c_void_p, c_int64, c_void_p, c_void_p, c_void_p, c_void_p),
+    "dm_flip_edges": (c_int64, c_void_p, c_int64, c_void_p),
     "dm_scene_create": (
         POINTER(c_void_p),
         c_int64,
@@ -66,7 +69,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_scene_find_crossings": (c_void_p, POINTER(CCrossings)),
     "dm_scene_set_collider": (c_void_p, c_int64, c_void_p),
     "dm_scene_get_collider": (c_void_p, c_int64, c_void_p),
-    "dm_scene_step": (c_void_p, c_void_p, c_void_p, c_double, c_double, c_void_p, c_void_p),
+    "dm_scene_step": (c_void_p, c_void_p, c_void_p, c_double, c_double, c_void_p, c_void_p, c_void_p),
 }
 
 
@@ -92,14 +95,17 @@ def _tested() -> ctypes.CDLL:
     here = f"{platform.system()} {platform.machine()}"
     found = next((path for path in places() if path.exists()), None)
     if found is None:
-        raise DimpleError(f"There is no compiled core for {here} here. Install the zip of Dimple for that platform.")
+        raise DimpleError(
+            "There is no compiled core for {here} here. Install the zip of Dimple for that platform.", here=here
+        )
     try:
         library = load(found)
         check(library)
     except (OSError, AttributeError, NativeError) as error:
         raise DimpleError(
-            f"The compiled core for {here} was refused ({error}). Install the zip of Dimple for that platform again."
-        ) from error
+            "The compiled core for {here} was refused ({error}). Install the zip of Dimple for that platform again.",
+            here=here, error=error
+        ) from error  # fmt: skip
     return library
 
 
@@ -116,7 +122,7 @@ def create(
         DimpleError: no such backend, or no library runs here.
     """
     if backend not in BITS:
-        raise DimpleError(f"There is no backend {backend}: take native or native64.")
+        raise DimpleError("There is no backend {backend}: take native or native64.", backend=backend)
     return Body(model, library(), surface=surface, bits=BITS[backend])
 
 
@@ -135,7 +141,7 @@ def load(path: Path) -> ctypes.CDLL:
     library = ctypes.CDLL(str(path))
     library.dm_abi.restype = c_int32
     if library.dm_abi() != ABI:
-        raise NativeError(f"it has version {library.dm_abi()}, not {ABI}")
+        raise NativeError(Message("it has version {version}, not {expected}", version=library.dm_abi(), expected=ABI))
     library.dm_message.restype = library.dm_instructions.restype = ctypes.c_char_p
     for name in ("dm_destroy", "dm_scene_destroy"):
         getattr(library, name).argtypes, getattr(library, name).restype = [c_void_p], None

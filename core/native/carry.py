@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import Floats, Ints, Singles
+from ..constants import LANES
 from .body import NativeError
 from .definition import Arrays, fields
 
-FOLLOWED = 8  # vertices of a proxy that a vertex of its surface follows
-EIGHT = 8  # vertices of a surface that are carried at once
+NODES = 8  # corners of a cell
 Shorts = npt.NDArray[np.uint16]
 _Values = TypeVar("_Values", Floats, Singles)
 
@@ -90,7 +90,7 @@ def carry(library: ctypes.CDLL, binding: Binding, positions: Floats) -> tuple[Si
 def carry_by_nodes(library: ctypes.CDLL, by: Ints, shares: Floats, values: Floats) -> Floats:
     """Return what vertices (n, 3) have of values (m, 3) of the eight nodes (n, 8) that carry each, by shares (n, 8)."""
     carried = np.empty((len(by), 3))
-    if by.shape != shares.shape or by.shape[1:] != (EIGHT,) or values.shape[1:] != (3,):
+    if by.shape != shares.shape or by.shape[1:] != (NODES,) or values.shape[1:] != (3,):
         raise NativeError("an array has the wrong size")
     with Arrays() as arrays:
         given = arrays.index(by), arrays.double(shares), arrays.double(values), carried.ctypes.data
@@ -102,9 +102,9 @@ def carry_by_nodes(library: ctypes.CDLL, by: Ints, shares: Floats, values: Float
 
 def _given(binding: Binding, positions: Floats, arrays: Arrays) -> CBinding:
     n, m, e, t = binding.vertices, len(binding.coarse_rest), len(binding.arms), len(binding.corners)
-    eights, entries = -(-n // EIGHT), len(binding.followed)
+    eights, entries = -(-n // LANES), len(binding.followed)
     shapes = {
-        "first": (eights + 1,), "weights": (entries, EIGHT), "places": (eights, 6, EIGHT), "starts": (m + 1,),
+        "first": (eights + 1,), "weights": (entries, LANES), "places": (eights, 6, LANES), "starts": (m + 1,),
         "spread": (e, 3), "upright": (m, 3), "corners": (t, 3), "arms": (e, 2), "centre": (3,),
     }  # fmt: skip
     if positions.shape != (3, m) or any(getattr(binding, name).shape != shape for name, shape in shapes.items()):

@@ -11,6 +11,7 @@
  */
 #ifndef DIMPLE_H
 #define DIMPLE_H
+#include "constants.h"
 #include <stdint.h>
 
 #if defined(_WIN32)
@@ -18,18 +19,6 @@
 #else
 #define DM_API __attribute__((visibility("default")))
 #endif
-
-#define DM_ABI 27 /* changes with anything below */
-#define DM_MAX_FINGERTIPS 3
-#define DM_MAX_STEPS 1000000 /* in one call */
-#define DM_MAX_VERTICES (1 << 24)
-#define DM_MAX_NEIGHBOURS 64 /* of a vertex, in its ring */
-#define DM_MAX_BODIES 4096   /* in one call */
-#define DM_MAX_WORKERS 64
-#define DM_FOLLOWED 8 /* vertices of a proxy that a vertex of its surface follows */
-
-#define DM_MAX_SURFACES 1024 /* in one scene */
-#define DM_SCENE_IMPULSES 64
 
 typedef struct dm_body dm_body;
 typedef struct dm_scene dm_scene;
@@ -46,7 +35,6 @@ enum {
 /* of the law of a material: K1, K2 [N/m], x0 [m] and its power, 1 or more; Coulomb's coefficient; damping ratio; and where
  * an elastic solid was measured, the radius of the sphere, or minus that of the flat tip, that did [m], else 0 */
 enum { DM_FRICTION = 4, DM_DAMPING, DM_LAYER, DM_LAW };
-enum { DM_FACTORS = 33 }; /* of another tip, at depths that go up with the square of their number */
 
 enum { DM_FILL_NONE, DM_FILL_AIR, DM_FILL_LIQUID };
 enum { DM_SET_BEST, DM_SET_BASE, DM_SET_AVX2 }; /* base: SSE2 on x86-64, NEON on arm64 */
@@ -114,8 +102,8 @@ typedef struct {
     double radius;                     /* [m] */
     double force;                      /* [N] 0: none pushes it */
     double inward[3];                  /* unit, the way it does */
-    const double *factors;             /* (materials, DM_FACTORS) of the force of this tip; null: it is the measuring one */
-    double factors_end;                /* depth of the last of them [m] */
+    const double *factors;             /* (materials, DM_FACTORS) of the force of this tip, at depths that go up with the square */
+    double factors_end;                /* of their number, to this one [m]; null: it is the measuring tip */
     int64_t down;                      /* 0: this one is lifted and the rest does not count */
     int64_t fresh;                     /* it was not down before, or elsewhere */
 } dm_fingertip;
@@ -237,6 +225,9 @@ DM_API int32_t dm_grow_cells(const dm_cells *surface, int64_t *cells, uint8_t *j
 DM_API int32_t dm_follow_cells(const dm_cells *surface, const int64_t *cells, int64_t width, const int64_t *around,
                                int64_t *first, uint16_t *followed, uint16_t *weights);
 
+/* Flip blunt edges of triangles (triangles, 3) on points (vertices, 3) [m], in place, where the surface is nearly flat. */
+DM_API int32_t dm_flip_edges(int64_t vertices, const double *points, int64_t triangles, int64_t *corners);
+
 /* A mesh that bodies meet and that goes where it is led. */
 typedef struct {
     int64_t vertices;
@@ -275,8 +266,6 @@ typedef struct {
     double taken;       /* momentum that this took [N s] */
     double held_back;   /* the farthest that a collider was behind its way [m] */
     double gap;         /* the least distance at a query [m], infinite where nothing was near */
-    double impulse[DM_SCENE_IMPULSES][3]; /* that each surface got from others [N s]: bodies, then colliders */
-    double moment[DM_SCENE_IMPULSES][3];  /* of those about the origin [N m s] */
 } dm_scene_frame;
 
 typedef struct { /* what passes through each other */
@@ -298,8 +287,9 @@ DM_API int32_t dm_scene_find_crossings(dm_scene *scene, dm_crossings *found);
 DM_API int32_t dm_scene_set_collider(dm_scene *scene, int64_t collider, const double *positions);
 DM_API int32_t dm_scene_get_collider(const dm_scene *scene, int64_t collider, double *positions);
 /* Run the ticks of motions (bodies,), equal in ticks, substeps and tick; colliders (colliders,) are at the share
- * `first` of their way at the end of the first tick and at `last` of the last. If memory runs out, the tick under way
- * is the last. */
+ * `first` of their way at the end of the first tick and at `last` of the last. passed (bodies + colliders, 6) is set to
+ * the impulse that each got from others [N s] and its moment about the origin [N m s]. If memory runs out, the tick under
+ * way is the last. */
 DM_API int32_t dm_scene_step(dm_scene *scene, const dm_motion *motions, const dm_collider_motion *colliders,
-                             double first, double last, dm_frame *frames, dm_scene_frame *out);
+                             double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed);
 #endif

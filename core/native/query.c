@@ -160,7 +160,7 @@ static void dm_set_bounds(dm_scene_state *s, dm_surface *f) {
         int near = 0;
         for (int l = 0; l < DM_LANES; l++) {
             uint32_t i = f->first + (uint32_t)(g * DM_LANES + l);
-            double way = s->roam[i] * DM_ALERT, due = s->stale[i];
+            double way = s->roam[i] / 2, due = s->stale[i];
             f->bound[g][l] = (dm_real)(way < 1e18 ? way * way : 1e36);
             f->due[g][l] = (dm_real)(due < 1e18 ? due * due : 1e36);
             near |= s->place[i] != DM_NO_VERTEX;

@@ -14,10 +14,11 @@ DM_FAST
 #include "facets.c"
 #include "contact.c"
 #include "surface.c"
+#include "foot.c"
 #include "fingertip.c"
 DM_SMALL
 #include "reach.c"
-#include "constants.c"
+#include "matter.c"
 #include "body.c"
 #include "moved_rest.c"
 #include "rest.c"

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from .. import native
 from ..base import DimpleError, Floats, Ints, Singles, mean_of_pairs, sums_at
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
@@ -18,7 +20,6 @@ from ..mesh.surface import Mesh, mesh_from_triangles
 from ..native import Binding
 from .binding import bind
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
-from .flips import flip_edges
 from .protrusion import held_distance
 
 SMALLEST = 60  # vertices: fewer no longer have the shape of a body
@@ -28,28 +29,33 @@ STIFFER = 16.0  # times as stiff, as softness of 0 is beside 1: what is painted 
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Proxy:
     """A coarse model and the binding of a fine mesh to it.
 
+    mesh: the fine mesh, n vertices.
     model: the coarse body that is simulated, m vertices.
     seeds: (m,) the vertex of the fine mesh at which each coarse vertex lies.
     cells: (n,) the coarse vertex whose share of mass and stiffness each vertex of the fine mesh is.
     painted: (n,) how much stiffer each vertex of the fine mesh was than most when the cells were made, see `painted`.
     still: the vertices of the fine mesh that are pinned or loose.
     spacing: mean distance between seeds [m].
-    offset: the distance that it holds from what it meets [m], see `held_distance`.
     binding: what carries the fine mesh along.
     """
 
+    mesh: Mesh
     model: Model
     seeds: Ints
     cells: Ints
     painted: Singles
     still: Ints
     spacing: float
-    offset: float
     binding: Binding
+
+    @cached_property
+    def offset(self) -> float:
+        """Return the distance [m] that it holds from what it meets, see `held_distance`."""
+        return held_distance(self.mesh, self.model.mesh, self.cells, self.spacing)
 
 
 def build_proxy(model: Model, vertices: int) -> Proxy:
@@ -62,14 +68,17 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
     used = np.flatnonzero(~mesh.loose)
     most = most_of(model)
     if not SMALLEST <= vertices <= most:
-        raise DimpleError(f"a proxy of this mesh has from {SMALLEST} to {most} vertices, not {vertices}")
+        raise DimpleError(
+            "a proxy of this mesh has from {least} to {most} vertices, not {vertices}.",
+            least=SMALLEST, most=most, vertices=vertices
+        )  # fmt: skip
     spacing, stiffer = mean_spacing(mesh, vertices), painted(model)
     place = _places(mesh, stiffer, spacing)
     seeds, cells = _seeds_and_cells(mesh, place, spread_seeds(mesh, place, used, vertices, spacing))
     coarse = _constants(model, _coarse_mesh(mesh, seeds, cells), cells)
     return Proxy(
-        model=coarse, seeds=seeds, cells=cells, painted=stiffer, still=np.flatnonzero(model.pinned | mesh.loose),
-        spacing=spacing, offset=held_distance(mesh, coarse.mesh, cells, spacing),
+        mesh=mesh, model=coarse, seeds=seeds, cells=cells, painted=stiffer,
+        still=np.flatnonzero(model.pinned | mesh.loose), spacing=spacing,
         binding=bind(mesh.rest_positions, coarse.mesh, place, seeds, cells),
     )  # fmt: skip
 
@@ -93,7 +102,7 @@ def _seeds_and_cells(mesh: Mesh, place: Floats, seeds: Ints) -> tuple[Ints, Ints
         seeds = seeds[stands]  # a part too small for a triangle follows what is beside it
         if not len(seeds):
             break
-    raise DimpleError("its pieces are too small for a proxy")
+    raise DimpleError("its pieces are too small for a proxy.")
 
 
 def painted(model: Model) -> Singles:
@@ -131,13 +140,13 @@ def most_of(model: Model) -> int:
 
 def _coarse_mesh(fine: Mesh, seeds: Ints, cells: Ints) -> Mesh:
     points = fine.rest_positions[seeds]
-    mesh = mesh_from_triangles(points, flip_edges(points, dual(cells[fine.triangles])))
+    mesh = mesh_from_triangles(points, native.flip_edges(native.library(), points, dual(cells[fine.triangles])))
     if len(mesh.rest_positions) != len(seeds) or mesh.loose.any():
-        raise DimpleError("its surface is too crumpled for a proxy of this size")
+        raise DimpleError("its surface is too crumpled for a proxy of this size.")
     if mesh.pressurable != fine.pressurable or (fine.closed and not mesh.closed):
-        raise DimpleError("a proxy of this size would have holes")
+        raise DimpleError("a proxy of this size would have holes.")
     if fine.pressurable and not abs(mesh.volume / fine.volume - 1) < VOLUME_SLACK:
-        raise DimpleError("a proxy of this size would lose too much of the volume")
+        raise DimpleError("a proxy of this size would lose too much of the volume.")
     return mesh
 
 
@@ -176,5 +185,5 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
         rest_pressure=model.pressure.rest_pressure, gravity=model.gravity, ground=model.ground,
     )  # fmt: skip
     if coarse.free != model.free or pinned.all():
-        raise DimpleError("its pins are too few for a proxy of this size")
+        raise DimpleError("its pins are too few for a proxy of this size.")
     return coarse

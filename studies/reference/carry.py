@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from core.base import Floats, Singles
-from core.native.carry import EIGHT, Binding, in_rows
+from core.constants import LANES
+from core.native.carry import Binding, in_rows
 from core.reduction.binding import WHOLE, sums_of
 from core.reduction.cells import vertex_normals
 
@@ -30,6 +31,6 @@ def motions_of(binding: Binding, positions: Floats) -> Singles:
 def carry(binding: Binding, motions: Singles) -> Singles:
     """Return the surface (n, 3) [m] that some motions (m, 12) make."""
     way = sums_of(binding.first, binding.followed, binding.weights, motions)
-    gradient = way[:, 3:].reshape(-1, 3, 3, EIGHT)
+    gradient = way[:, 3:].reshape(-1, 3, 3, LANES)
     moved = binding.places[:, :3] + (way[:, :3] + np.einsum("gdci,gdi->gci", gradient, binding.places[:, 3:]))
     return in_rows(moved, binding.vertices)

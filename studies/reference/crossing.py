@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.base import Bools, Floats, Ints
-from core.solver.scene import Crossings
+from core.native.scene import Crossings
 
 from .proximity import Surfaces, near_boxes
 

@@ -21,13 +21,13 @@ import numpy as np
 from core import native
 from core.base import TICK
 from core.body.model import build_model
-from core.clock import step_all
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.native.body import step_many
+from core.native.motion import Motion
 from core.reduction.binding import carry
 from core.reduction.planner import plan
 from core.session import Finger, Session
-from core.solver.motion import Motion
+from core.session.clock import step_all
 from studies import bodies, scenes
 from studies.presses import Press, dent_error, pressed
 from tests.bench.bench import stir, straight
@@ -113,7 +113,7 @@ def two_workers(pool: ProcessPoolExecutor, count: int, size: int) -> dict[str, A
 
 
 def pressed_crowd(count: int, size: int) -> list[native.Body]:
-    """Return balls of so many vertices, each with a fingertip 10 mm deep in it."""
+    """Return balls with a number of vertices, each under a fingertip 10 mm deep."""
     subdivisions = round(np.log(size / 10) / np.log(4))  # 10 * 4**n + 2 vertices
     model = scenes.poke_ball(subdivisions).model
     group = [native.Body(model, native.library()) for _ in range(count)]

@@ -1,4 +1,4 @@
-"""Say what the tension of shape matching costs: `python3 dev.py bench --tension`.
+"""Measure the cost of the tension of shape matching: `python3 dev.py bench --tension`.
 
 The same pinned bodies, in turn, by the library and by one whose ring pass is compiled without the tension. They have no
 spread, so that both do the same; what a tension multiplies by does not change what it costs.
@@ -16,9 +16,9 @@ import numpy as np
 from core import native
 from core.base import Floats
 from core.body.model import build_model
-from core.crowd import TICKS_AT_ONCE
 from core.mesh.surface import base_vertices
-from core.solver.motion import Motion
+from core.native.motion import Motion
+from core.session.clock import TICKS_AT_ONCE
 from tests.bench import bench
 from tools.native import compile_library, this_platform
 

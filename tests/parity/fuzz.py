@@ -188,7 +188,8 @@ class Scenes:
                 self.fuzzer.fill(prop, 1)
                 way.prop = ctypes.addressof(prop)
         frames, first, last = (CFrame * len(bodies))(), *rng.uniform(0, 1, 2).tolist()
-        code = int(library.dm_scene_step(handle, motions, ways, first, last, frames, address(CSceneFrame())))
+        out, passed = address(CSceneFrame()), self.fuzzer.array("passed", 8)
+        code = int(library.dm_scene_step(handle, motions, ways, first, last, frames, out, passed))
         for frame in frames:
             check(frame)
         return code
@@ -232,6 +233,8 @@ def main(seed: int) -> None:
             width = int(fuzzer.rng.integers(-1, 9))
             code = library.dm_follow_cells(surface, cells, width, around, *lists)
             code = max(code, library.dm_grow_cells(surface, cells, joined))
+            points, corners = fuzzer.array("positions", 6), fuzzer.array("corners", 6)
+            code = max(code, library.dm_flip_edges(int(fuzzer.rng.integers(-1, 9)), points, 2, corners))
         elif name == "step":
             code = library.dm_step(body, address(fuzzer.motion()), address(frame := CFrame()))
             check(frame)

@@ -13,7 +13,7 @@ from core.body.modes import modes_of
 from core.material import FINGERTIP, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Session
-from core.sway import Sway, young
+from core.session.sway import Sway, young
 
 JELLY = Material(K1=300, K2=675, x0=0.01, k=500, density=1040, fill="solid", indenter=FINGERTIP)
 

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import core.clock
+import core.session.clock
 from core.base import DimpleError
 from core.body.model import build_model
+from core.constants import OFFSET
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
+from core.native.motion import Frame
 from core.session import Session
-from core.solver.motion import Frame
-from core.solver.scene import OFFSET
 from core.world import Collider, World
 from studies.reference.proximity import find_pairs, join_surfaces
 from studies.scenes import cube
@@ -192,7 +192,7 @@ class Slow(World):
 def test_a_frame_of_a_tangle_keeps_its_budget_but_for_a_first_tick_and_time_runs_slower(
     each: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(core.clock, "time", SimpleNamespace(perf_counter=lambda: Slow.clock))
+    monkeypatch.setattr(core.session.clock, "time", SimpleNamespace(perf_counter=lambda: Slow.clock))
     body = session((0, 0, 0.05))
     world = Slow([body], [table()])
     for now in (each, each / 4, each):  # what a tick costs changes as things come together and part

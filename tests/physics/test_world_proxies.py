@@ -6,10 +6,10 @@ import pytest
 from core.body.model import Model, build_model
 from core.material import Material
 from core.mesh.surface import base_vertices, mesh_from_triangles
-from core.props import PropWorld
 from core.reduction.proxy import Proxy, build_proxy
 from core.session import Session
 from core.world import Collider, World, drop_proxies
+from core.world.props import PropWorld
 from tests.bodies import ball, block, sheet
 
 GEL = Material(K1=200, K2=900, x0=0.010, k=300, density=1000, damping_ratio=0.4, fill="liquid")

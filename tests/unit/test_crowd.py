@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from core import clock, native
-from core.clock import step_all
+from core import native
 from core.native import Body
 from core.native import body as native_body
-from core.session import Finger, Session
-from core.solver.motion import Frame as MotionFrame
-from core.solver.motion import Motion
+from core.native.motion import Frame as MotionFrame
+from core.native.motion import Motion
+from core.session import Finger, Session, clock
+from core.session.clock import step_all
 from studies import scenes
 
 TOP = scenes.BALL_RADIUS + scenes.FINGERTIP

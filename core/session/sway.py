@@ -1,0 +1,266 @@
+"""The sway of a body: its low modes, driven by how it is led, by gravity as it turns, and by fingertips.
+
+The surface at rest moves with it: skin and law act on top. Each mode is advanced exactly, so any step is stable and
+nothing is gained or lost but by damping. Sources: Choi and Ko 2005 (modal warping: each node's displacement is turned
+by the modal rotation, so that a body that bends far does not grow); Mueller, Bender, Chentanez and Macklin 2016
+(rotations followed from step to step).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .. import native
+from ..base import Floats, Ints
+from ..body.model import Model
+from ..body.modes import Modes, modes_of
+from ..material import Material
+from ..mesh.surface import Mesh
+from ..native.motion import Touch
+from .fingertip import Finger
+
+FOLLOWS = 3  # rounds in which a node's rotation is followed in a step: each squares what is left of it
+After = Callable[[Floats], tuple[Floats, Floats]]
+STILL = 1e-6  # [m] that no vertex sways beyond: it is at rest
+
+
+class Push(NamedTuple):
+    """What a fingertip does to a body.
+
+    place: (3,) where it acts [m].
+    force: (3,) on the body [N].
+    slope: (3, 3) by how much less that is for each metre that the surface gives way [N/m].
+    """
+
+    place: Floats
+    force: Floats
+    slope: Floats
+
+
+def push_of(touch: Touch, finger: Finger) -> Push:
+    """Return what a fingertip that touches does to a body; one that a force pushes keeps that.
+
+    Source: Mindlin, who has two thirds of the slope along the surface.
+    """
+    outward = np.array(touch.outward)
+    slope = touch.slope if finger.force is None else 0.0
+    place = np.array(touch.centre) - finger.radius * outward
+    return Push(place, -np.array(touch.force), slope * (2 / 3 * np.eye(3) + np.outer(outward, outward) / 3))
+
+
+class Sway:
+    """The state of the modes of one body, and where its nodes are led.
+
+    amount: of the displacement that shows, 0 to 1.
+    """
+
+    def __init__(
+        self, mesh: Mesh, held: Floats, modes: Modes, *, frequency: float, density: float, damping: float,
+        amount: float = 1.0, gravity: Sequence[float] | Floats = (0.0, 0.0, 0.0),
+    ) -> None:  # fmt: skip
+        """Begin at rest.
+
+        Args:
+            mesh, held: what the modes were made of.
+            modes: of the body.
+            frequency: of the first mode [Hz].
+            density: [kg/m3].
+            damping: ratio.
+            gravity: (3,) [m/s2]; the body has its shape at rest in it.
+        """
+        self.mesh, self.held, self.modes, self.amount = mesh, held, modes, amount
+        self._rates = modes.rates * (2 * math.pi * frequency / modes.rates[0])
+        self._damping, self._density = damping, density
+        self._gravity = self._modelled = np.asarray(gravity, np.float64)  # now, and in which it has its shape at rest
+        rest = mesh.rest_positions
+        self._anchors, self._near = _anchors(modes, rest)
+        self._arms = rest[self._anchors]
+        self._middles = self._near @ self._arms
+        self._flat = modes.shapes.reshape(len(modes.rates), -1)
+        self._loads = self._flat * np.repeat(modes.volume, 3)
+        self._reach = np.abs(self._flat).max(axis=1)
+        self.reset()
+
+    def reset(self) -> None:
+        """Come to rest."""
+        self._q = np.zeros(len(self._rates))
+        self._v = np.zeros(len(self._rates))
+        self._turn = np.broadcast_to(np.eye(3), (len(self.modes.volume), 3, 3)).copy()
+        self._at = self.modes.lattice.nodes
+        self._speed: Floats | None = None  # of the nodes, None before a second place is known
+
+    def go_on(self, before: Sway) -> None:
+        """Go on as the same body moved before."""
+        self._q, self._v, self._turn = before._q, before._v, before._turn
+        self._at, self._speed, self._modelled = before._at, before._speed, before._modelled
+
+    @property
+    def moves(self) -> bool:
+        """Tell whether anything sways, or is led."""
+        far = np.abs(self._q) + np.abs(self._v) / self._rates
+        return self._speed is None or bool(self._speed.any()) or bool((far * self._reach).sum() > STILL)
+
+    @property
+    def frequency(self) -> float:
+        """Return how often it sways in a second in its slowest way [Hz]."""
+        return float(self._rates[0]) / (2 * math.pi)
+
+    @property
+    def energy(self) -> float:
+        """Return kinetic and elastic energy of the modes [J]."""
+        return float(self._density * (self._v**2 + (self._rates * self._q) ** 2).sum() / 2)
+
+    def advance(self, led: Floats, seconds: float, pushes: Sequence[Push] = ()) -> None:
+        """Advance to where the shape at rest is led.
+
+        Args:
+            led: (n, 3) vertices at rest at the end [m], without sway.
+            seconds: until then.
+        """
+        at = self._follow(led)
+        speed = (at - self._at) / seconds
+        before, self._at, self._speed = (speed if self._speed is None else self._speed), at, speed
+        pull = np.einsum("mji,mj->mi", self._turn, self._gravity - (speed - before) / seconds) - self._modelled
+        self._swing(self._loads @ pull.ravel(), seconds, pushes)
+
+    def sag(self, pull: Floats) -> Floats:
+        """Return how far (n, 3) each vertex sags in the end under an acceleration (3,), small as it may be [m]."""
+        load = self._loads @ np.tile(pull, len(self.modes.volume))
+        return self._carried(((load / self._rates**2) @ self._flat).reshape(-1, 3))
+
+    def displacement(self) -> Floats:
+        """Return how far (n, 3) each vertex is from where it is led [m]."""
+        return self.amount * self._carried(self.node_displacement())
+
+    def node_displacement(self) -> Floats:
+        """Return how far (m, 3) each node is from where it is led [m]."""
+        linear = (self._q @ self._flat).reshape(-1, 3)
+        warped = _warped(np.einsum("kma,k->ma", self.modes.turns, self._q), linear)
+        return np.einsum("mij,mj->mi", self._turn, warped)
+
+    def velocity(self) -> Floats:
+        """Return how fast (n, 3) each vertex goes with it [m/s]."""
+        swings = self.amount * np.einsum("mij,mj->mi", self._turn, (self._v @ self._flat).reshape(-1, 3))
+        led = np.zeros_like(swings) if self._speed is None else self._speed
+        return self._carried(led + swings)
+
+    def _carried(self, nodes: Floats) -> Floats:
+        """Return what the vertices (n, 3) have of values (m, 3) of the nodes."""
+        return native.carry_by_nodes(native.library(), self.modes.nodes, self.modes.shares, nodes)
+
+    def _follow(self, led: Floats) -> Floats:
+        """Return where the nodes (m, 3) are led, and turn them along."""
+        here = led[self._anchors]
+        middle = self._near @ here
+        outer = (here[:, :, None] * self._arms[:, None, :]).reshape(-1, 9)
+        moment = (self._near @ outer).reshape(-1, 3, 3) - middle[:, :, None] * self._middles[:, None, :]
+        for _ in range(FOLLOWS):
+            left = moment @ self._turn.transpose(0, 2, 1)
+            torque = np.stack([left[:, i - 1, i - 2] - left[:, i - 2, i - 1] for i in range(3)], axis=1)
+            size = np.abs(left[:, 0, 0] + left[:, 1, 1] + left[:, 2, 2]) + 1e-30
+            self._turn = _rotation(torque / size[:, None]) @ self._turn
+        return middle + np.einsum("mij,mj->mi", self._turn, self.modes.lattice.nodes - self._middles)
+
+    def _swing(self, load: Floats, seconds: float, pushes: Sequence[Push]) -> None:
+        """Advance every mode exactly under a constant load; what pushes gives way to the surface as that moves."""
+        rate, z = self._rates, self._damping
+        swing = rate * math.sqrt(max(1 - z * z, 1e-9))
+        decay, c, s = np.exp(-z * rate * seconds), np.cos(swing * seconds), np.sin(swing * seconds)
+
+        def after(load: Floats) -> tuple[Floats, Floats]:
+            still = load / rate**2
+            a = self._q - still
+            b = (self._v + z * rate * a) / swing
+            q = still + decay * (a * c + b * s)
+            return q, decay * ((b * swing - z * rate * a) * c - (a * swing + z * rate * b) * s)
+
+        if pushes:
+            load = load + self._answer(load, after, (1 - decay * (c + z * rate / swing * s)) / rate**2, pushes)
+        self._q, self._v = after(load)
+
+    def _answer(self, load: Floats, after: After, gain: Floats, pushes: Sequence[Push]) -> Floats:
+        """Return the load (k,) of what pushes, each less by its slope times how far the surface has gone by then."""
+        ways = [self._way(push) for push in pushes]
+        total = np.zeros_like(load)
+        q = after(load)[0]
+        for push, way in zip(pushes, ways, strict=True):
+            moved, yields = way @ (q - self._q), (way * gain) @ way.T / self._density
+            force = np.linalg.solve(np.eye(3) + push.slope @ yields, push.force - push.slope @ moved)
+            total += way.T @ force / self._density
+        return total
+
+    def _way(self, push: Push) -> Floats:
+        """Return how far (3, k) each mode moves the surface where something pushes."""
+        now = self._at + self.node_displacement()
+        far = 2 * self.modes.lattice.sides.max()
+        near = np.clip(1 - ((now - push.place) ** 2).sum(axis=1) / far**2, 0, None) ** 2
+        near /= max(near.sum(), 1e-30)
+        local = np.einsum("m,mij,kmj->ik", near, self._turn, self.modes.shapes)
+        return self.amount * local
+
+
+def sway_of(model: Model, before: Sway | None = None) -> Sway | None:
+    """Return the sway of a model at rest, None where it has none; `before`, of the same body, goes on with it."""
+    wanted = model.sway
+    if wanted is None:
+        return None
+    mesh = model.mesh
+    goes_on = before is not None and before.mesh is mesh and np.array_equal(before.held, wanted.held)
+    modes = before.modes if before and goes_on else modes_of(mesh, mesh.rest_positions, wanted.held)
+    largest = int(np.bincount(mesh.triangle_material, mesh.triangle_areas, len(model.materials)).argmax())
+    material, density = model.materials[largest], float(model.mass.sum()) / mesh.volume
+    sway = Sway(
+        mesh, wanted.held, modes, frequency=wanted.frequency or first_frequency(modes, material, density),
+        density=density, damping=wanted.damping, amount=wanted.amount, gravity=wanted.gravity,
+    )  # fmt: skip
+    if before and goes_on:
+        sway.go_on(before)
+    return sway
+
+
+def young(material: Material) -> float:
+    """Return Young's modulus [Pa] of the solid that answers its measuring tip, as a sphere, alike at the knee.
+
+    Source: Hertz, F = 4/3 E / (1 - nu^2) sqrt(R) x^1.5, with nu near 1/2 of a solid that keeps its volume.
+    """
+    radius, x = material.indenter.radius, material.x0
+    return 0.75 * material.law(x) / (math.sqrt(radius) * x**1.5) * (1 - 0.25)
+
+
+def first_frequency(modes: Modes, material: Material, density: float) -> float:
+    """Return the first frequency [Hz] of a body of a material and a density [kg/m3]."""
+    return float(modes.rates[0]) * math.sqrt(young(material) / density) / (2 * math.pi)
+
+
+def _anchors(modes: Modes, rest: Floats) -> tuple[Ints, Floats]:
+    """Return one vertex (a,) of each cell that has any, and how much (m, a) each node goes with it."""
+    cells, first = np.unique(modes.nodes[:, 0], return_index=True)
+    del cells
+    ways = ((modes.lattice.nodes[:, None] - rest[first]) ** 2).sum(axis=2)
+    near = 1 / (ways + (modes.lattice.sides.mean() / 2) ** 2) ** 2
+    return first, near / near.sum(axis=1, keepdims=True)
+
+
+def _rotation(turn: Floats) -> Floats:
+    """Return rotation matrices (m, 3, 3) of rotation vectors (m, 3)."""
+    a = np.sqrt((turn**2).sum(axis=1))[:, None, None]
+    k = _cross(turn)
+    a = np.maximum(a, 1e-9)
+    return np.eye(3) + np.sin(a) / a * k + (1 - np.cos(a)) / a**2 * (k @ k)
+
+
+def _warped(turn: Floats, linear: Floats) -> Floats:
+    """Return displacements (m, 3) along arcs: the mean of the rotations from none to the modal ones, times linear."""
+    a = np.maximum(np.sqrt((turn**2).sum(axis=1)), 1e-9)[:, None]
+    once = np.cross(turn, linear)
+    return linear + (1 - np.cos(a)) / a**2 * once + (a - np.sin(a)) / a**3 * np.cross(turn, once)
+
+
+def _cross(turn: Floats) -> Floats:
+    k = np.zeros((len(turn), 3, 3))
+    k[:, 2, 1], k[:, 0, 2], k[:, 1, 0] = turn.T
+    return k - k.transpose(0, 2, 1)
