@@ -192,9 +192,8 @@ def _opening(
     link, model = yield from bridge.reading_body(context, obj)
     if plan.target == "SHAPE_KEYS" and link.cuts:
         raise DimpleError(f'"{obj.name}" is too coarse for shape keys. Subdivide it, bake to a Mesh Cache, or export.')
-    proxy, reason = yield from planning.planning_for(context.scene, obj, model)
+    proxy = yield from planning.planning_for(context.scene, obj, model)
     session = yield 0.9, partial(Session, model, tick=timeline.tick_s(context.scene), proxy=proxy)
-    messages += [reason] if reason else []
     messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
         messages.append(f'"{obj.name}" shares its mesh with other objects: its shape keys go on a copy of its own.')

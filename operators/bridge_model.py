@@ -11,6 +11,7 @@ import bpy
 from ..core.base import DimpleError
 from ..core.steps import Parts, at_once
 from . import advice, final_mesh
+from .messages import Note
 from .names import MAPS
 
 if TYPE_CHECKING:
@@ -51,7 +52,8 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
         model: Model = yield 0.4, make
     except DimpleError as error:
         raise DimpleError(f'"{name}": {error}') from error
-    return replace(model, notes=(*model.notes, *said, *advice.on_fill(model)))
+    repaired = map(Note, mesh.notes)  # nothing is to be done about these
+    return replace(model, notes=(*repaired, *model.notes[len(mesh.notes) :], *said, *advice.on_fill(model)))
 
 
 def _made(*given: Any, **named: Any) -> Model:

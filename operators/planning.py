@@ -45,8 +45,8 @@ _moving: list[tuple[Mesh, Proxy | None]] = []  # what was chosen for the last me
 
 def proxy_for(
     scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None
-) -> tuple[Proxy | None, str]:
-    """Return the proxy of an object, None for the full mesh, and the reason where the choice is new.
+) -> Proxy | None:
+    """Return the proxy of an object, None for the full mesh.
 
     Args:
         moving: what moves in place of this very model already.
@@ -54,7 +54,7 @@ def proxy_for(
     Raises:
         DimpleError: the proxy that was asked for cannot be made.
     """
-    found: tuple[Proxy | None, str] = at_once(planning_for(scene, obj, model, moving))
+    found: Proxy | None = at_once(planning_for(scene, obj, model, moving))
     return found
 
 
@@ -86,7 +86,7 @@ def planning_for(
     while len(_choices) > KEPT:
         del _choices[next(iter(_choices))]
     settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, made.reason
-    return made.proxy, f'"{obj.name}": {made.reason}' if made.proxy and not known else ""
+    return made.proxy
 
 
 def _proxy(moving: Proxy | None, model: Model, vertices: int) -> Proxy:

@@ -151,14 +151,14 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     try:
         final_mesh.attach(context, obj)
         link, model = yield from bridge.reading_body(context, obj)
-        proxy, reason = yield from planning.planning_for(context.scene, obj, model)
+        proxy = yield from planning.planning_for(context.scene, obj, model)
         session = yield 0.9, partial(Session, model, proxy=proxy, tick=timeline.tick_s(context.scene))
     except BaseException:
         final_mesh.detach(obj)
         if size:
             obj.dimple.property_unset("size_mode")
         raise
-    messages = [*filter(None, [size, reason]), *(type(note)(f'"{obj.name}": {note}') for note in model.notes)]
+    messages = [*filter(None, [size]), *(type(note)(f'"{obj.name}": {note}') for note in model.notes)]
     first = input_vertices(model.mesh)
     settings = settings_of(context.scene, obj)
     body = sessions[link.uid] = LiveBody(
