@@ -1,11 +1,11 @@
-"""Make Soft: everything that a bare mesh needs to be pressed, in one click; what changes the mesh itself is asked."""
+"""Make Soft: everything that a bare mesh needs to be pressed, in one click; the mesh itself stays as it is."""
 
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty
 
 from . import polls, sessions
-from .mesh_faults import Faults, faults, repair
+from .mesh_faults import Faults, repair
 from .messages import gathered, report, say
 from .names import Op
 from .sizing import fit, settle_size
@@ -43,9 +43,9 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         items=presets, default=0, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
     )  # fmt: skip
     repair: BoolProperty(
-        name="Repair", description="Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself"
-    )
-    faults: StringProperty(name="Faults", options={"HIDDEN", "SKIP_SAVE"})
+        name="Repair", options={"SKIP_SAVE"},
+        description="Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself",
+    )  # fmt: skip
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -55,26 +55,6 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         if context.object is None or context.object.type not in PRESSABLE:
             return polls.refuse(cls, "Select a mesh first")
         return polls.is_own(cls, context.object) and polls.is_free(cls)
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Ask only where the mesh itself should be changed."""
-        from . import live
-
-        meshes = [obj for obj in live.candidates(context) if obj.type == "MESH"]
-        found = [f for obj in meshes if not is_shared(obj) and any(f := faults(obj))]
-        self.faults = words(Faults(*map(sum, zip(*found, strict=True)))) if found else ""
-        self.repair = bool(found)
-        if self.repair:
-            return context.window_manager.invoke_props_dialog(self, width=380)
-        return self.execute(context)
-
-    def draw(self, context: bpy.types.Context) -> None:
-        """Draw the material, and what is offered, and why."""
-        column = self.layout.column()
-        column.prop(self, "preset")
-        if self.faults:
-            column.label(text=self.faults, icon="INFO")
-        column.prop(self, "repair")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set up every selected mesh; one that cannot be pressed is said and left as it was."""

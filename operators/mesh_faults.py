@@ -8,7 +8,6 @@ if TYPE_CHECKING:
     import bmesh
 
 SAME = 1e-6  # of the size: vertices that are no farther apart are one
-MOST_LOOKED_AT = 100_000  # vertices: looking takes longer than a click
 
 
 class Faults(NamedTuple):
@@ -19,17 +18,8 @@ class Faults(NamedTuple):
     inward: int = 0
 
 
-def faults(obj: bpy.types.Object) -> Faults:
-    """Return the faults of a mesh; none where it is too large to be looked at in a click."""
-    return _repaired(obj, keep=False) if len(obj.data.vertices) <= MOST_LOOKED_AT else Faults()
-
-
 def repair(obj: bpy.types.Object) -> Faults:
     """Weld doubled vertices, delete loose ones and turn faces outward; return what was done."""
-    return _repaired(obj, keep=True)
-
-
-def _repaired(obj: bpy.types.Object, *, keep: bool) -> Faults:
     import bmesh
 
     mesh = bmesh.new()
@@ -41,9 +31,8 @@ def _repaired(obj: bpy.types.Object, *, keep: bool) -> Faults:
         loose = [vertex for vertex in mesh.verts if not vertex.link_faces]
         found = Faults(len(pairs), len(loose), _turn_outward(mesh))
         bmesh.ops.delete(mesh, geom=loose, context="VERTS")
-        if keep:
-            mesh.to_mesh(obj.data)
-            obj.data.update()
+        mesh.to_mesh(obj.data)
+        obj.data.update()
         return found
     finally:
         mesh.free()

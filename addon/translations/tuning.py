@@ -78,7 +78,6 @@ WORDS = {
     "Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself": (
         "重複した頂点を結合し、孤立した頂点を削除し、面を外側に向けます。メッシュ自体が変わります"
     ),
-    "Faults": "不備",
     "Colors": "色",
     "Color the surface of what is pressed, with a scale": "押している物体の面を、目盛り付きの色で塗る",
     "Contact Pressure": "接触圧",
