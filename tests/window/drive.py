@@ -11,6 +11,7 @@ import sys
 import time
 import traceback
 from collections.abc import Generator
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -25,6 +26,8 @@ import device
 import exporting
 import judging
 import meeting
+import minute
+import models
 import opening
 import robot
 import tuning
@@ -167,6 +170,8 @@ def play() -> robot.Waits:
     own = {
         "closing": lambda: closing.close(check),
         "opening": lambda: opening.open_samples(OUT, check, REPORT["measured"]),
+        "minute": lambda: minute.first(OUT, check),
+        **{f"{name}_model": partial(models.model, name, OUT, check) for name in models.MODELS},
         "meeting": lambda: meeting.meet(OUT, check, REPORT["measured"]),
     }
     if unknown := ONLY - {*own, *tuning.SCENES, *ON_BALL, "on_ball"}:
