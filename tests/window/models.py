@@ -55,10 +55,7 @@ def shell() -> tuple[float, float, float]:
 
 def character() -> tuple[float, float, float]:
     """Add a limb of two bones, subdivided after its armature, in a render finer than in the viewport."""
-    limb = _fresh(lambda: bpy.ops.mesh.primitive_cylinder_add(vertices=16, radius=0.6, depth=2.0))
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.subdivide(number_cuts=3)
-    bpy.ops.object.mode_set(mode="OBJECT")
+    limb = _fresh(lambda: bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=16, scale=(0.7, 0.7, 1.1)))
     bpy.ops.object.armature_add(location=(0.0, 0.0, -1.0))
     rig = bpy.context.object
     bpy.ops.object.mode_set(mode="EDIT")

@@ -54,9 +54,7 @@ def keyframes(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     check("the baked force follows the keyframed K1 within 5 %", follows, "; ".join(words))
     yield from play(at, out, check)
     bpy.ops.dimple.unbake()
-    bpy.data.objects.remove(tip)  # it was selected
-    cube.select_set(True)
-    bpy.context.view_layer.objects.active = cube
+    bpy.data.objects.remove(tip)
     bpy.data.materials[cube.active_material.name].animation_data_clear()
     scene.frame_set(1)
     yield from robot.redrawn()

@@ -73,7 +73,7 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Paint x0 with a brush while a force rests: the press stops there."""
     as_measured()
-    cube = bpy.data.objects["Cube"]
+    cube = tuning.finer()
     cube.vertex_groups.new(name="Reach").add(range(len(cube.data.vertices)), 0.5, "REPLACE")
     cube.dimple.knee_group = "Reach"
     yield from tuning.leave_resting(at)
