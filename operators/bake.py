@@ -4,7 +4,7 @@ import bpy
 from bpy.props import EnumProperty, IntProperty
 
 from . import fingertip_objects, modal_runs, polls, sessions
-from .messages import say
+from .messages import conclude, say
 from .names import Op
 from .working import READY, Working
 
@@ -63,9 +63,7 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
         return baking.bake(context, plan, self._messages)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
-        say(self, {"INFO"}, f"Baked objects: {self._count}")
-        for sentence in self._messages:  # the last is what is seen
-            say(self, {"WARNING"}, sentence)
+        conclude(self, f"Baked objects: {self._count}", self._messages)
         return {"FINISHED"}
 
 

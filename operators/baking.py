@@ -194,7 +194,7 @@ def _opening(
         raise DimpleError(f'"{obj.name}" is too coarse for shape keys. Subdivide it, bake to a Mesh Cache, or export.')
     proxy = yield from planning.planning_for(context.scene, obj, model)
     session = yield 0.9, partial(Session, model, tick=timeline.tick_s(context.scene), proxy=proxy)
-    messages += [f'"{obj.name}": {note}' for note in model.notes]
+    messages += [type(note)(f'"{obj.name}": {note}') for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
         messages.append(f'"{obj.name}" shares its mesh with other objects: its shape keys go on a copy of its own.')
     path, cache = cache_files.bake_path(context, obj, plan.folder), None

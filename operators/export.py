@@ -7,7 +7,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import modal_runs, polls, sessions
-from .messages import duration, megabytes, say, wrapped
+from .messages import conclude, duration, megabytes, wrapped
 from .names import EXPORTS, Op
 from .translation import translated
 from .working import READY, Working
@@ -173,9 +173,7 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         )
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
-        say(self, {"INFO"}, f"Exported {len(self._written)} files to {self._written[0].parent}")
-        for sentence in self._messages:  # the last is what is seen
-            say(self, {"WARNING"}, sentence)
+        conclude(self, f"Exported {len(self._written)} files to {self._written[0].parent}", self._messages)
         return {"FINISHED"}
 
 

@@ -29,6 +29,11 @@ def report(operator: bpy.types.Operator, sentences: Iterable[str]) -> None:
         say(operator, {"INFO" if isinstance(sentence, Note) else "WARNING"}, sentence)
 
 
+def conclude(operator: bpy.types.Operator, done: str, sentences: Iterable[str]) -> None:
+    """Say notes, then what was done, then warnings: the last is what is seen."""
+    report(operator, sorted([*sentences, Note(done)], key=lambda sentence: not isinstance(sentence, Note)))
+
+
 def gathered(sentences: Iterable[str]) -> list[str]:
     """Return sentences with those said once that several bodies share: "3 bodies: ..."."""
     names: dict[tuple[type[str], str], list[str]] = {}

@@ -188,7 +188,11 @@ def find_buttons(wanted: str = "", step: int = 14) -> Generator[float, None, dic
         x = sidebar.x + round((sidebar.width - 30) * share)  # the tabs take the last pixels
         for y in range(sidebar.y + sidebar.height - 4, sidebar.y, -step):
             yield from move(x, y)
-            if command := command_under(sidebar):
+            command = command_under(sidebar)
+            if wanted and command.startswith(wanted):
+                yield from looks(4)  # on a slow machine it may be where the mouse was before
+                command = command_under(sidebar)
+            if command:
                 found.setdefault(command, (x, y))
                 if wanted and command.startswith(wanted):
                     return found
