@@ -189,13 +189,14 @@ def find_buttons(wanted: str = "", step: int = 14) -> Generator[float, None, dic
         for y in range(sidebar.y + sidebar.height - 4, sidebar.y, -step):
             yield from move(x, y)
             command = command_under(sidebar)
-            if wanted and command.startswith(wanted):
-                yield from looks(4)  # on a slow machine it may be where the mouse was before
-                command = command_under(sidebar)
             if command:
-                found.setdefault(command, (x, y))
-                if wanted and command.startswith(wanted):
-                    return found
+                found[command] = (x, y)
+            if wanted and command.startswith(wanted):
+                for place in ((x, y), (x, y + step)):  # a slow machine may tell what was under the mouse before
+                    yield from move(*place)
+                    yield from looks(6)
+                    if command_under(sidebar) == command:
+                        return {**found, command: place}
     return found
 
 
