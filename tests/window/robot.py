@@ -190,7 +190,7 @@ def find_buttons(wanted: str = "", step: int = 14) -> Generator[float, None, dic
             yield from move(x, y)
             command = command_under(sidebar)
             if command:
-                found[command] = (x, y)
+                found.setdefault(command, (x, y))
             if wanted and command.startswith(wanted):
                 for place in ((x, y), (x, y + step)):  # a slow machine may tell what was under the mouse before
                     yield from move(*place)
