@@ -1,4 +1,4 @@
-"""Make the pictures of the materials anew (`python3 dev.py samples`): one ball of each, pressed with the same 5 N."""
+"""Make the pictures of the materials (`python3 dev.py samples`): one ball of each, pressed with the same 5 N."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ SAMPLES = 32
 SUBDIVISIONS = 6  # of the icosphere: edges of 0.7 mm
 BALL, FINGERTIP, FORCE = 0.04, 0.010, 5.0  # [m] radii, [N]
 SETTLED_S = 1.5
-SCALE = 20.0  # of what is rendered: Cycles dislikes what is tiny
+SCALE = 20.0  # of the rendered scene: Cycles is inaccurate for tiny objects
 FLOOR = (0.55, 0.57, 0.60)
 ELEVATION = 22.0  # [degrees] of the camera
 # place and size of each lamp [radii of the ball], and its brightness
 LAMPS = (((-3.0, -2.4, 3.9), 3.6, 210.0), ((4.2, 1.5, 2.7), 1.5, 150.0), ((1.8, -4.8, 0.6), 6.0, 50.0))
 
-# of each: colour, roughness, and how much of the light goes through it
+# colour, roughness and transmission of each material
 LOOKS = {
     "pillow": ((0.86, 0.86, 0.90), 0.95, 0.0),
     "sofa_foam": ((0.55, 0.22, 0.20), 0.95, 0.0),

@@ -1,4 +1,4 @@
-"""Make the README's looping picture anew (`python3 dev.py samples`): a finger presses Suzanne, and lets go."""
+"""Make the README's looping picture (`python3 dev.py samples`): a finger presses Suzanne, and lets go."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from make_pictures import paint
 from mathutils import Vector
 
 PRESS = Path(__file__).with_name("press.webp")
-SIZE, SCALE = 0.165, 12.0  # [m] of the head; of what is rendered: Cycles dislikes what is tiny
-FINGER, DEPTH = 0.012, 0.026  # [m] radius, and how deep it goes
+SIZE, SCALE = 0.165, 12.0  # [m] of the head; of the rendered scene: Cycles is inaccurate for tiny objects
+FINGER, DEPTH = 0.012, 0.026  # [m] its radius, depth of the press
 LONG = 7.0  # radii of the finger that are seen
 PLACE, WAY = (-0.026, -0.040, 0.045), (0.40, 0.62, -0.68)  # [m] on the forehead; inwards
 LEANS = (0.72, 0.10, 0.69)  # the way of the finger behind its tip

@@ -1,4 +1,4 @@
-"""Make the samples and the pictures of the materials anew (`python3 dev.py samples`), in the oldest Blender."""
+"""Make the samples and the pictures of the materials (`python3 dev.py samples`), in the oldest Blender."""
 
 from __future__ import annotations
 

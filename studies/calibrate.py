@@ -28,14 +28,14 @@ def add_command(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run)
     command.add_argument(
-        "file", type=Path, metavar="FILE", nargs="+", help="what the instrument wrote; several fit together"
+        "file", type=Path, metavar="FILE", nargs="+", help="file of an instrument; several are fitted together"
     )
     command.add_argument(
         "--tip", metavar="SHAPE:R", action="append", default=[], help="of each file in turn, R in mm: sphere:10"
     )
     command.add_argument("--length-mm", type=float, metavar="L", help="edge of the object, for k")
     command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT.radius, help="of the tip")
-    command.add_argument("--indenter", choices=TIPS, default="point", help="what measured; a point is a small punch")
+    command.add_argument("--indenter", choices=TIPS, default="point", help="shape of the tip; a point is a small punch")
     command.add_argument("--section-mm2", type=float, metavar="A", help="section of the surface, for k by Eq. (10)")
     command.add_argument("--youngs-modulus-mpa", type=float, metavar="E", help="of the surface, for k by Eq. (10)")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")

@@ -29,8 +29,10 @@ from .reference.facets import nearest_on_triangles
 
 STARTS, QUICK_STARTS, QUICK_SHARE = 10, 1, 1.0
 PROBE = "import ipctk, numpy; f = numpy.array([[0, 1, 2]]); ipctk.CollisionMesh(numpy.eye(3), ipctk.edges(f), f)"
-MISSING = """The referee, ipctk, does not run. python3 dev.py installs it; where what it installs for one Python wants
-another processor than this, take the other Python's: --blender 4.5."""
+MISSING = (
+    "The referee, ipctk, does not run. python3 dev.py installs it; if its build for one Python asks for another "
+    "processor than this one, use the other Python: --blender 4.5."
+)
 
 
 class Referee:
@@ -168,13 +170,16 @@ def _closed(faces: Ints) -> bool:
     return bool((np.unique(sides, axis=0, return_counts=True)[1] == 2).all())
 
 
-def main(words: list[str]) -> int:
-    """Run the command and return its exit code: 0 only where nothing passed through anything."""
-    parser = argparse.ArgumentParser(prog="dev.py contact", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="one start of each scene")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="where the results go")
-    parser.add_argument("scenes", nargs="*", choices=[*SCENES, []], metavar="SCENE", help=", ".join(SCENES))
-    options = parser.parse_args(words)
+def add_contact(command: argparse.ArgumentParser) -> None:
+    """Give the command its options."""
+    command.set_defaults(run=run_contact)
+    command.add_argument("--quick", action="store_true", help="one start of each scene")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the results")
+    command.add_argument("scenes", nargs="*", choices=[*SCENES, []], metavar="SCENE", help=", ".join(SCENES))
+
+
+def run_contact(options: argparse.Namespace) -> int:
+    """Judge the scenes and return the exit code: 0 only if nothing passed through anything."""
     if subprocess.run([sys.executable, "-c", PROBE], check=False, capture_output=True).returncode:
         print(MISSING, file=sys.stderr)
         return 1
@@ -202,7 +207,3 @@ def main(words: list[str]) -> int:
     if options.json:
         options.json.write_text(json.dumps(found, indent=1) + "\n")
     return 0 if all(not row["intersections"] and not row["swallowed"] and row["finite"] for row in rows) else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

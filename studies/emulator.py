@@ -49,7 +49,7 @@ def add_emulator(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--fault", action="append", default=[], metavar="FAULT", help="what goes wrong; may be repeated"
     )
-    command.add_argument("--seconds", type=float, metavar="N", default=math.inf, help="end after so long")
+    command.add_argument("--seconds", type=float, metavar="N", default=math.inf, help="end after N seconds")
     command.add_argument("--baud", type=int, metavar="B", help="bits a second, 0: bytes take no time")
     command.add_argument("--seed", type=int, default=0, help="of all chance")
     command.add_argument("--json", type=Path, metavar="OUT", help="write at the end what the device measured")

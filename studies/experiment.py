@@ -73,11 +73,11 @@ def add_experiment(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_experiment)
     what = command.add_mutually_exclusive_group(required=True)
-    what.add_argument("--simulate", type=int, metavar="N", help="so many simulated observers")
+    what.add_argument("--simulate", type=int, metavar="N", help="simulate N observers")
     what.add_argument("--analyse", type=Path, nargs="+", metavar="CSV", help="files of answers")
     what.add_argument("--observe", type=Path, metavar="CSV", help="one simulated observer, answers kept in a file")
     command.add_argument("--seed", type=int, default=1)
-    command.add_argument("--referee", type=int, default=REFEREED, metavar="N", help="so many fitted by psignifit too")
+    command.add_argument("--referee", type=int, default=REFEREED, metavar="N", help="have psignifit fit N of them too")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the figures")
     command.add_argument("--plot", type=Path, metavar="OUT.png", help="draw answers and ratings")
 

@@ -1,4 +1,4 @@
-"""Run the bake of the command line in Blender as a module: `bake.py --zip DIMPLE.zip WORDS`, in a throwaway profile."""
+"""Run `blender --command dimple bake` with Blender as a module: `bake.py --zip DIMPLE.zip OPTIONS`."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Make and repair the environments under .venv/, one per Blender version.
 
-Each holds Blender as a module (bpy) and what requirements/ pins. A finished environment is stamped with
-a hash of its pins; one without that stamp is made anew, so an interrupted set-up mends itself and a
+Each holds Blender as a module (bpy) and the packages that requirements/ pins. A finished environment is stamped with
+a hash of its pins and is made again if the stamp is missing or differs. So an interrupted set-up repairs itself, and a
 second run costs nothing.
 """
 
@@ -31,9 +31,9 @@ READER_PINS = ROOT / "requirements" / "readers.txt"
 # version of bpy: the Python it needs; newest first
 BLENDERS = {"5.2.3": "3.13", "5.0.1": "3.11", "4.5.15": "3.11"}
 OLDEST = "4.5.15"
-LOOK_S = 0.05  # between two looks at whether a command has ended
+POLL_S = 0.05  # interval at which running commands are polled
 
-# what bpy loads on Linux, and the Debian package that brings it (without libEGL a GPU engine aborts)
+# libraries that bpy loads on Linux, and the Debian package of each (without libEGL a GPU engine aborts)
 SYSTEM_LIBRARIES = {
     "libX11.so.6": "libx11-6",
     "libXrender.so.1": "libxrender1",
@@ -56,20 +56,22 @@ def say(text: str) -> None:
     print(f"dev.py: {text}", file=sys.stderr, flush=True)
 
 
-def run(command: Sequence[str | Path], *, limit_s: float | None = None, **variables: str) -> int:
-    """Run a command in the repository and return its exit code."""
+def run(
+    command: Sequence[str | Path], *, folder: Path = ROOT, limit_s: float | None = None, **variables: str
+) -> int:
+    """Run a command in a folder, the repository unless another is given, and return its exit code."""
     words = [str(word) for word in command]
     try:
-        return subprocess.run(words, cwd=ROOT, env={**os.environ, **variables}, timeout=limit_s).returncode
+        return subprocess.run(words, cwd=folder, env={**os.environ, **variables}, timeout=limit_s).returncode
     except subprocess.TimeoutExpired:
-        raise Stop(f"stopped after {limit_s:.0f} s without an end: {' '.join(words)}") from None
+        raise Stop(f"stopped after its limit of {limit_s:.0f} s: {' '.join(words)}") from None
 
 
 def run_together(commands: Sequence[Sequence[str | Path]], *, limit_s: float) -> list[int]:
-    """Run commands in the repository, as many at a time as there are processors, and return their exit codes.
+    """Run commands in the repository, one for each processor at a time, and return their exit codes.
 
-    They begin in the order given. What the first one prints is seen as it comes, what each other one prints when it
-    and those before it have ended.
+    They start in the order given. The first prints live; the output of each other one is printed when it and all before
+    it have ended.
     """
     lines, until = [[str(word) for word in command] for command in commands], time.monotonic() + limit_s
     with contextlib.ExitStack() as stack:
@@ -80,7 +82,7 @@ def run_together(commands: Sequence[Sequence[str | Path]], *, limit_s: float) ->
             if waiting and sum(process.poll() is None for process in started) < (os.cpu_count() or 1):
                 words, output = waiting.popleft()
                 process = subprocess.Popen(words, cwd=ROOT, stdout=output, stderr=output and subprocess.STDOUT)
-                stack.callback(process.kill)  # does nothing to one that has ended
+                stack.callback(process.kill)  # does nothing if it has ended
                 started.append(process)
                 continue
             first = len(lines) - len(unseen)
@@ -88,13 +90,13 @@ def run_together(commands: Sequence[Sequence[str | Path]], *, limit_s: float) ->
             if late or started[first].poll() is not None:
                 show(unseen.popleft())
             if late:
-                raise Stop(f"stopped after {limit_s:.0f} s without an end: {' '.join(lines[first])}")
-            time.sleep(LOOK_S)
+                raise Stop(f"stopped after its limit of {limit_s:.0f} s: {' '.join(lines[first])}")
+            time.sleep(POLL_S)
     return [process.returncode for process in started]
 
 
 def show(output: IO[bytes] | None) -> None:
-    """Print what a command has written to a file."""
+    """Print the output that a command wrote to a file."""
     if output:
         output.seek(0)
         shutil.copyfileobj(output, sys.stdout.buffer)
@@ -106,11 +108,11 @@ def require(command: Sequence[str | Path], failure: str) -> None:
     words = [str(word) for word in command]
     done = subprocess.run(words, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode != 0:
-        raise Stop(f"{failure} Run the same command again once this is repaired:\n{done.stdout.strip()}")
+        raise Stop(f"{failure} Repair this and run the same command again:\n{done.stdout.strip()}")
 
 
 def find_python(series: str) -> str | None:
-    """Return an interpreter that runs (a pyenv shim may refuse) and can make environments."""
+    """Return an interpreter that can make environments, or None. Each is tried, because a pyenv shim may refuse."""
     places = [Path(folder) / f"python{series}" for folder in os.get_exec_path()]
     places += sorted(Path.home().glob(f".pyenv/versions/{series}*/bin/python{series}"))
     if series == f"{sys.version_info[0]}.{sys.version_info[1]}":
@@ -159,10 +161,10 @@ def install_packages(packages: list[str]) -> None:
 
 
 def environment(wanted: str | None = None) -> Path:
-    """Return the Python of an environment with the wanted Blender, made first where it is not ready.
+    """Return the Python of an environment with the wanted Blender, made first if it is not ready.
 
     Args:
-        wanted: a pinned version or its beginning, as "4.5"; None is the newest this machine has a Python for.
+        wanted: a pinned version or the beginning of one, as "4.5"; None: the newest that this machine has a Python for.
 
     Raises:
         Stop: no such version, no Python for it, or a step failed.
@@ -205,7 +207,7 @@ def make_environment(version: str, interpreter: str) -> None:
     require([interpreter, "-m", "venv", home], "The virtual environment could not be made.")
     say(f"installing bpy {version} (400 MB to download, 1 GB on disk) and the tools")
     pins: tuple[list[str | Path], ...] = (["-r", WHEEL_PINS], ["-r", DEV_PINS, f"bpy=={version}"])
-    for pinned in pins:  # apart, as only the first have hashes
+    for pinned in pins:  # two calls, since only the wheels are pinned by hashes
         require([python, *PIP, "install", "-q", "--no-deps", *pinned], "The packages could not be installed.")
     require([python, *PIP, "check", "-q"], "requirements/dev.txt is not complete.")
     require([python, "-c", "import bpy"], f"Blender {version} is installed but does not start.")
@@ -213,20 +215,20 @@ def make_environment(version: str, interpreter: str) -> None:
 
 
 def provide_peers(python: Path) -> Path:
-    """Return the folder in an environment, and not on its path, that holds the solvers to compare with.
+    """Return a folder of an environment, outside its path, with the solvers that the benchmark compares with.
 
     Raises:
-        Stop: they could not be installed.
+        Stop: the packages could not be installed.
     """
     with alone():
         return provide_packages(python, python.parent.parent / "peers", PEER_PINS, "panda3d, 50 to 120 MB to download")
 
 
 def provide_readers(python: Path) -> Path:
-    """Return the folder in an environment, and not on its path, that holds what reads exported animations back.
+    """Return a folder of an environment, outside its path, with the packages that read exported animations.
 
     Raises:
-        Stop: they could not be installed.
+        Stop: the packages could not be installed.
     """
     with alone():
         folder = python.parent.parent / "readers"
@@ -234,10 +236,10 @@ def provide_readers(python: Path) -> Path:
 
 
 def provide_packages(python: str | Path, folder: Path, pins: Path, what: str) -> Path:
-    """Return a folder with pinned packages, installed first where it does not hold them.
+    """Return a folder with pinned packages, installed first unless they are there.
 
     Raises:
-        Stop: they could not be installed.
+        Stop: the packages could not be installed.
     """
     stamp = folder / "pins.txt"
     if not (stamp.exists() and stamp.read_text() == pins.read_text()):
@@ -251,7 +253,7 @@ def provide_packages(python: str | Path, folder: Path, pins: Path, what: str) ->
 
 @contextlib.contextmanager
 def alone() -> Iterator[None]:
-    """Let one dev.py at a time change .venv/ or wheels/; a killed one leaves no lock behind."""
+    """Let only one process at a time change .venv/ or wheels/; the lock ends with its process."""
     ENVIRONMENTS.mkdir(exist_ok=True)
     with (ENVIRONMENTS / "lock").open("w") as lock:
         with contextlib.suppress(ImportError):  # Windows has no fcntl

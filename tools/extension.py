@@ -19,15 +19,15 @@ def build_zip(python: str | Path, folder: Path, *, split: bool = False) -> Path:
     """Validate the extension and build its zip with Blender's own tool, in plain Python.
 
     Args:
-        python: the Python of an environment, at its place in there.
-        folder: where the zip goes.
-        split: also one smaller zip for each platform, beside it.
+        python: the Python of an environment.
+        folder: the zip is written here.
+        split: write a smaller zip for each platform too.
 
     Returns:
-        The path of the zip, which serves every platform.
+        The path of the zip for all platforms.
 
     Raises:
-        Stop: Blender's tool refused.
+        Stop: Blender's tool refused the extension.
     """
     with alone():
         shipped_wheels(python)
@@ -54,7 +54,7 @@ def build_zip(python: str | Path, folder: Path, *, split: bool = False) -> Path:
 
 
 def shipped_wheels(python: str | Path) -> list[Path]:
-    """Return the wheels of others that the extension ships, downloaded when those there are not the pinned ones."""
+    """Return the wheels of other projects that the extension ships, downloaded unless the pinned ones are there."""
     pinned = set(re.findall(r"--hash=sha256:(\w+)", WHEEL_PINS.read_text()))
     if {hashlib.sha256(wheel.read_bytes()).hexdigest() for wheel in foreign_wheels()} != pinned:
         say("downloading the wheels that the extension ships")

@@ -22,8 +22,7 @@ from .environment import ENVIRONMENTS, ROOT, Stop, provide_packages, require, sa
 SOURCES = ROOT / "core" / "native"
 BUILD = ROOT / "build" / "native"
 WHEELS = ROOT / "wheels"
-ARCHIVE = SOURCES / "sources.tar.bz2"  # they go where the machine code goes; packed together they take a third less
-SHORT = 1000  # bytes: the properties of LZMA would be most of a file
+ARCHIVE = SOURCES / "sources.tar.bz2"  # the license asks that sources accompany machine code
 PINS = ROOT / "requirements" / "native.txt"
 ZIG = ENVIRONMENTS / "zig"
 PACKAGE = "dimple_native"
@@ -32,13 +31,12 @@ FLAGS = (
     "-std=c11", "-O3", "-fno-unroll-loops", "-fno-vectorize", "-fomit-frame-pointer", "-fPIC", "-fvisibility=hidden",
     "-fno-math-errno", "-fno-trapping-math", "-Wall", "-Wextra", "-Werror",
 )  # fmt: skip
-NO_UNWINDING = "-fno-asynchronous-unwind-tables", "-fno-unwind-tables"  # 3 kB less; Windows' calls want them
-# fused multiply-add is a tenth of the time; without it double precision has the same bits on every machine
+# fused multiply-add saves a tenth of the time; without it double precision gives the same bits on every machine
 FUSE = {32: "-ffp-contract=on", 64: "-ffp-contract=off"}
-ONCE_SMALL = "api", "cells", "falling", "many", "seeds"  # of them, what is not run over and over
 ONCE = "api", "many", "cells", "seeds", "motions", "falling"  # compiled once for all instruction sets
 VARIANTS = {"base": (), "avx2": ("-mavx2", "-mfma")}
-SMALL = "-Os"  # of the set that only processors from before 2013 take, and of what is linked in: 50 kB less of the zip
+SMALL = "-Os"  # for the fallback set, which only processors from before 2013 use, and zig's runtime: 50 kB less
+DOUBLE = "-DDM_DOUBLE"  # compiles bodies in double precision too; only tests use them
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +49,6 @@ class Platform:
     sets: tuple[str, ...]
 
 
-DOUBLE = "-DDM_DOUBLE"  # bodies in double precision too, for tests; what ships is smaller
-
 PLATFORMS = {
     "linux-x64": Platform("x86_64-linux-gnu.2.17", "libdimple_core.so", "manylinux_2_17_x86_64", ("base", "avx2")),
     "windows-x64": Platform("x86_64-windows-gnu", "dimple_core.dll", "win_amd64", ("base", "avx2")),
@@ -63,7 +59,7 @@ PLATFORMS = {
 
 
 def provide_library(python: str | Path) -> None:
-    """Put the library of this machine beside its sources, where it is not up to date.
+    """Put an up-to-date library for this machine beside its sources.
 
     Raises:
         Stop: it cannot be compiled.
@@ -71,16 +67,16 @@ def provide_library(python: str | Path) -> None:
     name = this_platform()
     place, built = SOURCES / PLATFORMS[name].library, compile_library(python, name, DOUBLE)
     if not place.exists() or place.read_bytes() != built.read_bytes():
-        fresh = place.with_suffix(".new")  # a library in use must not change under its user
+        fresh = place.with_suffix(".new")  # a process that has the old library loaded keeps the old file
         shutil.copyfile(built, fresh)
         os.replace(fresh, place)
 
 
 def provide_wheels(python: str | Path) -> list[Path]:
-    """Make the wheels of all platforms.
+    """Make the wheel of each platform and the archive of the sources.
 
     Raises:
-        Stop: one cannot be compiled.
+        Stop: a library cannot be compiled.
     """
     wheels = []
     for name, target in PLATFORMS.items():
@@ -99,7 +95,7 @@ def provide_wheels(python: str | Path) -> list[Path]:
 
 
 def packed_sources() -> bytes:
-    """Return an archive of the C sources and of what compiles them, the same bytes whenever it is made."""
+    """Return an archive of the C sources and of this file, which compiles them; its bytes are reproducible."""
     memory = io.BytesIO()
     with tarfile.open(fileobj=memory, mode="w", format=tarfile.USTAR_FORMAT) as archive:
         for path in (Path(__file__), *sorted(SOURCES.glob("*.[ch]"))):
@@ -107,7 +103,7 @@ def packed_sources() -> bytes:
             entry.size = path.stat().st_size
             with path.open("rb") as content:
                 archive.addfile(entry, content)
-    return bz2.compress(memory.getvalue())  # of text, a fifteenth less than xz
+    return bz2.compress(memory.getvalue())
 
 
 def this_platform() -> str:
@@ -126,7 +122,7 @@ def this_platform() -> str:
 
 
 def version() -> str:
-    """Return the version of the wheels: of another interface, another one, or Blender would keep the old library."""
+    """Return the version of the wheels; it counts changes of the interface, or Blender would keep an old library."""
     found = re.search('^version = "(.+)"', (ROOT / "blender_manifest.toml").read_text(), re.MULTILINE)
     abi = re.search(r"^#define DM_ABI (\d+)", (SOURCES / "dimple.h").read_text(), re.MULTILINE)
     assert found and abi
@@ -134,10 +130,12 @@ def version() -> str:
 
 
 def compile_library(python: str | Path, name: str, *more: str) -> Path:
-    """Return the library of a platform, compiled when a source or a pin is newer.
+    """Return the library of a platform, compiled if a source or a pin has changed.
 
     Args:
-        more: options for the compiler; such a library lies in a place of its own.
+        python: the Python of an environment, which installs the compiler.
+        name: the platform.
+        more: further options for the compiler; each choice of options has a folder of its own.
 
     Raises:
         Stop: there is no compiler, or it refused.
@@ -149,17 +147,13 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
     zig = compiler(python)
     say(f"compiling the native core for {name}")
     folder.mkdir(parents=True, exist_ok=True)
-    words: list[list[str | Path]] = [
-        [FUSE[64], *([SMALL] if each in ONCE_SMALL else ()), SOURCES / f"{each}.c", "-o", folder / f"{each}.o"]
-        for each in ONCE
-    ]
+    words: list[list[str | Path]] = [[FUSE[64], SOURCES / f"{each}.c", "-o", folder / f"{each}.o"] for each in ONCE]
     for kind in target.sets:
         for bits in (32, 64) if DOUBLE in more else (32,):
             options: list[str | Path] = [f"-DDM_BITS={bits}", f"-DDM_SET={kind}", *VARIANTS[kind], FUSE[bits]]
             options += [SMALL] if kind != target.sets[-1] else []
             words.append([*options, SOURCES / "variant.c", "-o", folder / f"{kind}{bits}.o"])
     command: list[str | Path] = [zig, "cc", "-target", target.triple, *more]
-    command += () if name.startswith("windows") else NO_UNWINDING
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(lambda rest: quiet([*command, *FLAGS, "-c", *rest]), words))
     objects = [rest[-1] for rest in words]
@@ -170,7 +164,7 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
 
 
 def compiler(python: str | Path) -> Path:
-    """Return zig, installed first where it is not the pinned one.
+    """Return zig, installed first unless the pinned version is there.
 
     Raises:
         Stop: it could not be installed.
@@ -192,7 +186,7 @@ def quiet(command: list[str | Path]) -> None:
 
 
 def wheel_content(tag: str, name: str, library: bytes) -> bytes:
-    """Return a wheel with one package of data, the same bytes whenever it is made."""
+    """Return a wheel with one package that holds the library; its bytes are reproducible."""
     info = f"{PACKAGE}-{version()}.dist-info"
     kind = f"Wheel-Version: 1.0\nGenerator: dimple\nRoot-Is-Purelib: false\nTag: py3-none-{tag}\n"
     metadata = f"Metadata-Version: 2.1\nName: {PACKAGE}\nVersion: {version()}\nLicense: GPL-3.0-or-later\n"
@@ -206,9 +200,8 @@ def wheel_content(tag: str, name: str, library: bytes) -> bytes:
     files[f"{info}/RECORD"] = f"{record}{info}/RECORD,,\n".encode()
     memory = io.BytesIO()
     with zipfile.ZipFile(memory, "w") as archive:
-        for path, content in files.items():  # LZMA is a fifth smaller, and every Python of Blender reads it
-            packed = zipfile.ZIP_LZMA if len(content) > SHORT else zipfile.ZIP_DEFLATED
-            archive.writestr(zipfile.ZipInfo(path, (1980, 1, 1, 0, 0, 0)), content, packed, 9)
+        for path, content in files.items():
+            archive.writestr(zipfile.ZipInfo(path, (1980, 1, 1, 0, 0, 0)), content, zipfile.ZIP_DEFLATED, 9)
     return memory.getvalue()
 
 

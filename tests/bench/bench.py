@@ -7,15 +7,12 @@ CSV and a chart per machine.
 
 from __future__ import annotations
 
-import argparse
 import csv
 import ctypes
 import gc
-import json
 import os
 import platform
 import re
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -40,7 +37,7 @@ TICK = 1e-3  # [s]
 DEPTH = 0.010  # [m] of the press that is measured
 PRESS_TICKS = 8  # from the skin to there
 BALL_SIZES, CUBE_SIZES = (3, 4, 5, 6, 7), (10, 20, 41, 82, 165)  # 642 or 602 vertices to 164 thousand
-SUBSTEPS = 10  # in a tick, for "so many vertices in real time"
+SUBSTEPS = 10  # in a tick, for "N vertices in real time"
 CALLS_MS = (1.0, 1000 / 60)  # of a session: a servo's, or another solver's user's; and a viewport's
 SESSION_LIMIT = 12_000  # vertices of the largest body that is stepped through a session too
 
@@ -127,7 +124,7 @@ def measure(scene: str, size: int, *, seconds: float, repeats: int, slowest: int
 
 
 def stir(body: Body) -> None:
-    """Wake a body: what rests, under a fingertip that stands still too, would cost nothing."""
+    """Wake a body: at rest, also under a still fingertip, it would cost nothing."""
     body.set_state(body.positions(), body.velocities())
 
 
@@ -160,7 +157,7 @@ def called(session: Session, call_s: float) -> float:
 def session_case(
     scene: str, n: int, substeps: int, call_ms: float, ticks: Floats, steps_alone: Floats
 ) -> dict[str, Any]:
-    """Return what ticks (repeats,) [s] through a session cost beside their steps alone, repeat by repeat."""
+    """Return the times [s] of ticks through a session beyond those of their steps, repeat by repeat."""
     tick = float(np.median(ticks))
     return {
         "scene": scene, "vertices": n, "backend": "session", "call_ms": round(call_ms, 1), "substeps": substeps,
@@ -188,7 +185,7 @@ def straight(start: float, end: float, ticks: int, fingers: int) -> tuple[Finger
 
 
 def memory_mb() -> float:
-    """Return what this process holds, less what it has freed; nan where the system does not tell."""
+    """Return the memory [MB] that this process holds; nan if the system does not report it."""
     statm = Path("/proc/self/statm")
     if not statm.exists():
         return float("nan")
@@ -248,55 +245,12 @@ def machine() -> str:
     return re.sub(r"[^A-Za-z0-9]+", "-", f"{name} {os.cpu_count()} cores").strip("-")
 
 
-def main(words: list[str]) -> int:
-    summary_line = (__doc__ or "").partition("\n")[0]
-    parser = argparse.ArgumentParser(prog="dev.py bench", description=summary_line, allow_abbrev=False)
-    quick = "under 50 seconds: few repeats, slow backends to 10,000 vertices only"
-    parser.add_argument("--quick", action="store_true", help=quick)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="where the numbers go")
-    parser.add_argument("--profile", action="store_true", help="what each part of a step costs, instead")
-    parser.add_argument("--tension", action="store_true", help="what the tension costs, instead")
-    parser.add_argument("--peers", action="store_true", help="Dimple beside Bullet on the same bodies, instead")
-    parser.add_argument("--enabling", action="store_true", help="what enabling costs in Blender, instead")
-    parser.add_argument("--show", action="store_true", help="how a press is shown, beside writing the mesh, instead")
-    parser.add_argument("--scale", action="store_true", help="many bodies, many vertices, instead")
-    parser.add_argument("--exports", action="store_true", help="what an export costs in each format, instead")
-    parser.add_argument("--full", action="store_true", help="with --scale: the full million too, minutes")
-    options = parser.parse_args(words)
-    if options.scale:
-        from tests.bench import scale
-
-        found = scale.main(full=options.full)
-        if options.json:
-            options.json.write_text(json.dumps({"machine": machine()} | found, indent=1) + "\n")
-        return 0
-    if options.enabling:
-        from tests.bench import enabling
-
-        return enabling.main()
-    if options.show:
-        from tests.bench import showing
-
-        return showing.main()
-    if options.peers:
-        from tests.bench import peers
-
-        rows = peers.measure_all()
-        if options.json:
-            options.json.write_text(json.dumps({"machine": machine(), "cases": rows}, indent=1) + "\n")
-        return 0
-    if options.tension:
-        from tests.bench import tension
-
-        return tension.main()
-    if options.profile:
-        from tests.bench import profile
-
-        return profile.main()
+def main(*, quick: bool) -> dict[str, Any]:
+    """Measure every scene, print the table, keep it unless it was quick, and return the numbers."""
     print(f"{native.instructions()}; {machine()}; Python {platform.python_version()}, numpy {np.__version__}")
     print("scene      vertices backend         ns/vertex/step    least real time   set-up     MB")
     cases: list[dict[str, Any]] = []
-    seconds, repeats, slowest = (0.4, 1, 12_000) if options.quick else (0.8, 2, 50_000)
+    seconds, repeats, slowest = (0.4, 1, 12_000) if quick else (0.8, 2, 50_000)
     for scene, (*_, sizes, _more) in SCENES.items():
         for size in sizes:
             some = measure(scene, size, seconds=seconds, repeats=repeats, slowest=slowest)
@@ -305,10 +259,7 @@ def main(words: list[str]) -> int:
     lines, speed = summary(cases), bandwidth()
     for name, line in lines.items():
         print(f"{name}: " + ", ".join(f"{key} {value}" for key, value in line.items()))
-    if options.json:
-        whole = {"machine": machine(), "instructions": native.instructions(), "bandwidth": speed}
-        options.json.write_text(json.dumps(whole | {"cases": cases, "summary": lines}, indent=1) + "\n")
-    if not options.quick:
+    if not quick:
         path = Path(__file__).parent / f"{machine()}.csv"
         with path.open("w", newline="") as file:
             table = csv.DictWriter(file, list(cases[0]), lineterminator="\n")
@@ -316,7 +267,7 @@ def main(words: list[str]) -> int:
             table.writerows(cases)
         draw(cases, lines, speed, path.with_suffix(""))
         print(f"kept tests/bench/{path.name} and its chart")
-    return 0
+    return {"instructions": native.instructions(), "bandwidth": speed, "cases": cases, "summary": lines}
 
 
 def row(case: dict[str, Any]) -> str:
@@ -328,7 +279,3 @@ def row(case: dict[str, Any]) -> str:
     if case["call_ms"]:
         return line + f"{case['us_a_call_more']:+.1f} us a call, {case['times_the_steps']:.2f} times the steps"
     return line + f"{case['set_up_s']:7.2f}s {case['memory_mb']:6.0f}"
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -1,4 +1,4 @@
-"""Say what enabling the extension costs in Blender: `python3 dev.py bench --enabling`."""
+"""Measure the cost of enabling the extension in Blender: `python3 dev.py bench --enabling`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Say where the time of a step goes, part by part: `python3 dev.py bench --profile`."""
+"""Measure each part of a step: `python3 dev.py bench --profile`."""
 
 from __future__ import annotations
 

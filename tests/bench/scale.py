@@ -113,7 +113,7 @@ def two_workers(pool: ProcessPoolExecutor, count: int, size: int) -> dict[str, A
 
 
 def pressed_crowd(count: int, size: int) -> list[native.Body]:
-    """Return balls of so many vertices, each with a fingertip 10 mm deep in it."""
+    """Return balls with a number of vertices, each under a fingertip 10 mm deep."""
     subdivisions = round(np.log(size / 10) / np.log(4))  # 10 * 4**n + 2 vertices
     model = scenes.poke_ball(subdivisions).model
     group = [native.Body(model, native.library()) for _ in range(count)]

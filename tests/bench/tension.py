@@ -1,4 +1,4 @@
-"""Say what the tension of shape matching costs: `python3 dev.py bench --tension`.
+"""Measure the cost of the tension of shape matching: `python3 dev.py bench --tension`.
 
 The same pinned bodies, in turn, by the library and by one whose ring pass is compiled without the tension. They have no
 spread, so that both do the same; what a tension multiplies by does not change what it costs.

@@ -16,7 +16,7 @@ from studies.scenes import twisted_ball
 from studies.stability import bound, linearised, small_body
 from studies.work_precision import DECADES, NATIVE, Point, cases, exact, front, run
 from tools.charts import KEPT
-from tools.charts_work import dop853
+from tools.charts.work import dop853
 
 FRONTS = KEPT / "fronts.csv"
 

@@ -1,4 +1,4 @@
-"""The stability map: time step against stiffness, a panel a method."""
+"""The stability map: time step against stiffness, one panel for each method."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from studies.stability import Bound, Cell
 from .drawing import edges, save, table, write_csv
 
 CELLS = ("stable", "inaccurate", "blown up")
-COLOURS = ("#b7dcc3", "#f2b134", "#a4303f")  # they differ in lightness too
+COLOURS = ("#b7dcc3", "#f2b134", "#a4303f")  # of different lightness, for the color blind
 
 
 def draw_stability(out: Path, quick: bool) -> None:
@@ -56,9 +56,9 @@ def draw_stability(out: Path, quick: bool) -> None:
     keys.append(Line2D([], [], color="black", ls=":", lw=1.6, label="step Dimple takes"))
     figure.legend(handles=keys, loc="lower center", ncols=6, frameon=False)
     figure.suptitle(
-        f"Where methods blow up: a shaken ball of 12 vertices. Blown up: deformed over {stability.BLOWN:.0f} times the "
-        f"start; inaccurate: off by over {100 * stability.INACCURATE:.0f} % of it.\n"
-        "Green at the top right: the step is longer than the motion lasts, and a damped body is at rest either way",
+        f"Where methods blow up: a shaken ball of 12 vertices. Blown up: deformed over {stability.BLOWN:.0f} times as "
+        f"much as at the start; inaccurate: an error over {100 * stability.INACCURATE:.0f} % of that.\n"
+        "Green at the top right: the step is longer than the whole motion, after which a damped body is at rest",
         fontsize=9,
     )
     save(figure, out / "stability", bottom=0.03)

@@ -1,4 +1,4 @@
-"""The chart of work against precision: what an error costs with each method, and who is the cheapest."""
+"""The chart of work against precision: the cost of an error with each method, and the cheapest method."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def draw_work_precision(out: Path, quick: bool) -> None:
     handles.append(Line2D([], [], **RING, label="the cheapest in numpy for its error"))
     handles.append(Line2D([], [], color="black", marker="x", ls="", label="steps without a solution"))
     figure.legend(handles=handles, loc="lower center", frameon=False, ncols=columns + 1)
-    figure.suptitle("What precision costs. Lower is faster, further right more exact.\nDashed: the cheapest nowhere")
+    figure.suptitle("The price of precision. Lower is faster, further right more exact.\nDashed: nowhere the cheapest")
     save(figure, out / "work_precision", bottom=0.12)
 
 
@@ -83,7 +83,7 @@ def draw_panel(axes: Axes, case: Case, points: list[Point], best: list[Point], c
 
 
 def line(name: str, chosen: bool, x: Sequence[float] = (), y: Sequence[float] = (), label: str = "") -> Line2D:
-    """Return a method's line, bold where it is the cheapest somewhere."""
+    """Return the line of a method, bold if it is the cheapest somewhere."""
     bold = chosen or name == NATIVE
     return Line2D(
         x, y, color=STYLES[name], marker=MARKERS[name], ms=5, lw=1.8 if bold else 1.0, ls="-" if bold else "--",
@@ -101,8 +101,6 @@ def print_fronts(points: dict[str, list[Point]], best: dict[str, dict[float, Poi
             next((p.cost for p in points[scene] if p.method == name), math.nan) for name in ("semi_implicit", NATIVE)
         ]
         lines.append((scene, *cheapest, f"{both[0] / both[1]:.0f} times faster"))
-    print(
-        "\nThe cheapest method in numpy for an error of at most; semi-implicit Euler in C\n" + table(lines), flush=True
-    )
+    print("\nThe cheapest method in numpy for each error; semi-implicit Euler in C\n" + table(lines), flush=True)
     chosen = {p.method for found in best.values() for p in found.values()}
-    print("On no front: " + ", ".join(n for n in METHODS if n not in chosen) + "\n", flush=True)
+    print("Nowhere the cheapest: " + ", ".join(n for n in METHODS if n not in chosen) + "\n", flush=True)

@@ -36,7 +36,7 @@ def draw_energy(out: Path, quick: bool) -> None:
         zip(sizes, measured, theory, strict=True),
     )  # fmt: skip
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(14, 4.4))
-    for i, trace in enumerate(short):  # several lie on each other: the later ones thinner
+    for i, trace in enumerate(short):  # several curves coincide, so the later ones are thinner
         left.plot(
             np.array(trace.phases) / (2 * np.pi), trace.ratios, color=STYLES[trace.method],
             label=LABELS[trace.method], lw=4 - 0.4 * i, ls=("-", "--")[i % 2],
@@ -44,7 +44,7 @@ def draw_energy(out: Path, quick: bool) -> None:
     left.set(
         ylim=(0, 2.6),
         xlabel="periods",
-        ylabel="energy over that at the start",
+        ylabel="energy / energy at the start",
         title=f"\u03c9 dt = {omega_dt}, no damping",
     )
     left.legend(frameon=False, fontsize=7, loc="upper right")
@@ -53,7 +53,7 @@ def draw_energy(out: Path, quick: bool) -> None:
     middle.set(xlabel="steps", ylabel="energy error", title=f"velocity Verlet, {steps:,} steps")
     right.loglog(sizes, theory, "k-", label="theory: ln(1 + (\u03c9 dt)\u00b2) / (2 \u03c9 dt)")
     right.loglog(sizes, measured, "o", label="measured")
-    right.set(xlabel="\u03c9 dt", ylabel="damping ratio", title="what backward Euler adds by itself")
+    right.set(xlabel="\u03c9 dt", ylabel="damping ratio", title="damping that backward Euler adds")
     right.legend(frameon=False, fontsize=8)
     save(figure, out / "energy")
 
@@ -81,7 +81,7 @@ def draw_literal(out: Path, quick: bool) -> None:
 
 
 def draw_cost(out: Path, quick: bool) -> None:
-    """Draw cost against vertices; methods in numpy stop where a step of the slowest takes seconds."""
+    """Draw cost against vertices; methods in numpy get small bodies only, as a step of the slowest takes seconds."""
     slow, fast = ((2, 3), (2, 3, 4, 5)) if quick else ((2, 3, 4, 5), (2, 3, 4, 5, 6, 7))
     found = [*cost.costs(list(METHODS), slow), *cost.costs([cost.NATIVE], fast)]
     write_csv(
@@ -100,7 +100,7 @@ def draw_cost(out: Path, quick: bool) -> None:
         )  # fmt: skip
     axes.axhline(1, color="0.6", lw=1)
     axes.annotate("a tick of a millisecond", (0.02, 1), xycoords=("axes fraction", "data"), va="top")
-    axes.set(xlabel="vertices", ylabel="processor time of one step [ms]", title="What a step costs: twisted ball, free")
+    axes.set(xlabel="vertices", ylabel="processor time of one step [ms]", title="Cost of a step: twisted ball, free")
     axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1, 0.5))
     save(figure, out / "cost")
 
@@ -137,7 +137,7 @@ def draw_space(out: Path, quick: bool) -> None:
 
 
 def draw_stiff_nylon(out: Path, quick: bool) -> None:
-    """Draw which variant runs the stiff cube live: error against cost, proxies of several sizes as a series."""
+    """Draw error against cost for each way to simulate the stiff cube, with a series of proxies."""
     skins = {"skin as the press was measured": False} | ({} if quick else {"all of k in the skin": True})
     found = {
         label: list(stiff_nylon.outcomes(12 if quick else 41, whole=whole, slow=not quick and not whole))
@@ -160,7 +160,7 @@ def draw_stiff_nylon(out: Path, quick: bool) -> None:
         )  # fmt: skip
     figure.suptitle(
         "The stiff cube pressed 10 mm. Green: live and within the tolerance. Hollow: proxies, by their vertices. "
-        "Star: what the planner chooses.\nDotted: what halving the steps of the reference changes; smaller errors "
+        "Star: the planner's choice.\nDotted: the change when the steps of the reference are halved; smaller errors "
         "mean nothing", fontsize=9,
     )  # fmt: skip
     save(figure, out / "stiff_nylon")

@@ -1,4 +1,4 @@
-"""What all charts share: styles, tables, files."""
+"""Styles, tables and files that all charts share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The chart of proxies: what they miss of the shape of a dent, and what the planner says."""
+"""The chart of proxies: the error of their dents, measured and as the planner states it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def draw_proxies(out: Path, quick: bool) -> None:
 
 
 def draw_rows(out: Path, rows: Sequence[Row]) -> None:
-    """Draw the errors of proxies and keep the numbers."""
+    """Draw the errors of proxies and write them to a table."""
     write_csv(
         out / "proxies.csv",
         ("body", "vertices", "spacing_over_radius", "spread_over_radius", "error_over_radius"),
@@ -30,8 +30,8 @@ def draw_rows(out: Path, rows: Sequence[Row]) -> None:
     )
     figure, axes = plt.subplots(figsize=(7, 5))
     axes.loglog([r.share for r in rows], [r.error for r in rows], "o", ms=4, alpha=0.6, label="proxies of 30 bodies")
-    said = [surface_error(share, 1.0) for share in (FINEST, COARSEST)]
-    axes.loglog((FINEST, COARSEST), said, "k-", label="the planner: a chord's height, (h / R)^2 / 8")
+    stated = [surface_error(share, 1.0) for share in (FINEST, COARSEST)]
+    axes.loglog((FINEST, COARSEST), stated, "k-", label="the planner: a chord's height, (h / R)^2 / 8")
     axes.set(
         xlabel="edges of the proxy over fingertip radius, h / R",
         ylabel="error of the dent over fingertip radius, in 49 of 50 presses",

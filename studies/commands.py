@@ -1,0 +1,35 @@
+"""The commands of `python3 dev.py core`. Nothing is imported here, so that `core --help` needs no environment."""
+
+from __future__ import annotations
+
+import argparse
+
+# name: its purpose, its module, and the function there that declares its options and sets `run`
+COMMANDS = {
+    "calibrate": ("fit a material to a force-depth file", ".calibrate", "add_command"),
+    "paper": ("reproduce the paper's tables and figures, beside the printed numbers", ".paper", "add_command"),
+    "law": ("press and drag any mesh at random places: the force over the measured law", ".law", "add_law"),
+    "release": ("press a hundred meshes, let go, and measure what comes back", ".release_report", "add_release"),
+    "dents": ("draw settled dents, measure how smooth they are and how they converge", ".dents", "add_dents"),
+    "solid": ("press solids by finite elements, to compare bodies with", ".solid_report", "add_solid"),
+    "contact": ("judge twelve scenes in which nothing may pass through anything", ".contact", "add_contact"),
+    "meeting": ("let bodies meet by their proxies and in full", ".meeting", "add_meeting"),
+    "machines": ("compute what a graphics processor or many machines would bring", ".machines", "add_machines"),
+    "emulator": ("run an emulated haptic device, with faults on demand", ".emulator", "add_emulator"),
+    "haptics": ("press with an emulated device and print what it rendered", ".haptics", "add_haptics"),
+    "grasp": ("lift a cube with three emulated fingertips and put it down", ".grasp", "add_grasp"),
+    "experiment": ("simulate or analyse the sensory comparison of chapter 5", ".experiment", "add_experiment"),
+}  # fmt: skip
+
+
+def parser() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
+    """Return the parser of all commands, and that of each command, as yet without its options."""
+    whole = argparse.ArgumentParser(
+        prog="dev.py core",
+        description="Run a study without Blender; `dev.py core COMMAND --help` lists the options of a command.",
+    )
+    commands = whole.add_subparsers(metavar="COMMAND", required=True)
+    parts = {
+        name: commands.add_parser(name, help=purpose, allow_abbrev=False) for name, (purpose, *_) in COMMANDS.items()
+    }
+    return whole, parts

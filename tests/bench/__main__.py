@@ -1,0 +1,63 @@
+"""Measure the cost of steps, of sessions, of drawing and of exports: `python3 dev.py bench`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from importlib import import_module
+from pathlib import Path
+
+ALONE = {  # option: its help, and the module that measures it and prints the result
+    "profile": ("the cost of each part of a step", "profile"),
+    "tension": ("the cost of the tension", "tension"),
+    "enabling": ("the cost of enabling the extension in Blender", "enabling"),
+    "show": ("a press shown by a modifier, beside writing it into the mesh", "showing"),
+}
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command's words; it needs no environment."""
+    made = argparse.ArgumentParser(
+        prog="dev.py bench",
+        description="Measure steps and sessions on several scenes, sizes and backends, or one of the subjects below.",
+        allow_abbrev=False,
+    )
+    quick = "under 50 seconds: few repeats, slow backends to 10,000 vertices only"
+    made.add_argument("--quick", action="store_true", help=quick)
+    made.add_argument("--json", type=Path, metavar="FILE", help="write the numbers (steps, --peers and --scale)")
+    subjects = made.add_mutually_exclusive_group()
+    for option, (text, _) in ALONE.items():
+        subjects.add_argument(f"--{option}", action="store_true", help=text)
+    subjects.add_argument("--exports", action="store_true", help="the cost of an export in each format")
+    subjects.add_argument("--peers", action="store_true", help="Dimple beside Bullet on the same bodies")
+    subjects.add_argument("--scale", action="store_true", help="many bodies, many vertices")
+    made.add_argument("--full", action="store_true", help="with --scale: press the full million too; takes minutes")
+    return made
+
+
+def main(words: list[str]) -> int:
+    """Measure one subject and return the exit code."""
+    options = parser().parse_args(words)
+    for option, (_, module) in ALONE.items():
+        if getattr(options, option):
+            return int(import_module(f"tests.bench.{module}").main())
+    from tests.bench import bench
+
+    if options.scale:
+        from tests.bench import scale
+
+        found = scale.main(full=options.full)
+    elif options.peers:
+        from tests.bench import peers
+
+        found = {"cases": peers.measure_all()}
+    else:
+        found = bench.main(quick=options.quick)
+    if options.json:
+        options.json.write_text(json.dumps({"machine": bench.machine()} | found, indent=1) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
