@@ -142,7 +142,8 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 
 def loop(at: tuple[int, int], out: Path) -> robot.Waits:
     """Photograph one swell of the force, which `run.py` makes a looping picture of."""
-    settings = bpy.context.scene.dimple
+    settings, readout = bpy.context.scene.dimple, robot.extension("addon.readout")
+    rate, readout.rate_hz = readout.rate_hz, lambda _frame: 0.0  # how slow this machine is belongs in no picture
     settings.active_finger, settings.press_force_n = 1, LEAST_N
     yield from robot.move(*at)
     yield from robot.button(*at, "PRESS")
@@ -153,6 +154,7 @@ def loop(at: tuple[int, int], out: Path) -> robot.Waits:
         yield from robot.until(lambda begun=begun: tuning.body().frame.time > begun + SWELL_S / LOOP, "it goes on", 60)
         yield from robot.redrawn(1)
         robot.screenshot(out / f"loop-{number:02}.png")
+    readout.rate_hz = rate
     yield from robot.button(*at, "RELEASE")
     yield from tuning.leave(at)
 
