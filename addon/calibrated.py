@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..operators import calibration
+from ..operators.translation import translated
 from .readout import iface_
 
 
@@ -42,12 +42,12 @@ def _joint(record: dict[str, Any]) -> list[tuple[str, str]]:
 
 def headlines(record: dict[str, Any]) -> list[str]:
     """Return what the warnings say is wrong; what they mean is among the sentences."""
-    return [calibration.headline(warning) for warning in record["warnings"]]
+    return [translated(warning, iface_).partition("\n")[0] for warning in record["warnings"]]
 
 
 def sentences(record: dict[str, Any]) -> list[str]:
     """Return the warnings that have more to say, what the values of k assume, then the notes of the core."""
-    warnings = [warning.replace("\n", " ") for warning in record["warnings"] if "\n" in warning]
+    warnings = [translated(each, iface_).replace("\n", " ") for each in record["warnings"] if "\n" in each]
     estimates = [record["k"][method] for method in _METHODS] if record["k"] else []
     return [*warnings, *(each["assumes"] for each in estimates if each["value"] is not None), *record["notes"]]
 

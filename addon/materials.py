@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..core.messages import read
 from ..operators import twins
 from ..operators.names import Op
 from .drawing import MaterialPanel, SidebarPanel, draw_notes
@@ -53,7 +54,7 @@ def draw_constants(context: bpy.types.Context, layout: bpy.types.UILayout, setti
     if settings.provenance:
         if settings.edited:
             draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
-        draw_notes(context, layout, [settings.provenance], "BOOKMARKS")
+        draw_notes(context, layout, [read(settings.provenance)], "BOOKMARKS")
 
 
 class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):

@@ -5,7 +5,7 @@ from typing import Any
 from bpy.app.translations import pgettext_iface
 
 from ..operators.messages import Note
-from .translations import CONTEXT
+from ..operators.translation import CONTEXT
 
 
 def iface_(text: str) -> str:

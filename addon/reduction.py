@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..core.messages import read
 from .drawing import draw_notes
 
 
@@ -32,7 +33,7 @@ class DIMPLE_PT_reduction(bpy.types.Panel):
         row.active = settings.simulated == "AUTO"
         row.prop(context.scene.dimple, "frame_budget_percent")
         if settings.plan_reason:
-            draw_notes(context, layout, [settings.plan_reason])
+            draw_notes(context, layout, [read(settings.plan_reason)])
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_PT_reduction])

@@ -18,7 +18,7 @@ class Clock:
 
     def __init__(self, tick: float) -> None:
         if not tick > 0:
-            raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
+            raise DimpleError("A tick must be longer than 0 s (it is {tick}).", tick=tick)
         self.tick = tick
         self.reset()
 
@@ -34,7 +34,7 @@ class Clock:
             DimpleError: dt is negative or not a number.
         """
         if not 0 <= dt < math.inf:
-            raise DimpleError(f"A step of time must be 0 s or longer (it is {dt}).")
+            raise DimpleError("A step of time must be 0 s or longer (it is {dt}).", dt=dt)
         self.begin, self.end = self.time, self.time + dt
         self._last_tick = math.floor(self.end / self.tick + 1e-6)
 

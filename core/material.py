@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from .base import DimpleError
+from .messages import Message
 
 _LARGEST = 1e12  # in any unit: beyond it sums overflow
 _PER_UNIT = {"N/mm": 1e-3, "mm": 1e3, "kPa": 1e-3}  # of each in an SI unit
@@ -25,9 +26,11 @@ class Indenter:
 
     def __post_init__(self) -> None:
         if self.shape not in TIPS:
-            raise DimpleError(f"The tip must be one of {', '.join(TIPS)} (it is {self.shape}).")
+            raise DimpleError("The tip must be one of {tips} (it is {shape}).", tips=tuple(TIPS), shape=self.shape)
         if not 0 < self.radius < math.inf:
-            raise DimpleError(f"The radius of the tip must be greater than 0 mm (it is {1e3 * self.radius:g}).")
+            raise DimpleError(
+                "The radius of the tip must be greater than 0 mm (it is {radius:g}).", radius=1e3 * self.radius
+            )
 
 
 POINT = Indenter()  # the paper's sensor "touches at a point"
@@ -74,19 +77,30 @@ class Material:
 
     def __post_init__(self) -> None:
         for name, unit in (("K1", "N/mm"), ("K2", "N/mm"), ("x0", "mm"), ("k", "N/mm")):
-            _require(getattr(self, name) > 0, f"{name} must be greater than 0 {unit}", getattr(self, name), unit)
-        _require((self.spread or 0.0) >= 0, "The spread must not be negative", self.spread or 0.0, "mm")
-        given = "both" if self.mass else "neither"
-        _require((self.mass is None) != (self.density is None), "Give either a mass or a density", given)
+            _require(getattr(self, name) > 0, name, "{name} must be greater than 0 {unit}", getattr(self, name), unit)
+        _require((self.spread or 0.0) >= 0, "The spread", "{name} must not be negative", self.spread or 0.0, "mm")
+        if (self.mass is None) == (self.density is None):
+            given = Message("both" if self.mass else "neither")
+            raise DimpleError(
+                "Give either a mass or a density (it is {given}). Change it in Material > Dimple.", given=given
+            )
         if self.mass is not None:
-            _require(self.mass > 0, "The mass must be greater than 0 kg", self.mass, "kg")
+            _require(self.mass > 0, "The mass", "{name} must be greater than 0 {unit}", self.mass, "kg")
         if self.density is not None:
-            _require(self.density > 0, "The density must be greater than 0 kg/m³", self.density, "kg/m³")
-        _require(0 <= self.damping_ratio <= 2, "The damping ratio must lie between 0 and 2", self.damping_ratio)
-        _require(self.friction >= 0, "The friction must not be negative", self.friction)
-        _require(self.fill in FILLS, f"The fill must be one of {', '.join(FILLS)}", self.fill)
+            _require(self.density > 0, "The density", "{name} must be greater than 0 {unit}", self.density, "kg/m³")
+        _require(
+            0 <= self.damping_ratio <= 2, "The damping ratio", "{name} must lie between 0 and 2", self.damping_ratio
+        )
+        _require(self.friction >= 0, "The friction", "{name} must not be negative", self.friction)
+        if self.fill not in FILLS:
+            raise DimpleError(
+                "The fill must be one of {fills} (it is {fill}). Change it in Material > Dimple.",
+                fills=tuple(map(Message, FILLS)), fill=self.fill
+            )  # fmt: skip
         in_range = LEAST_PRESSURE <= self.pressure <= MOST_PRESSURE
-        _require(in_range, "The pressure must lie between -100 kPa and 1000 kPa", self.pressure, "kPa")
+        _require(
+            in_range, "The pressure", "{name} must lie between -100 kPa and 1000 kPa", self.pressure, "kPa"
+        )
 
     @property
     def power(self) -> float:
@@ -154,14 +168,16 @@ class Preset:
     provenance: str
 
 
-def _require(holds: bool, rule: str, value: float | str, unit: str = "") -> None:
+def _require(holds: bool, name: str, rule: str, value: float, unit: str = "") -> None:
     """Raise where a rule does not hold, with the value (in SI units) in the unit that it is typed in."""
-    given = value if isinstance(value, str) else f"{value * _PER_UNIT.get(unit, 1):.6g} {unit}".rstrip()
-    if not isinstance(value, str) and abs(value) > _LARGEST:
-        name = rule.partition(" must")[0]
-        raise DimpleError(f"{name} is out of range (it is {given}). Change it in Material > Dimple.")
+    given = f"{value * _PER_UNIT.get(unit, 1):.6g} {unit}".rstrip()
+    if abs(value) > _LARGEST:
+        raise DimpleError(
+            "{name} is out of range (it is {given}). Change it in Material > Dimple.", name=Message(name), given=given
+        )
     if not holds:
-        raise DimpleError(f"{rule} (it is {given}). Change it in Material > Dimple.")
+        said = Message(rule, name=Message(name), unit=unit)
+        raise DimpleError("{rule} (it is {given}). Change it in Material > Dimple.", rule=said, given=given)
 
 
 # of a body that has no material, and of a new one in the panel: the vinyl cube, as heavy as foam

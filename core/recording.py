@@ -56,11 +56,14 @@ class PointCache:
         sample = np.ascontiguousarray(positions, dtype="<f4")
         if sample.shape != (self.n_vertices, 3):
             raise DimpleError(
-                f"The recording has {self.n_vertices} vertices but the mesh now has {len(sample)}. "
-                "Start a new recording after changing the mesh."
-            )
+                "The recording has {vertices} vertices but the mesh now has {now}. Start a new recording after "
+                "changing the mesh.",
+                vertices=self.n_vertices, now=len(sample)
+            )  # fmt: skip
         if not np.isfinite(sample).all():
-            raise DimpleError(f"Sample {self.samples + 1} has coordinates that are not numbers; it was not recorded.")
+            raise DimpleError(
+                "Sample {sample} has coordinates that are not numbers; it was not recorded.", sample=self.samples + 1
+            )
         self._write(_HEADER.size + self.samples * sample.nbytes, sample.tobytes())
         self._write(_SAMPLES_AT, struct.pack("<i", self.samples + 1))
         self.samples += 1
@@ -108,10 +111,12 @@ def open_point_cache(path: str | os.PathLike[str]) -> tuple[float, npt.NDArray[n
         header = file.read(_HEADER.size)
         size = os.fstat(file.fileno()).st_size
     if len(header) < _HEADER.size or header[:16] != _MAGIC + b"\1\0\0\0":
-        raise DimpleError(f"{name} is not a PC2 point cache.")
+        raise DimpleError("{name} is not a PC2 point cache.", name=name)
     _, _, vertices, start, rate, samples = _HEADER.unpack(header)
     if vertices < 1 or samples < 1 or size < _HEADER.size + 12 * vertices * samples or not math.isfinite(start):
-        raise DimpleError(f"{name} is a PC2 point cache that was cut short. Bake again.")
+        raise DimpleError("{name} is a PC2 point cache that was cut short. Bake again.", name=name)
     if rate != 1:
-        raise DimpleError(f"{name} has a sample every {rate:g} frames, not one a frame. Bake again.")
+        raise DimpleError(
+            "{name} has a sample every {rate:g} frames, not one a frame. Bake again.", name=name, rate=rate
+        )
     return start, np.memmap(path, "<f4", "r", _HEADER.size, (samples, vertices, 3))

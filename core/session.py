@@ -19,6 +19,7 @@ from .crowd import step_all
 from .fingertip import NOWHERE, FingerOnItsWay, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
+from .messages import Message
 from .native import Body, create
 from .other_tip import factors
 from .pins import Pins
@@ -76,7 +77,7 @@ class Session:
             DimpleError: too many fingertips, a radius that is not positive, or a position that is not a number.
         """
         if len(fingers) > MAX_FINGERS:
-            raise DimpleError(f"There are at most {MAX_FINGERS} fingertips.")
+            raise DimpleError("There are at most {most} fingertips.", most=MAX_FINGERS)
         for finger in fingers:
             if finger and not is_possible(finger):
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
@@ -92,7 +93,9 @@ class Session:
         """
         positions = np.asarray(positions, np.float64)
         if positions.shape != (len(self.model.mesh.source), 3):
-            raise DimpleError(f"The mesh has {len(self.model.mesh.source)} vertices: give a position for each.")
+            raise DimpleError(
+                "The mesh has {vertices} vertices: give a position for each.", vertices=len(self.model.mesh.source)
+            )
         if not np.isfinite(positions[self._skin.input_of][self._pins.followed]).all():
             raise DimpleError("A pinned vertex has a position that is not a number.")
         self._pins.target = positions[self._skin.input_of].T
@@ -108,7 +111,9 @@ class Session:
         """
         positions = np.asarray(positions, np.float64)
         if positions.shape != (len(self.model.mesh.source), 3):
-            raise DimpleError(f"The mesh has {len(self.model.mesh.source)} vertices: give a position for each.")
+            raise DimpleError(
+                "The mesh has {vertices} vertices: give a position for each.", vertices=len(self.model.mesh.source)
+            )
         if not np.isfinite(positions).all():
             raise DimpleError("The shape at rest has a position that is not a number.")
         if self.proxy is not None:
@@ -181,8 +186,9 @@ class Session:
         if not result.finite:
             at, done = self.clock.ticks * self.clock.tick, self._done
             self.reset()
-            note = (
-                f"The simulation blew up after {at:.3f} s and was put back to rest. Lower k or K2, or raise the mass."
+            note = Message(
+                "The simulation blew up after {at:.3f} s and was put back to rest. Lower k or K2, or raise the mass.",
+                at=at,
             )
             self._done, self._note = done, note
         return result.finite

@@ -15,6 +15,7 @@ from . import native
 from .apart import pressed_clear, way_out
 from .base import DimpleError, Floats
 from .crowd import is_spent, ticks_that_fit
+from .messages import Message
 from .session import Session
 from .solver.motion import MAX_STEPS
 from .solver.scene import LEAVES_OUT, ColliderMotion, Crossings, SceneFrame, Way
@@ -89,19 +90,22 @@ class World:
             where = _where(found)
             if first == second:
                 raise DimpleError(
-                    f'"{first}" passes through itself at ({where}) mm, {found.pairs} pairs of faces in all. Repair the '
-                    "mesh there, switch off Self Contact in Physics > Dimple > Contact, or switch on Move Apart there, "
-                    "which leaves these faces out of it."
-                )
+                    '"{first}" passes through itself at ({where}) mm, {pairs} pairs of faces in all. Repair the mesh '
+                    "there, switch off Self Contact in Physics > Dimple > Contact, or switch on Move Apart there, "
+                    "which leaves these faces out of it.",
+                    first=first, where=where, pairs=found.pairs
+                )  # fmt: skip
             if min(found.surfaces) >= len(self.sessions):
                 raise DimpleError(
-                    f'What falls must be clear of other colliders: "{first}" and "{second}" intersect at ({where}) mm, '
-                    f"{found.pairs} pairs of faces in all. Move them apart."
-                )
+                    'What falls must be clear of other colliders: "{first}" and "{second}" intersect at ({where}) '
+                    "mm, {pairs} pairs of faces in all. Move them apart.",
+                    first=first, second=second, where=where, pairs=found.pairs
+                )  # fmt: skip
             raise DimpleError(
-                f'"{first}" and "{second}" intersect at ({where}) mm, {found.pairs} pairs of faces in all. Move them '
-                "apart, or switch on Move Apart for a body that has room."
-            )
+                '"{first}" and "{second}" intersect at ({where}) mm, {pairs} pairs of faces in all. Move them apart, '
+                "or switch on Move Apart for a body that has room.",
+                first=first, second=second, where=where, pairs=found.pairs
+            )  # fmt: skip
 
     def set_colliders(self, ends: Sequence[Floats | None]) -> None:
         """Say where each collider (m, 3) [m] is to be at the end of the next step; None lets it rest.
@@ -115,8 +119,9 @@ class World:
             if np.shape(end) != self._at[i].T.shape or not np.isfinite(end).all():
                 name = self._names[len(self.sessions) + i]
                 raise DimpleError(
-                    f'Collider "{name}" has another number of vertices than at the start, or a coordinate that is not '
-                    "a number. Reset, and start again."
+                    'Collider "{name}" has another number of vertices than at the start, or a coordinate that is '
+                    "not a number. Reset, and start again.",
+                    name=name,
                 )
             self._ends[i] = np.ascontiguousarray(np.asarray(end, np.float64).T)
 
@@ -255,7 +260,9 @@ def drop_proxies(
         for i in proxied:
             sessions[i].change(sessions[i].model, proxy=None)
             other = names[next(j for j in found.surfaces if j != i)]
-            notes[i] = f'Its proxy would intersect "{other}" at the start, so the full mesh is simulated.'
+            notes[i] = Message(
+                'Its proxy would intersect "{other}" at the start, so the full mesh is simulated.', other=other
+            )
     return notes
 
 
@@ -264,10 +271,11 @@ def _where(found: Crossings) -> str:
 
 
 def _left_out(found: Crossings) -> str:
-    return (
-        f"The mesh passes through itself at ({_where(found)}) mm: {found.pairs} pairs of faces, and those beside them, "
-        "are left out of Self Contact."
-    )
+    return Message(
+        "The mesh passes through itself at ({where}) mm: {pairs} pairs of faces, and those beside them, are left out "
+        "of Self Contact.",
+        where=_where(found), pairs=found.pairs
+    )  # fmt: skip
 
 
 def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:

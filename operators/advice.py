@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from ..core.messages import Message
 from . import offset, stack
 from .messages import Note
 
@@ -25,24 +26,31 @@ def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: Ob
         notes.append(Note("Wind and other force fields of the scene do not act on it."))
     for bake in filter(stack.is_cache, body.modifiers):
         if not all(path.exists() for path, _ in offset.files(bake)):
-            notes.append(f'The file that "{bake.name}" plays is gone: bake again.')
+            notes.append(Message('The file that "{name}" plays is gone: bake again.', name=bake.name))
     for number in (1, 2, 3):
         tip = getattr(scene.dimple, f"finger_{number}")
         if tip and (tip.hide_viewport or tip.name not in bpy.context.view_layer.objects):
-            notes.append(f'The fingertip "{tip.name}" is disabled in the viewport, so it does not move.')
+            notes.append(
+                Message('The fingertip "{name}" is disabled in the viewport, so it does not move.', name=tip.name)
+            )
     radius, edge = scene.dimple.finger_radius_mm / 1e3, float(np.median(mesh.rest_lengths))
     if link.cuts:
-        notes.append(Note(f"The mesh is coarse for the fingertip: it is pressed with {len(link.rest):,} vertices."))
+        notes.append(Note(
+            "The mesh is coarse for the fingertip: it is pressed with {vertices:,} vertices.",
+            vertices=len(link.rest)
+        ))  # fmt: skip
     if radius < size / 100:
-        notes.append(
-            f"The body is {size:.3g} m across, over 100 times the radius of the fingertip. "
-            "Set Physical Size to Custom Size in Physics > Dimple."
-        )
+        notes.append(Message(
+            "The body is {size:.3g} m across, over 100 times the radius of the fingertip. Set Physical Size to "
+            "Custom Size in Physics > Dimple.",
+            size=size
+        ))  # fmt: skip
     elif edge > 2 * radius:
-        notes.append(
-            f"The edges of the mesh are {1e3 * edge:.3g} mm long, the fingertip {2e3 * radius:.3g} mm wide: "
-            "subdivide the mesh or use a larger fingertip, for a visible dent."
-        )
+        notes.append(Message(
+            "The edges of the mesh are {edge:.3g} mm long, the fingertip {radius:.3g} mm wide: subdivide the mesh or "
+            "use a larger fingertip, for a visible dent.",
+            edge=1e3 * edge, radius=2e3 * radius
+        ))  # fmt: skip
     return tuple(notes)
 
 
@@ -53,5 +61,7 @@ def on_fill(model: Model) -> tuple[str, ...]:
         return ("A pressure needs an inside: close the mesh.",)
     if len(fills) < 2 or not model.mesh.pressurable:
         return ()
-    kpa = inside.rest_pressure / 1e3
-    return (f"Its materials differ in fill or pressure: {inside.fill}, {kpa:g} kPa acts, on the most area.",)
+    return (Message(
+        "Its materials differ in fill or pressure: {fill}, {kpa:g} kPa acts, on the most area.",
+        fill=Message(inside.fill), kpa=inside.rest_pressure / 1e3
+    ),)  # fmt: skip

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import StringProperty
 
+from ..core.messages import Message
 from . import polls, sizing
 from .messages import say
 from .names import Op
@@ -41,7 +42,9 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
         preset = next((each for each in OBJECTS if each.name == self.preset), None)
         if preset is None:
             known = ", ".join(each.name for each in OBJECTS)
-            say(self, {"ERROR"}, f'There is no preset "{self.preset}". There are: {known}.')
+            say(self, {"ERROR"}, Message(
+                'There is no preset "{preset}". There are: {known}.', preset=self.preset, known=known
+            ))  # fmt: skip
             return {"CANCELLED"}
         give(context.object, preset)
         return {"FINISHED"}

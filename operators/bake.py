@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import EnumProperty, IntProperty
 
+from ..core.messages import Message
 from . import fingertip_objects, modal_runs, polls, sessions
 from .messages import conclude, say
 from .names import Op
@@ -63,7 +64,7 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
         return baking.bake(context, plan, self._messages)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
-        conclude(self, f"Baked objects: {self._count}", self._messages)
+        conclude(self, Message("Baked objects: {count}", count=self._count), self._messages)
         return {"FINISHED"}
 
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.crowd import step_all
+from ..core.messages import Message, about
 from ..core.recording import PointCache
 from ..core.session import Session
 from ..core.steps import Parts, as_share, beside
@@ -130,7 +131,7 @@ def simulate(
         worlds = contact.worlds_of(context, together)
         for body in bodies:
             if note := body.session.contact_note:
-                messages.append(f'"{_object(body).name}": {note}')
+                messages.append(about(_object(body).name, note))
         poses: props.Poses = {}
         files.callback(props.put_back)
         _write(plan, bodies, plan.first)
@@ -158,11 +159,15 @@ def go_to(scene: bpy.types.Scene, frame: tuple[int, float]) -> None:
 
 def _check(plan: BakePlan) -> None:
     if plan.last <= plan.first:
-        raise DimpleError(f"The last frame ({plan.last}) must come after the first ({plan.first}).")
+        raise DimpleError(
+            "The last frame ({last}) must come after the first ({first}).", last=plan.last, first=plan.first
+        )
     for obj in plan.objects:
         bridge.check(obj)
         if obj.library:
-            raise DimpleError(f'"{obj.name}" is linked from another file. Make it local first: Object > Relations.')
+            raise DimpleError(
+                '"{name}" is linked from another file. Make it local first: Object > Relations.', name=obj.name
+            )
         if plan.target == "SHAPE_KEYS":
             _check_keys(obj)
 
@@ -171,16 +176,19 @@ def _check_keys(obj: bpy.types.Object) -> None:
     """Raise a DimpleError when an object cannot have the shape keys of a bake."""
     keys = obj.data.shape_keys
     if obj.data.library:
-        raise DimpleError(f'"{obj.name}" has a mesh of another file. Make it local first: Object > Relations.')
+        raise DimpleError(
+            '"{name}" has a mesh of another file. Make it local first: Object > Relations.', name=obj.name
+        )
     if keys and not keys.use_relative:
-        raise DimpleError(f'"{obj.name}" has absolute shape keys. Switch its shape keys to Relative first.')
+        raise DimpleError('"{name}" has absolute shape keys. Switch its shape keys to Relative first.', name=obj.name)
     if keys and obj.show_only_shape_key:
-        raise DimpleError(f'"{obj.name}" shows one shape key only. Switch Solo Active Shape Key off first.')
+        raise DimpleError('"{name}" shows one shape key only. Switch Solo Active Shape Key off first.', name=obj.name)
     if others := [each.name for each in obj.modifiers if each.show_viewport and not stack.is_cache(each)]:
         raise DimpleError(
-            f'"{obj.name}" shows what its modifier "{others[0]}" makes of its mesh, and shape keys move the mesh '
-            "before that. Bake to a Mesh Cache, or export."
-        )
+            '"{name}" shows what its modifier "{others}" makes of its mesh, and shape keys move the mesh before '
+            "that. Bake to a Mesh Cache, or export.",
+            name=obj.name, others=others[0]
+        )  # fmt: skip
 
 
 def _opening(
@@ -191,12 +199,16 @@ def _opening(
     files.enter_context(final_mesh.attached(context, obj))
     link, model = yield from bridge.reading_body(context, obj)
     if plan.target == "SHAPE_KEYS" and link.cuts:
-        raise DimpleError(f'"{obj.name}" is too coarse for shape keys. Subdivide it, bake to a Mesh Cache, or export.')
+        raise DimpleError(
+            '"{name}" is too coarse for shape keys. Subdivide it, bake to a Mesh Cache, or export.', name=obj.name
+        )
     proxy = yield from planning.planning_for(context.scene, obj, model)
     session = yield 0.9, partial(Session, model, tick=timeline.tick_s(context.scene), proxy=proxy)
-    messages += [type(note)(f'"{obj.name}": {note}') for note in model.notes]
+    messages += [about(obj.name, note) for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
-        messages.append(f'"{obj.name}" shares its mesh with other objects: its shape keys go on a copy of its own.')
+        messages.append(Message(
+            '"{name}" shares its mesh with other objects: its shape keys go on a copy of its own.', name=obj.name
+        ))  # fmt: skip
     path, cache = cache_files.bake_path(context, obj, plan.folder), None
     part = (plan.folder or files.enter_context(unfinished_folder.opened(path.parent))) / path.name
     if plan.target != "SHAPE_KEYS":
@@ -233,7 +245,9 @@ def _step(
         step_all(alone, [look_s] * len(alone))
         for body in bodies:
             if body.session.frame.note:
-                raise DimpleError(f'"{body.link.name}", frame {frame}: {body.session.frame.note}')
+                raise DimpleError(
+                    '"{name}", frame {frame}: {note}', name=body.link.name, frame=frame, note=body.session.frame.note
+                )
 
 
 def _show_props(worlds: Sequence[contact.LiveWorld], frame: int, poses: props.Poses) -> None:
@@ -246,7 +260,7 @@ def _show_props(worlds: Sequence[contact.LiveWorld], frame: int, poses: props.Po
 def _object(body: Baked) -> bpy.types.Object:
     obj = bridge.find(body.link.uid, body.link.name)
     if obj is None:
-        raise DimpleError(f'"{body.link.name}" is gone, so it cannot be baked.')
+        raise DimpleError('"{name}" is gone, so it cannot be baked.', name=body.link.name)
     return obj
 
 

@@ -12,6 +12,7 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
+from ..core.messages import Message, about, in_a_row
 from ..core.steps import Parts, at_once
 from . import bridge_model, final_mesh, stack
 from .object_link import Floats as Floats
@@ -68,7 +69,7 @@ def reading_body(
         )
         mesh: Mesh = yield 0.1, make
     except DimpleError as error:
-        raise DimpleError(f'"{body.name}": {error}') from error
+        raise DimpleError(about(body.name, str(error))) from error
     resting = mesh.rest_positions[mesh.source].astype(np.float32)
     pinned = body.dimple.to_params()["pinned"] != "none"
     link = ObjectLink(
@@ -95,26 +96,30 @@ def check(body: bpy.types.Object) -> None:
     if body.type != "MESH":
         raise DimpleError(_not_a_mesh(body))
     if body.mode != "OBJECT":
-        raise DimpleError(f'"{body.name}" is being edited. Go back to Object Mode first.')
+        raise DimpleError('"{name}" is being edited. Go back to Object Mode first.', name=body.name)
 
 
 def _not_a_mesh(body: bpy.types.Object) -> str:
     """Return the sentence that says what an object is instead, and what to do."""
     if body.type == "EMPTY" and body.instance_type == "COLLECTION":
-        return (
-            f'"{body.name}" is a collection instance, not a mesh. '
-            "Make its objects real first: Object > Apply > Make Instances Real."
+        return Message(
+            '"{name}" is a collection instance, not a mesh. Make its objects real first: Object > Apply > Make '
+            "Instances Real.",
+            name=body.name,
         )
     kind = body.bl_rna.properties["type"].enum_items[body.type].name.lower()
     article = "an" if kind[0] in "aeiou" else "a"
-    todo = "Make Soft converts it to a mesh." if body.type in _CONVERTIBLE else "Select a mesh to press."
-    return f'"{body.name}" is {article} {kind}, not a mesh. {todo}'
+    what = Message('"{name}" is {article} {kind}, not a mesh.', name=body.name, article=article, kind=kind)
+    can = body.type in _CONVERTIBLE
+    return in_a_row([what, "Make Soft converts it to a mesh." if can else "Select a mesh to press."])
 
 
 def check_writable(body: bpy.types.Object) -> None:
     """Raise a DimpleError when an object may not be given a modifier."""
     if body.library:
-        raise DimpleError(f'"{body.name}" is linked from another file. Make it local first: Object > Relations.')
+        raise DimpleError(
+            '"{name}" is linked from another file. Make it local first: Object > Relations.', name=body.name
+        )
 
 
 def scale_and_top(context: bpy.types.Context, body: bpy.types.Object) -> tuple[float, Floats]:

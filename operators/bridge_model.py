@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ..core.base import DimpleError
+from ..core.messages import about
 from ..core.steps import Parts, at_once
 from . import advice, final_mesh
 from .messages import Note
@@ -51,7 +52,7 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
         )  # fmt: skip
         model: Model = yield 0.4, make
     except DimpleError as error:
-        raise DimpleError(f'"{name}": {error}') from error
+        raise DimpleError(about(name, str(error))) from error
     repaired = map(Note, mesh.notes)  # nothing is to be done about these
     return replace(model, notes=(*repaired, *model.notes[len(mesh.notes) :], *said, *advice.on_fill(model)))
 
@@ -84,7 +85,7 @@ def _material(body: bpy.types.Object, slot: int) -> Material:
     try:
         return Material(**material.dimple.to_params())
     except DimpleError as error:
-        raise DimpleError(f'material "{material.name}": {error}') from error
+        raise DimpleError('material "{name}": {error}', name=material.name, error=error) from error
 
 
 def _pins(body: bpy.types.Object, group: str, link: ObjectLink) -> Floats:
@@ -92,7 +93,7 @@ def _pins(body: bpy.types.Object, group: str, link: ObjectLink) -> Floats:
         raise DimpleError("it is pinned by a vertex group, but none is chosen. Choose one in Physics > Dimple.")
     weights = _weights(body, group, "pin", link)
     if not (weights >= 0.5).any():
-        raise DimpleError(f'no vertex of the pin group "{group}" has a weight of 0.5 or more. Paint some.')
+        raise DimpleError('no vertex of the pin group "{group}" has a weight of 0.5 or more. Paint some.', group=group)
     return weights
 
 
@@ -100,5 +101,7 @@ def _weights(body: bpy.types.Object, group: str, role: str, link: ObjectLink) ->
     """Return the weight (N,) of every vertex in a vertex group, 0 outside it; or a float attribute of that name."""
     found = final_mesh.weights(bpy.context, body, group, link.cuts)
     if found is None:
-        raise DimpleError(f'there is no vertex group "{group}" ({role}). Choose another in Physics > Dimple.')
+        raise DimpleError(
+            'there is no vertex group "{group}" ({role}). Choose another in Physics > Dimple.', group=group, role=role
+        )
     return found

@@ -13,6 +13,7 @@ from pathlib import Path
 import bpy
 
 from ..core.base import DimpleError
+from ..core.messages import Message
 from ..core.recording import PointCache, open_point_cache
 from . import curves, final_mesh, offset
 from .names import BAKED_PRESS, CACHE
@@ -77,7 +78,9 @@ def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise DimpleError(f"Cannot make the cache folder {folder}: {error.strerror}. Choose another.") from error
+        raise DimpleError(
+            "Cannot make the cache folder {folder}: {error}. Choose another.", folder=folder, error=error.strerror
+        ) from error
     stem = Path(bpy.data.filepath).stem or "untitled"
     return folder / f"{_shortened(stem, stem)}_{file_name(obj.name)}_{kind}"
 
@@ -120,8 +123,11 @@ def plain_os_errors(doing: str, folder: str = "cache folder") -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        where = error.filename or "the disk"
-        raise DimpleError(f"{doing} failed at {where}: {error.strerror}. Choose another {folder}.") from error
+        where = error.filename or Message("the disk")
+        raise DimpleError(
+            "{doing} failed at {where}: {error}. Choose another {folder}.",
+            doing=Message(doing), where=where, error=error.strerror, folder=Message(folder)
+        ) from error  # fmt: skip
 
 
 def attach_cache(

@@ -3,12 +3,12 @@
 Where the file leaves something open a dialog asks the core's question with its own preview; nothing is guessed.
 """
 
-import json
 from functools import lru_cache
 
 import bpy
 from bpy.props import CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from ..core.messages import Message, in_a_row, to_json
 from . import calibration, polls
 from .calibrate_together import several
 from .messages import say, wrapped
@@ -155,16 +155,18 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
                 section=_si(self.section_mm2, 1e-6), youngs_modulus=_si(self.youngs_modulus_mpa, 1e6),
             )  # fmt: skip
         except Undecided as undecided:
-            return self._ask(context, json.dumps(undecided.to_record(), ensure_ascii=False), _message(undecided))
+            return self._ask(context, to_json(undecided.to_record()), _message(undecided))
         except DimpleError as error:
-            advice = f" Choose them: {_labels(error.answers)}." if isinstance(error, WrongColumns) else ""
-            say(self, {"ERROR"}, f"{error}{advice}")
+            way_out = ""
+            if isinstance(error, WrongColumns):
+                way_out = Message("Choose them: {labels}.", labels=_labels(error.answers))
+            say(self, {"ERROR"}, str(error), way_out)
             return {"CANCELLED"}
-        advice = [f"If it is known, give {_labels(found.unsure)}."] if found.unsure else []
+        advice = [Message("If it is known, give {labels}.", labels=_labels(found.unsure))] if found.unsure else []
         context.scene.dimple.calibration = calibration.to_text(found, advice)
         record = calibration.load(context.scene.dimple.calibration)
         for warning in record["warnings"]:
-            say(self, {"WARNING"}, calibration.headline(warning))
+            say(self, {"WARNING"}, translated(warning).partition("\n")[0])
         say(self, {"INFO"}, calibration.source(record, record["source_of_k"]))
         return {"FINISHED"}
 
@@ -228,18 +230,20 @@ def _si(value: float, factor: float) -> float | None:
     return factor * value if value else None
 
 
-def _labels(names) -> str:
+def _labels(names) -> tuple[Message, ...]:
     """Return the labels of properties of the operator, as the interface shows them."""
-    return ", ".join(DIMPLE_OT_calibrate.__annotations__[name].keywords["name"] for name in names)
+    return tuple(Message(DIMPLE_OT_calibrate.__annotations__[name].keywords["name"]) for name in names)
 
 
 def _message(undecided) -> str:
     """Return open questions for a script: the property to set, and to what."""
     lines = []
     for question in undecided.questions:
-        choices = "; ".join(f"{c.value!r} ({c.label})" for c in question.candidates)
-        lines.append(f"{question.text} Give {question.name}: {choices}.")
-    return " ".join(lines)
+        choices = tuple(
+            Message("{value!r} ({label})", value=each.value, label=Message(each.label)) for each in question.candidates
+        )
+        lines += [question.text, Message("Give {name}: {choices}.", name=question.name, choices=choices)]
+    return in_a_row(lines)
 
 
 class DIMPLE_FH_force_depth(bpy.types.FileHandler):

@@ -5,6 +5,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty
 
+from ..core.messages import kept
 from . import calibration, polls, sizing
 from .apply_preset import material_of
 from .names import Op
@@ -54,7 +55,7 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
             settings.damping_ratio = record["damping_ratio_hint"]
         settings.tip, settings.tip_radius_mm = record["tip"].upper(), record["tip_radius"]
         settings.calibration, scene.calibration = scene.calibration, ""
-        settings.provenance = calibration.source(record, k)  # last: a constant that is set marks it as edited
+        settings.provenance = kept(calibration.source(record, k))  # last: a constant that is set marks it as edited
         body.dimple.enabled = True
         if record["length"]:
             body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", record["length"]

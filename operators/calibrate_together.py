@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 from bpy.props import CollectionProperty, EnumProperty, FloatProperty, StringProperty
 
+from ..core.messages import Message
 from . import calibration, polls
 from .messages import say
 from .names import TIPS, Op
@@ -102,9 +103,9 @@ class DIMPLE_OT_calibrate_together(bpy.types.Operator):
         except Undecided as undecided:
             asked = undecided.questions[0].text
             raise DimpleError(
-                f"{each.name} is ambiguous: {asked} Calibrate from this file alone to answer, or state it in its "
-                "header."
-            ) from None
+                "{name} is ambiguous: {asked} Calibrate from this file alone to answer, or state it in its header.",
+                name=each.name, asked=Message(asked)
+            ) from None  # fmt: skip
 
 
 def tip_from_name(each: DIMPLE_PG_curve_file) -> None:

@@ -5,12 +5,13 @@ As text they are carried along by undo, by files and by presets.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from datetime import date
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
+
+from ..core.messages import Message, from_json, to_json
 
 if TYPE_CHECKING:
     from ..core.calibration.calibrate import Calibration
@@ -27,7 +28,7 @@ BEYOND = 1.5  # knees: how deep is pressed where the depth of the measurement is
 def load(text: str) -> dict[str, Any]:
     """Return the record in a kept text, empty where there is none or it is damaged; not to be changed."""
     try:
-        record = json.loads(text) if text else {}
+        record = from_json(text) if text else {}
     except ValueError:
         return {}
     return record if isinstance(record, dict) else {}
@@ -47,12 +48,14 @@ def to_text(calibration: Calibration, advice: Sequence[str] = ()) -> str:
     loading, surface = calibration.loading, calibration.surface
     record["warnings"] += advice
     record["date"], record["noticeable"] = date.today().isoformat(), NOTICEABLE_FORCE
-    record["provenance"] = f"{record['provenance']}, calibrated {record['date']}"
+    record["provenance"] = Message(
+        "{provenance}, calibrated {date}", provenance=record["provenance"], date=record["date"]
+    )
     record["points"] = thinned(1e3 * loading.depth, loading.force, POINTS)
     record["band"] = band(calibration)
     record["k_to_use"] = surface.k.value / 1e3 if surface and surface.k else None
     record["unusable"] = _unusable(record)
-    return json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return to_json(record)
 
 
 def joint_text(first: Calibration, found: Together) -> str:
@@ -63,22 +66,20 @@ def joint_text(first: Calibration, found: Together) -> str:
     said = joint.pop("lines")
     names = ", ".join(each.name for each in found.curves)
     kept = record | joint | {
-        "provenance": f"{names}: {said[0]}; {said[1]}, calibrated {record['date']}", "band": [],
+        "provenance": Message(
+            "{names}: {law}; {spread}, calibrated {date}",
+            names=names, law=said[0], spread=said[1], date=record["date"]
+        ), "band": [],
         "warnings": [warning for warning in record["warnings"] if found.knee or "knee" not in warning],
         "notes": [*record["notes"], *said[2:]], "source": names,
         "residual_share": max(each.rms for each in found.curves),
     }  # fmt: skip
-    return json.dumps(kept | {"unusable": _unusable(kept)}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-
-
-def headline(warning: str) -> str:
-    """Return what a warning says is wrong, without what it means."""
-    return warning.split("\n")[0]
+    return to_json(kept | {"unusable": _unusable(kept)})
 
 
 def source(record: dict[str, Any], k: str) -> str:
     """Return the line that a material keeps of where its constants come from; k: where its own does, if so."""
-    return f"{record['provenance']}; {k}" if k else record["provenance"]
+    return Message("{provenance}; {k}", provenance=record["provenance"], k=k) if k else record["provenance"]
 
 
 def band(calibration: Calibration) -> list[list[float]]:

@@ -3,6 +3,7 @@
 import bpy
 from mathutils import Matrix, Vector
 
+from ..core.messages import Message
 from . import modal_runs, polls, sessions, twins
 from .messages import report, say
 from .names import Op
@@ -49,7 +50,9 @@ class DIMPLE_OT_compare_materials(bpy.types.Operator):
         twin.matrix_world = Matrix.Translation(beside(context, obj)) @ obj.matrix_world
         twin.dimple.twin = obj
         twin.select_set(False)
-        say(self, {"INFO"}, polls.tip_("{} is its twin: select it and change its material").format(f'"{twin.name}"'))
+        say(self, {"INFO"}, Message(
+            '"{name}" is its twin: select it and change its material', name=twin.name
+        ))  # fmt: skip
         return {"FINISHED"}
 
 

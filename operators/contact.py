@@ -15,6 +15,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..core.base import DimpleError
+from ..core.messages import in_a_row
 from . import bridge, bridge_model
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
             continue
         obj = context.scene.objects.get(name)
         if obj is None:
-            raise DimpleError(f'Collider "{name}" is gone. Start again.')
+            raise DimpleError('Collider "{name}" is gone. Start again.', name=name)
         end = surface(graph, obj, live.scale)[0]
         same = end.shape == live.world.target(i).shape and np.array_equal(end, live.world.target(i))
         ends.append(None if same else end)
@@ -160,8 +161,9 @@ def _make(
         points, triangles = surface(graph, obj, scale)
         if not len(triangles) or not np.isfinite(points).all():
             raise DimpleError(
-                f'Collider "{obj.name}" has no faces, or a coordinate that is not a number. Repair it, or switch '
-                "Dimple Collider off."
+                'Collider "{name}" has no faces, or a coordinate that is not a number. Repair it, or switch '
+                "Dimple Collider off.",
+                name=obj.name,
             )
         made.append(Collider(points.T.copy(), triangles, obj.dimple.collider_friction))
     for (_, session, _), meets in zip(bodies, itself, strict=True):
@@ -180,7 +182,7 @@ def _make(
         )  # fmt: skip
     else:
         world = World(running, made, itself=itself, apart=apart, names=names)
-    world.notes = [" ".join(filter(None, each)) for each in zip(notes, world.notes, strict=True)]
+    world.notes = [in_a_row(each) for each in zip(notes, world.notes, strict=True)]
     key = (*key[:-1], _moving(running))
     uids = tuple(obj.session_uid for obj, _, _ in bodies)
     names = [obj.name for obj in colliders]

@@ -7,6 +7,7 @@ from pathlib import Path
 import bpy
 from bpy.props import IntProperty, StringProperty
 
+from ..core.messages import Message
 from . import modal_runs, polls, sessions
 from .messages import report, say
 from .names import Op
@@ -76,7 +77,9 @@ class DIMPLE_OT_open_experiment(bpy.types.Operator):
         under_way.obj = context.object.name, context.object.active_material
         experiments.append(under_way)
         done = len(under_way.experiment.log.rows)
-        say(self, {"INFO"}, f"{done} trials are answered" if done else "Read the consent, then begin")
+        say(
+            self, {"INFO"}, Message("{done} trials are answered", done=done) if done else "Read the consent, then begin"
+        )
         return {"FINISHED"}
 
 

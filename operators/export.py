@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from ..core.messages import Message
 from . import modal_runs, polls, sessions
 from .messages import conclude, duration, megabytes, wrapped
 from .names import EXPORTS, Op
@@ -122,8 +123,6 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
 
     def _estimate(self, context: bpy.types.Context) -> tuple[str, str]:
         """Return a sentence on frames, size and time, and its icon."""
-        from bpy.app.translations import pgettext_iface as iface_
-
         from ..core.base import DimpleError
         from . import export_plan, export_time
 
@@ -133,10 +132,10 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
             size, took = export_plan.estimate(context, plan), export_time.seconds(plan)
         except DimpleError as error:
             return str(error), "ERROR"
-        text = iface_("{} frames, about {} MB").format(plan.last - plan.first + 1, megabytes(size))
+        said = Message("{frames} frames, about {size} MB", frames=plan.last - plan.first + 1, size=megabytes(size))
         if took is not None:
-            text += iface_(", {} on this computer").format(translated(duration(took)))
-        return text, "TIME"
+            said = Message("{files}, {time} on this computer", files=said, time=duration(took))
+        return said, "TIME"
 
     def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
         return modal_runs.open_run(context, "export", "Exporting: Esc cancels", interval=0.01)
@@ -173,7 +172,8 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         )
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
-        conclude(self, f"Exported {len(self._written)} files to {self._written[0].parent}", self._messages)
+        count, folder = len(self._written), self._written[0].parent
+        conclude(self, Message("Exported {count} files to {folder}", count=count, folder=folder), self._messages)
         return {"FINISHED"}
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import bpy
 
 from ..core.base import DimpleError
+from ..core.messages import Message, in_a_row
 from ..core.recording import open_point_cache
 from . import bridge, cache_files, exporters, offset, stack
 from .formats import FORMATS, Size
@@ -91,16 +92,16 @@ def played(obj: bpy.types.Object) -> Source | None:
                 _, points = open_point_cache(path)
             except OSError as error:
                 raise DimpleError(
-                    f'"{obj.name}" plays {path}, which cannot be read: {error.strerror}. '
-                    "Bake again, or export with Simulate Anew."
-                ) from error
+                    '"{name}" plays {path}, which cannot be read: {error}. Bake again, or export with Simulate Anew.',
+                    name=obj.name, path=path, error=error.strerror
+                ) from error  # fmt: skip
             graph = bpy.context.view_layer.depsgraph  # as it is: a panel that is being drawn evaluates nothing
             count = len(obj.evaluated_get(graph).data.vertices) if graph and obj.visible_get() else points.shape[1]
             if points.shape[1] != count:
                 raise DimpleError(
-                    f'"{obj.name}" has {count} vertices and its bake {points.shape[1]}. '
-                    "Bake again, or export with Simulate Anew."
-                )
+                    '"{name}" has {count} vertices and its bake {baked}. Bake again, or export with Simulate Anew.',
+                    name=obj.name, count=count, baked=points.shape[1]
+                )  # fmt: skip
             table = path.with_suffix(".csv")
             return Source(plays=None, table=table if table.is_file() else None)
     return None
@@ -130,11 +131,14 @@ def check(plan: ExportPlan) -> None:
     for obj in plan.objects:
         bridge.check(obj)
         if obj.library:
-            raise DimpleError(f'"{obj.name}" is linked from another file. Make it local first: Object > Relations.')
+            raise DimpleError(
+                '"{name}" is linked from another file. Make it local first: Object > Relations.', name=obj.name
+            )
     there = [path.name for path in finals(plan) if os.path.lexists(path)]
     if there and not plan.overwrite:
-        more = f" and {len(there) - 1} more" if len(there) > 1 else ""
-        raise DimpleError(f"{there[0]}{more} is there already. Choose another folder, or switch Overwrite on.")
+        which = "{path} is there already." if len(there) == 1 else "{path} and {count} more are there already."
+        said = Message(which, path=there[0], count=len(there) - 1)
+        raise DimpleError(in_a_row([said, "Choose another folder, or switch Overwrite on."]))
 
 
 def check_choice(plan: ExportPlan) -> None:
@@ -148,13 +152,18 @@ def check_choice(plan: ExportPlan) -> None:
     for kind in (FORMATS[each] for each in plan.formats):
         if kind.exporter and not exporters.is_there(kind.exporter):
             raise DimpleError(
-                f"This Blender cannot write {kind.label}: it was built without that exporter, or its add-on is "
-                "switched off. Choose another format."
+                "This Blender cannot write {label}: it was built without that exporter, or its add-on is switched "
+                "off. Choose another format.",
+                label=kind.label,
             )
     if plan.last < plan.first:
-        raise DimpleError(f"The last frame ({plan.last}) must not come before the first ({plan.first}).")
+        raise DimpleError(
+            "The last frame ({last}) must not come before the first ({first}).", last=plan.last, first=plan.first
+        )
     if plan.begin is not None and plan.begin > plan.first:
-        raise DimpleError(f"The simulation begins at frame {plan.begin}, after the first ({plan.first}).")
+        raise DimpleError(
+            "The simulation begins at frame {begin}, after the first ({first}).", begin=plan.begin, first=plan.first
+        )
 
 
 def check_space(context: bpy.types.Context, plan: ExportPlan) -> None:
@@ -166,6 +175,7 @@ def check_space(context: bpy.types.Context, plan: ExportPlan) -> None:
     needed, free = SPARE * estimate(context, plan), shutil.disk_usage(plan.folder).free
     if needed > free:
         raise DimpleError(
-            f"The export needs about {megabytes(needed)} MB, and {plan.folder} has {free / 1e6:.1f} MB left. "
-            "Choose another folder, fewer frames or fewer formats."
-        )
+            "The export needs about {needed} MB, and {folder} has {free:.1f} MB left. Choose another folder, fewer "
+            "frames or fewer formats.",
+            needed=megabytes(needed), folder=plan.folder, free=free / 1e6
+        )  # fmt: skip

@@ -27,9 +27,14 @@ def ask(name: str, *, filepath: str, **options: object) -> None:
     try:
         result = export(filepath=filepath, **{name: value for name, value in options.items() if name in known})
     except RuntimeError as error:
-        raise DimpleError(f"Blender's exporter failed at {filepath}: {_last_line(str(error))}") from error
+        raise DimpleError(
+            "Blender's exporter failed at {filepath}: {why}", filepath=filepath, why=_last_line(str(error))
+        ) from error
     if "FINISHED" not in result or not is_whole(Path(filepath)):
-        raise DimpleError(f"Blender's exporter could not finish {filepath}. Is the disk full, or the folder read-only?")
+        raise DimpleError(
+            "Blender's exporter could not finish {filepath}. Is the disk full, or the folder read-only?",
+            filepath=filepath,
+        )
 
 
 def _last_line(text: str) -> str:

@@ -170,4 +170,4 @@ def _readable_errors(each: str, final: Path) -> Iterator[None]:
             raise
         raise OSError(error.errno, error.strerror, str(final)) from error
     except DimpleError as error:
-        raise DimpleError(f"{FORMATS[each].label}: {error}") from error
+        raise DimpleError("{label}: {error}", label=FORMATS[each].label, error=error) from error

@@ -130,12 +130,16 @@ def read(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = Tr
         with unbaked(body):
             return read(context, body, cuts=cuts)
     if body.name not in context.view_layer.objects:
-        raise DimpleError(f'"{body.name}" is not in this view layer, so it has no shape now. Put it there first.')
+        raise DimpleError(
+            '"{name}" is not in this view layer, so it has no shape now. Put it there first.', name=body.name
+        )
     with attached(context, body, cuts):
         mesh = _evaluated(context, body)
         rest = read_rest(body, context.evaluated_depsgraph_get())
         if rest is None or not len(mesh.polygons):
-            raise DimpleError(f'"{body.name}" has no faces, so there is no surface to press. Add faces first.')
+            raise DimpleError(
+                '"{name}" has no faces, so there is no surface to press. Add faces first.', name=body.name
+            )
         return Final(rest, *_triangles(mesh), _cuts_now(body))
 
 
@@ -302,9 +306,10 @@ def _check_count(context: bpy.types.Context, body: bpy.types.Object, link: Objec
     count = len(_evaluated(context, body).vertices)
     if body.visible_get() and count != len(link.rest):
         raise DimpleError(
-            f'"{body.name}": its modifiers give {count:,} vertices now, and gave {len(link.rest):,}. '
-            "What is pressed must keep its vertices: apply the modifier that changes them, or switch it off."
-        )
+            '"{name}": its modifiers give {count:,} vertices now, and gave {vertices:,}. What is pressed must keep '
+            "its vertices: apply the modifier that changes them, or switch it off.",
+            name=body.name, count=count, vertices=len(link.rest)
+        )  # fmt: skip
 
 
 def is_coarse(context: bpy.types.Context, body: bpy.types.Object) -> bool:

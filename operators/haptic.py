@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ..core.messages import Message, in_a_row
 from . import modal_runs, sessions
 
 if TYPE_CHECKING:
@@ -79,8 +80,8 @@ def connect(scene: bpy.types.Scene) -> Connection:
     disconnect()
     port = scene.dimple.device_port.strip()
     if not port:
-        tip = f' "{EMULATED}" is a device to try.' if Emulated.is_supported() else ""
-        raise DimpleError(f"Choose a port, or type its path.{tip}")
+        way_out = [Message('"{emulated}" is a device to try.', emulated=EMULATED)] if Emulated.is_supported() else []
+        raise DimpleError(in_a_row(["Choose a port, or type its path.", *way_out]))
     file = Path(bpy.path.abspath(scene.dimple.device_file)) if scene.dimple.device_file else None
     if port.lower() == EMULATED:
         device: Device = Emulated(hand=poking_hand(), spec_path=file)
@@ -120,10 +121,11 @@ def read() -> list[str]:
     report = connection.report
     armed = report.link is LinkState.READY and report.arming is not Arming.OFF
     if gap > SLOW_S and armed and not connection.slow:
-        connection.slow, connection.note = True, (
-            f"Blender draws only {1 / gap:.1f} frames a second, so the dead-man key lapses and there is no force. "
-            "Simulate a proxy, or draw less."
-        )
+        connection.slow, connection.note = True, Message(
+            "Blender draws only {rate:.1f} frames a second, so the dead-man key lapses and there is no force. "
+            "Simulate a proxy, or draw less.",
+            rate=1 / gap
+        )  # fmt: skip
     elif gap < SLOW_S / 2 or not armed:
         connection.slow = False
     ended = report.link is not before.link and report.link in (LinkState.LOST, LinkState.REFUSED)
@@ -218,7 +220,7 @@ def _look() -> float | None:
     if now - connection.read_at > LOOK_S:
         notes = read()
         if sessions.sessions:
-            connection.note = " ".join(notes)  # for when it goes on
+            connection.note = in_a_row(notes)  # for when it goes on
             connection.device.renew()
         else:
             write(bpy.context.scene)

@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..core.messages import Message, in_a_row
 from . import fingertip_objects, live_press, polls
 from .messages import Note, report
 from .names import Op
@@ -40,9 +41,14 @@ class DIMPLE_OT_key_press(bpy.types.Operator):
             return {"CANCELLED"}
         report(self, fingertip_objects.leave_poke())
         first, last = key(context, press, body)
-        beyond = f" That is beyond the scene's last frame {scene.frame_end}." if last > scene.frame_end else ""
-        said = f'The press on "{body.name}" is keyframed from frame {first} to {last}.{beyond}'
-        report(self, [said if beyond else Note(said)])
+        said = Message(
+            'The press on "{name}" is keyframed from frame {first} to {last}.', name=body.name, first=first, last=last
+        )
+        if last > scene.frame_end:
+            end = Message("That is beyond the scene's last frame {last_frame}.", last_frame=scene.frame_end)
+            report(self, [in_a_row([said, end])])
+        else:
+            report(self, [Note(said)])
         return {"FINISHED"}
 
 

@@ -10,6 +10,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.crowd import step_all
+from ..core.messages import about, in_a_row
 from ..core.session import MAX_FINGERS, Finger
 from ..core.steps import Parts, at_once
 from . import (
@@ -84,7 +85,7 @@ def starting_all(context: bpy.types.Context) -> Parts:
                 bodies.append(body)
                 messages += notes
         if not bodies:
-            raise DimpleError(" ".join(gathered(wrong)))
+            raise DimpleError(in_a_row(gathered(wrong)))
         if crossing := _meet(context):
             raise DimpleError(crossing[0])
     except BaseException:
@@ -130,7 +131,7 @@ def advance(
         live_press.note(context, body)
         if body.frame.note:
             sessions.disarm()  # it is back at rest at once, which may be on a fingertip
-            messages.append(f'"{body.name}": {body.frame.note}')
+            messages.append(about(body.name, body.frame.note))
     slowest = min((body.lead for body in sessions.sessions.values()), default=0.0)
     for body in sessions.sessions.values():
         body.done, body.lead = body.lead, body.lead - slowest  # the others wait for it: all have one clock

@@ -4,6 +4,7 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
+from ..core.messages import Message, about
 from . import polls, sessions
 from .mesh_faults import Faults, repair
 from .messages import gathered, report, say
@@ -74,7 +75,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
                     obj, sentence = convert(context, obj)
                     done.append(sentence)
                 if self.repair and not is_shared(obj) and any(repaired := repair(obj)):
-                    done.append(f'"{obj.name}" was repaired. {words(repaired)}')
+                    done += [Message('"{name}" was repaired.', name=obj.name), words(repaired)]
                 chosen = self.properties.is_property_set("preset")
                 sentence, notes = make_soft(context, obj, self.preset, chosen=chosen)
                 soft.append(sentence)
@@ -87,16 +88,17 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         report(self, [*wrong, *noted])
         pointer.choose_tool(context)
         if len(soft) > 1:
-            soft = [f"{len(soft)} meshes are soft. Press them with the left mouse button."]
+            soft = [Message("{count} meshes are soft. Press them with the left mouse button.", count=len(soft))]
         say(self, {"INFO"}, *done, *soft)
         return {"FINISHED"}
 
 
 def words(found: Faults) -> str:
     """Return the faults of meshes in words."""
-    return (
-        f"Doubled vertices: {found.doubled}. Loose vertices: {found.loose}. Faces that look inward: {found.inward}."
-    )
+    return Message(
+        "Doubled vertices: {doubled}. Loose vertices: {loose}. Faces that look inward: {inward}.",
+        doubled=found.doubled, loose=found.loose, inward=found.inward
+    )  # fmt: skip
 
 
 def is_shared(obj: bpy.types.Object) -> bool:
@@ -123,9 +125,9 @@ def make_soft(
     bridge.check(obj)
     bridge.check_writable(obj)
     if sessions.get(obj):
-        raise DimpleError(f'"{obj.name}" is being pressed already.')
+        raise DimpleError('"{name}" is being pressed already.', name=obj.name)
     if chosen and obj.active_material and obj.active_material.library:
-        raise DimpleError(f'The material of "{obj.name}" is linked from another file. Make it local first.')
+        raise DimpleError('The material of "{name}" is linked from another file. Make it local first.', name=obj.name)
     if chosen or obj.active_material is None:
         with context.temp_override(object=obj, active_object=obj):
             bpy.ops.dimple.apply_preset(preset=preset)
@@ -133,11 +135,18 @@ def make_soft(
     fit(context.scene, obj)
     obj.dimple.enabled = True
     if len(obj.data.vertices) > LARGE:
-        return f'"{obj.name}" is soft: "{obj.active_material.name}". It is prepared when you press it first.', []
+        return Message(
+            '"{name}" is soft: "{material}". It is prepared when you press it first.',
+            name=obj.name,
+            material=obj.active_material.name,
+        ), []
     _, model = bridge.read_body(context, obj)
     planning.proxy_for(context.scene, obj, model)  # so that the first press begins at once
-    size, notes = f"{1e3 * model.mesh.size:.3g} mm", [type(note)(f'"{obj.name}": {note}') for note in model.notes]
-    said = f'"{obj.name}" is soft: "{obj.active_material.name}", {size} across. Press it with the left mouse button.'
+    size, notes = f"{1e3 * model.mesh.size:.3g} mm", [about(obj.name, note) for note in model.notes]
+    said = Message(
+        '"{name}" is soft: "{material}", {size} across. Press it with the left mouse button.',
+        name=obj.name, material=obj.active_material.name, size=size
+    )  # fmt: skip
     return said, notes
 
 
@@ -152,23 +161,24 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.type
     """
     from ..core.base import DimpleError
 
-    given, name, replaced = "", obj.name, obj.type == "META"
+    deepened, name, replaced = False, obj.name, obj.type == "META"
     if obj.type == "FONT" and not obj.data.extrude and not obj.data.bevel_depth:  # flat characters are all rim
-        obj.data.extrude, given = TEXT_DEPTH * obj.data.size, "given a depth and "
+        obj.data.extrude, deepened = TEXT_DEPTH * obj.data.size, True
     shown = obj.evaluated_get(context.evaluated_depsgraph_get())
     faces = len(shown.to_mesh().polygons)
     shown.to_mesh_clear()
     if not faces:
-        if given:
+        if deepened:
             obj.data.extrude = 0.0
         raise DimpleError(
-            f'"{name}" has no faces, so there is no surface to press. Give it depth or a bevel first.'
+            '"{name}" has no faces, so there is no surface to press. Give it depth or a bevel first.', name=name
         )
     with context.temp_override(object=obj, active_object=obj, selected_objects=[obj], selected_editable_objects=[obj]):
         bpy.ops.object.convert(target="MESH")
     made = context.view_layer.objects.active if replaced else obj  # Blender removes a metaball
     made.name = name
-    return made, f'"{made.name}" was {given}converted to a mesh.'
+    what = '"{name}" was given a depth and converted to a mesh.' if deepened else '"{name}" was converted to a mesh.'
+    return made, Message(what, name=made.name)
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_make_soft])

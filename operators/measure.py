@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from ..core.messages import Message, about
 from . import calibration, modal_runs, polls, sessions
 from .messages import say
 from .names import PLACES, Op
@@ -79,7 +80,9 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         body = context.object
         link, model = bridge.read_body(context, body, baked=False)
         if model.free and model.ground is None:
-            raise DimpleError(f'"{body.name}" is held by nothing, so the tip would push it away. Pin its base.')
+            raise DimpleError(
+                '"{name}" is held by nothing, so the tip would push it away. Pin its base.', name=body.name
+            )
         slot = link.slots.index(body.active_material_index) if body.active_material_index in link.slots else 0
         material = model.materials[slot]
         radius = self.tip_radius_mm / 1e3 or material.indenter.radius
@@ -87,7 +90,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         try:
             site = find_site(model.mesh, *(_at_cursor(context, link.scale, model.mesh) if place == "CURSOR" else ()))
         except DimpleError as error:
-            raise DimpleError(f'"{body.name}": {error}') from error
+            raise DimpleError(about(body.name, str(error))) from error
         settings = body.active_material and body.active_material.dimple
         self._deepest = self.depth_mm / 1e3 or calibration.deepest(settings, material.x0)
         self._about = [
@@ -115,9 +118,15 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         write_press(path, depth, force, about=self._about)
         deepest, wanted = float(depth[-1]), self._deepest
         if deepest < 0.999 * wanted:
-            why = "the body is no thicker, or gives way"
-            say(self, {"WARNING"}, f"Pressed {1e3 * deepest:.3g} mm of {1e3 * wanted:.3g} mm deep: {why}")
-        say(self, {"INFO"}, f"Measured {1e3 * deepest:.3g} mm deep with up to {force.max():.3g} N: {path}")
+            why = Message("the body is no thicker, or gives way")
+            say(self, {"WARNING"}, Message(
+                "Pressed {depth:.3g} mm of {wanted:.3g} mm deep: {why}",
+                depth=1e3 * deepest, wanted=1e3 * wanted, why=why
+            ))  # fmt: skip
+        say(self, {"INFO"}, Message(
+            "Measured {depth:.3g} mm deep with up to {force:.3g} N: {path}",
+            depth=1e3 * deepest, force=force.max(), path=path
+        ))  # fmt: skip
         return {"FINISHED"}
 
 

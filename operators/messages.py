@@ -5,53 +5,61 @@ from collections.abc import Iterable
 
 import bpy
 
-from .translation import in_a_row
+from ..core.messages import ABOUT, Message, about, in_a_row
+from .translation import translated
 
 # what stays on one line in Japanese: a character or a Latin word, with what opens before it and closes after it
 _PIECE = re.compile(r"[「『（]*(?:[!-~]+|.)[、。」』）！？：・ー〜々ぁぃぅぇぉっゃゅょァィゥェォッャュョ]* ?")
-_OF_A_BODY = re.compile(r'"(.+?)": (.*)', re.DOTALL)
 
 
-class Note(str):
-    """A sentence that warns of nothing."""
-
-    __slots__ = ()
+class Note(Message):
+    """A message that warns of nothing."""
 
 
-def say(operator: bpy.types.Operator, kind: set[str], *sentences: str) -> None:
+def say(operator: bpy.types.Operator, kind: set[str], *messages: str) -> None:
     """Report messages in a row in the language of the interface; kind: as `Operator.report` takes it."""
-    operator.report(kind, in_a_row(sentences))
+    operator.report(kind, translated(in_a_row(messages)))
 
 
-def report(operator: bpy.types.Operator, sentences: Iterable[str]) -> None:
-    """Say sentences: those that are no notes are warnings."""
-    for sentence in gathered(sentences):
-        say(operator, {"INFO" if isinstance(sentence, Note) else "WARNING"}, sentence)
+def report(operator: bpy.types.Operator, messages: Iterable[str]) -> None:
+    """Say messages: those that are no notes are warnings."""
+    for each in gathered(messages):
+        say(operator, {"INFO" if isinstance(each, Note) else "WARNING"}, each)
 
 
-def conclude(operator: bpy.types.Operator, done: str, sentences: Iterable[str]) -> None:
+def conclude(operator: bpy.types.Operator, done: str, messages: Iterable[str]) -> None:
     """Say notes, then what was done, then warnings: the last is what is seen."""
-    report(operator, sorted([*sentences, Note(done)], key=lambda sentence: not isinstance(sentence, Note)))
+    report(operator, sorted([*messages, Note(done)], key=lambda each: not isinstance(each, Note)))
 
 
-def gathered(sentences: Iterable[str]) -> list[str]:
-    """Return sentences with those said once that several bodies share: "3 bodies: ..."."""
-    names: dict[tuple[type[str], str], list[str]] = {}
-    for sentence in sentences:
-        named = _OF_A_BODY.fullmatch(sentence)
-        names.setdefault((type(sentence), named[2] if named else sentence), []).append(named[1] if named else "")
-    return [
-        kind(f"{len(of)} bodies: {said}" if len(of) > 1 and of[0] else f'"{of[0]}": {said}' if of[0] else said)
-        for (kind, said), of in names.items()
-    ]
+def gathered(messages: Iterable[str]) -> list[Message]:
+    """Return messages with those said once that several bodies share: "3 bodies: ..."."""
+    names: dict[tuple[bool, str], list[str]] = {}
+    for each in map(_message, messages):
+        of_one = each.template == ABOUT
+        said = each.values["said"] if of_one else each
+        names.setdefault((isinstance(each, Note), said), []).append(each.values["name"] if of_one else "")
+    return [(Note if note else Message)(_shared(said, of)) for (note, said), of in names.items()]
 
 
-def duration(seconds: float) -> str:
+def _message(said: str) -> Message:
+    return said if isinstance(said, Message) else Message(said)
+
+
+def _shared(said: str, names: list[str]) -> Message:
+    if len(names) > 1 and names[0]:
+        return Message("{count} bodies: {said}", count=len(names), said=said)
+    return about(names[0], said) if names[0] else Message(said)
+
+
+def duration(seconds: float) -> Message:
     """Return a time as one reads it: "<1 s", "48 s", "3 min 5 s", "2 h 10 min"."""
     whole = round(seconds)
     if whole < 60:
-        return f"{whole} s" if whole else "<1 s"
-    return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole % 3600 // 60} min"
+        return Message("{seconds} s", seconds=whole) if whole else Message("<1 s")
+    if whole < 3600:
+        return Message("{minutes} min {seconds} s", minutes=whole // 60, seconds=whole % 60)
+    return Message("{hours} h {minutes} min", hours=whole // 3600, minutes=whole % 3600 // 60)
 
 
 def megabytes(size: float) -> str:

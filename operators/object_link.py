@@ -71,7 +71,9 @@ def check_matrix(name: str, matrix: Floats) -> None:
     """Raise a DimpleError when the matrix (4, 4) of an object has no inverse."""
     longest = np.linalg.norm(matrix[:3, :3], axis=0).max()
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix[:3, :3])) <= 1e-9 * longest**3:
-        raise DimpleError(f'"{name}" has a scale of 0, so it is flat or a point. Give it a scale in the sidebar.')
+        raise DimpleError(
+            '"{name}" has a scale of 0, so it is flat or a point. Give it a scale in the sidebar.', name=name
+        )
 
 
 def to_physical(scale: float, matrix: Floats, local: npt.NDArray[Any]) -> Floats:
@@ -89,16 +91,20 @@ def scale_of_body(scene: bpy.types.Scene, body: bpy.types.Object, rest: Singles,
     if not np.isfinite(rest).all():
         bad = np.flatnonzero(~np.isfinite(rest).all(axis=1))
         raise DimpleError(
-            f'"{name}": vertex {bad[0]} has a coordinate that is not a number ({len(bad)} such vertices). '
-            "Delete or move them."
-        )
+            '"{name}": vertex {vertex} has a coordinate that is not a number ({count} such vertices). Delete or move '
+            "them.",
+            name=name, vertex=bad[0], count=len(bad)
+        )  # fmt: skip
     check_matrix(name, matrix)
     axes = np.linalg.norm(matrix[:3, :3], axis=0)
     largest = float((np.array([np.ptp(along) for along in rest.T]) * axes).max())  # axis by axis is far faster
     if largest <= 0:
-        raise DimpleError(f'"{name}": all vertices lie in one point. Give the mesh a size.')
+        raise DimpleError('"{name}": all vertices lie in one point. Give the mesh a size.', name=name)
     if size is not None and not size <= FARTHEST:
-        raise DimpleError(f'"{name}": a Custom Size of {1e3 * size:.3g} mm is too large. Lower it in Physics > Dimple.')
+        raise DimpleError(
+            '"{name}": a Custom Size of {size:.3g} mm is too large. Lower it in Physics > Dimple.',
+            name=name, size=1e3 * size
+        )  # fmt: skip
     return float(scene.unit_settings.scale_length) if size is None else size / largest
 
 

@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
+from ..core.messages import about, in_a_row, kept, read
 from ..core.reduction.planner import Maker, Plan, plan, plan_full_mesh, plan_proxy
 from ..core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
 from ..core.session import MAX_FINGERS
@@ -71,21 +72,21 @@ def planning_for(
     elif known:
         vertices = settings.plan_vertices
         proxy = (yield 0.6, partial(build, model, vertices)) if vertices else None
-        made = Choice(proxy, vertices, settings.plan_reason)
+        made = Choice(proxy, vertices, read(settings.plan_reason))
     else:
         try:
             chosen = yield 0.6, partial(choosing(scene, obj), model, build)
         except DimpleError as error:
             way_out = ""
             if settings.simulated == "PROXY" and not settings.self_contact:
-                way_out = " Choose another number, or Automatic, in Physics > Dimple."
-            raise DimpleError(f'"{obj.name}": {str(error).rstrip(".")}.{way_out}') from error
+                way_out = "Choose another number, or Automatic, in Physics > Dimple."
+            raise DimpleError(about(obj.name, in_a_row([str(error), way_out]))) from error
         made = Choice(chosen.proxy, chosen.asked, chosen.reason)
     _choices[now] = made
     _moving[:] = [(model.mesh, made.proxy), *_moving[: KEPT - 1]]
     while len(_choices) > KEPT:
         del _choices[next(iter(_choices))]
-    settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, made.reason
+    settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, kept(made.reason)
     return made.proxy
 
 

@@ -1,22 +1,17 @@
 """What operators ask for before they can be used, and the sentences that say what is missing."""
 
 import bpy
-from bpy.app.translations import pgettext_tip
 
 from ..core.errors import DimpleError
 from . import fingertip_objects, modal_runs, sessions
+from .translation import tip_
 
 LARGEST = 1e9  # of a number an operator takes; NaN and infinity are none either
 
 
-def tip_(text: str) -> str:
-    """Translate a sentence of ours into the language of the interface."""
-    return pgettext_tip(text)
-
-
 def refuse(operator: type, sentence: str) -> bool:
     """Say why an operator cannot be used now; Blender does not translate it, so it is looked up when it is shown."""
-    operator.poll_message_set(pgettext_tip, sentence)
+    operator.poll_message_set(tip_, sentence)
     return False
 
 
@@ -26,7 +21,7 @@ def check_numbers(operator: bpy.types.Operator, *names: str) -> None:
         value = getattr(operator, name)
         if not all(abs(each) <= LARGEST for each in ([value] if isinstance(value, float) else value)):
             label = name.replace("_", " ").capitalize()
-            raise DimpleError(f"{label} must be a number from -1e9 to 1e9.")
+            raise DimpleError("{label} must be a number from -1e9 to 1e9.", label=label)
 
 
 def needs_mesh(operator: type, context: bpy.types.Context) -> bool:

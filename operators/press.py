@@ -10,6 +10,7 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ..core.base import DimpleError
+from ..core.messages import Message
 from ..core.poke import Hit, Kind, PokeEvent, PokeState, Vector, along, fingers, on_event
 from . import bridge, live, pointer, polls, record, sessions
 from .messages import report, say
@@ -39,7 +40,9 @@ def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> set[
         say(operator, {"ERROR"}, str(error))
         return {"CANCELLED"}
     report(operator, [*wrong, *messages])
-    say(operator, {"INFO"}, f"Pressed {deepest * 1e3:.1f} mm deep with up to {strongest:.2f} N")
+    say(operator, {"INFO"}, Message(
+        "Pressed {deepest:.1f} mm deep with up to {strongest:.2f} N", deepest=deepest * 1e3, strongest=strongest
+    ))  # fmt: skip
     return {"FINISHED"}
 
 
@@ -68,9 +71,9 @@ def check_depth(state: PokeState, event: PokeEvent, bodies: dict[int, LiveBody])
     size = body.session.model.mesh.size
     if not state.by_force and state.depth > size:
         raise DimpleError(
-            f'"{body.name}" is {1e3 * size:.4g} mm across, so a press of {1e3 * state.depth:.4g} mm would go '
-            "through it. Press less deep."
-        )
+            '"{name}" is {size:.4g} mm across, so a press of {depth:.4g} mm would go through it. Press less deep.',
+            name=body.name, size=1e3 * size, depth=1e3 * state.depth
+        )  # fmt: skip
 
 
 def aimed(bodies: dict[int, LiveBody], place: Vector | None, direction: Vector) -> PokeEvent:
@@ -99,7 +102,7 @@ def aimed(bodies: dict[int, LiveBody], place: Vector | None, direction: Vector) 
     hits = [(math.dist(bodies[hit.body].to_world(hit.point), place), i, hit) for i, hit in enumerate(found) if hit]
     if not hits:
         at = ", ".join(f"{c:.3g}" for c in place)
-        raise DimpleError(f"No surface lies along the direction of the press at ({at}). Choose another location.")
+        raise DimpleError("No surface lies along the direction of the press at ({at}). Choose another location.", at=at)
     hit = min(hits)[2]
     return PokeEvent(kind=Kind.PRESS, hit=hit, view=inward)
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
+from ..core.messages import Message, in_a_row
 from ..core.recording import PointCache
 
 if TYPE_CHECKING:
@@ -113,11 +114,13 @@ class Recorder:
     def summary(self, name: str, scene_end: int) -> str:
         """Return the sentence for the artist on a recording of an object that has ended."""
         last = self._start_frame + self.frames - 1
-        beyond = f" That is beyond the scene's last frame {scene_end}." if last > scene_end else ""
-        return (
-            f'Recorded {self.frames} frames of "{name}" to {self._path.name}: when its session has ended, it plays '
-            f"them from frame {self._start_frame} to {last}.{beyond}"
-        )
+        said = Message(
+            'Recorded {frames} frames of "{name}" to {path}: when its session has ended, it plays them from frame '
+            "{first} to {last}.",
+            frames=self.frames, name=name, path=self._path.name, first=self._start_frame, last=last
+        )  # fmt: skip
+        end = Message("That is beyond the scene's last frame {last_frame}.", last_frame=scene_end)
+        return in_a_row([said, end] if last > scene_end else [said])
 
     def close(self) -> None:
         """Close the files.
@@ -136,10 +139,10 @@ class Recorder:
 
     def cut_short(self, name: str, error: OSError) -> str:
         """Return the sentence for the artist when the disk refuses the recording of an object."""
-        return (
-            f'The recording of "{name}" has ended early: {error.strerror} ({self._path}). '
-            "What was recorded until then is kept."
-        )
+        return Message(
+            'The recording of "{name}" has ended early: {error} ({path}). What was recorded until then is kept.',
+            name=name, error=error.strerror, path=self._path
+        )  # fmt: skip
 
 
 Opened = TypeVar("Opened", bound="Closes")

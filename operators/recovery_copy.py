@@ -11,6 +11,7 @@ from pathlib import Path
 
 import bpy
 
+from ..core.messages import Message
 from . import modal_runs
 
 
@@ -31,7 +32,7 @@ def save_when_due(run: modal_runs.ModalRun) -> list[str]:
         bpy.ops.wm.save_as_mainfile(filepath=str(written), copy=True, check_existing=False)
         os.replace(written, copy)  # the last copy is there until this one is whole
     except (OSError, RuntimeError) as error:
-        return [f"The recovery copy could not be written, so save the file yourself: {error}"]
+        return [Message("The recovery copy could not be written, so save the file yourself: {error}", error=error)]
     return []
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ..core.messages import about
 from .messages import Note
 from .modal_runs import close_run, runs
 
@@ -158,7 +159,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
         if size:
             obj.dimple.property_unset("size_mode")
         raise
-    messages = [*filter(None, [size]), *(type(note)(f'"{obj.name}": {note}') for note in model.notes)]
+    messages = [*filter(None, [size]), *(about(obj.name, note) for note in model.notes)]
     first = input_vertices(model.mesh)
     settings = settings_of(context.scene, obj)
     body = sessions[link.uid] = LiveBody(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ..core.messages import Message
 from . import sessions
 
 if TYPE_CHECKING:
@@ -29,9 +30,11 @@ def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
     for uid, body in list(sessions.sessions.items()):
         obj = bridge.find(uid, body.name)
         if obj is None or (view_layer and obj.name not in view_layer.objects):
-            messages += [f'"{body.name}" is gone, so its session has ended.', *sessions.stop(uid)]
+            messages += [Message('"{name}" is gone, so its session has ended.', name=body.name), *sessions.stop(uid)]
         elif not bridge_write.is_intact(obj, body.link):
-            words = f'"{obj.name}" was edited while it was pressed, so its session has ended. The edit is kept.'
+            words = Message(
+                '"{name}" was edited while it was pressed, so its session has ended. The edit is kept.', name=obj.name
+            )
             messages += [words, *sessions.stop(uid)]
     _rest_duplicates()
     return messages

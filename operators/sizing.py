@@ -4,6 +4,7 @@ import math
 
 import bpy
 
+from ..core.messages import Message, about
 from .messages import Note
 
 SMALLEST_M, LARGEST_M = 0.01, 1.0  # across: what is modelled outside of that stands for a thing that was measured
@@ -11,17 +12,18 @@ SHARES = {"finger_radius_mm": 10 / 165, "press_depth_mm": 15 / 165}  # of a body
 LEAST_MM = 0.01  # of either
 
 
-def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> Note | None:
+def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> Message | None:
     """Give a body that has no size yet one that was measured; return a note where that is not the modelled one."""
     if not is_unsuited(scene, obj):
         return None
     settings = obj.dimple
     settings.size_mode = "CUSTOM"
-    return Note(
-        f'"{obj.name}": {_as_modelled(scene, obj):.3g} m across as modelled, but constants are measured on what '
-        f"one can hold: it is pressed as an object of {settings.size_mm:.3g} mm. "
-        "Physical Size in Physics > Dimple changes that."
-    )
+    said = Note(
+        "{as_modelled:.3g} m across as modelled, but constants are measured on what one can hold: it is pressed as an "
+        "object of {size_mm:.3g} mm. Physical Size in Physics > Dimple changes that.",
+        as_modelled=_as_modelled(scene, obj), size_mm=settings.size_mm
+    )  # fmt: skip
+    return about(obj.name, said)
 
 
 def is_unsuited(scene: bpy.types.Scene, obj: bpy.types.Object) -> bool:

@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import StringProperty
 
+from ..core.messages import Message
 from . import polls, sessions
 from .messages import say
 from .names import Op
@@ -60,9 +61,10 @@ class DIMPLE_OT_softness_from_pokes(bpy.types.Operator):
         if link.cuts:
             say(self, {"WARNING"}, "The mesh has too few vertices to hold the map. Subdivide it first.")
         if found.outside > PAINTED:
-            say(self, {"WARNING"}, (
-                f"{found.outside:.0%} of the vertices are over four times softer or stiffer than the material, beyond "
-                "what a map can say: change K1 and K2."
+            say(self, {"WARNING"}, Message(
+                "{outside:.0%} of the vertices are over four times softer or stiffer than the material, beyond "
+                "what a map can say: change K1 and K2.",
+                outside=found.outside
             ))  # fmt: skip
         return {"FINISHED"}
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..core.base import DimpleError
+from ..core.messages import about, in_a_row
 from ..core.steps import Parts, at_once, beside
 from . import bridge, bridge_model, final_mesh, planning, sessions, timeline
 from .names import PAINTING
@@ -86,11 +87,11 @@ def _changing(
     try:
         yield from _change(context, obj, body, now)
     except DimpleError as error:
-        body.refused = f"{error} Until then it goes on as it was."
+        body.refused = in_a_row([str(error), "Until then it goes on as it was."])
         return [] if refused_before else [body.refused]
     gone = any(had and not has for had, has in zip(body.settings.materials, now.materials, strict=False))
     body.settings, body.changed_at = now, body.frame.time
-    return [f'"{body.name}": a material is gone: the constants of a new one act in its place.'] if gone else []
+    return [about(body.name, "a material is gone: the constants of a new one act in its place.")] if gone else []
 
 
 def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings) -> Parts:

@@ -87,7 +87,7 @@ def source_of(name: str) -> object:
 
     preset = next((each for each in OBJECTS if name in (each.name, each.label)), None)
     if preset is None and (bpy.data.materials.get(name) is None or name.startswith(MATERIAL)):
-        raise DimpleError(f'There is no material or preset "{name}", which the experiment names.')
+        raise DimpleError('There is no material or preset "{name}", which the experiment names.', name=name)
     return preset or bpy.data.materials[name]
 
 

@@ -4,6 +4,7 @@ import time
 
 import bpy
 
+from ..core.messages import Message
 from . import modal_runs, sessions
 from .messages import duration, say
 from .translation import translated
@@ -14,7 +15,8 @@ READY = 0.05  # of a bake, for getting ready: how long that takes does not tell 
 
 def show_share(context: bpy.types.Context, verb: str, share: float) -> None:
     """Show in the status bar how far something is whose time is not known."""
-    context.workspace.status_text_set(translated(f"{verb} {share:.0%} | Esc: cancel"))
+    said = Message("{verb} {share:.0%} | Esc: cancel", verb=Message(verb), share=share)
+    context.workspace.status_text_set(translated(said))
 
 
 class Working:
@@ -106,7 +108,9 @@ class Working:
             show_share(context, self.verb, share)
             return
         left = (time.perf_counter() - self._began) * (1 - share) / (share - self.ready)
-        context.workspace.status_text_set(translated(f"{self.verb} {share:.0%}, {duration(left)} left | Esc: cancel"))
+        said = "{verb} {share:.0%}, {time} left | Esc: cancel"
+        said = Message(said, verb=Message(self.verb), share=share, time=duration(left))
+        context.workspace.status_text_set(translated(said))
 
     def _leave(self) -> None:
         self._steps.close()

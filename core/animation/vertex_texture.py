@@ -44,9 +44,10 @@ def layout(vertices: int, frames: int) -> Layout:
     width = -(-vertices // rows)
     if rows * frames > WIDEST:
         raise DimpleError(
-            f"{vertices} vertices in {frames} frames need a picture {rows * frames} pixels high, and graphics cards "
-            f"take {WIDEST}. Export at most {WIDEST // rows} frames."
-        )
+            "{vertices} vertices in {frames} frames need a picture {height} pixels high, and graphics cards take "
+            "{widest}. Export at most {most} frames.",
+            vertices=vertices, frames=frames, height=rows * frames, widest=WIDEST, most=WIDEST // rows
+        )  # fmt: skip
     return Layout(width, rows * frames, rows)
 
 

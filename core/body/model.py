@@ -23,6 +23,7 @@ from ..base import (
 )
 from ..material import Material
 from ..mesh.surface import Mesh, spans_a_plane
+from ..messages import Message
 from ..other_tip import layer
 from . import bound, pressure, shape_matching, springs
 from .maps import Maps, painted
@@ -103,14 +104,14 @@ class Model:
         share = 2 * (math.sqrt(1 + z * z) - z) * STEP_SAFETY
         limit = min(share / omega, LONGEST_STEP / omega, LONGEST_CONTACT if self.free else math.inf)
         if not tick <= MAX_SUBSTEPS * limit:
-            todo = "Raise its mass, lower k, K2 or the pressure, or use a coarser mesh."
+            todo = Message("Raise its mass, lower k, K2 or the pressure, or use a coarser mesh.")
             if self.mesh.size < SMALL:
                 size = f"{1e3 * self.mesh.size:.3g} mm"
-                todo = f"The body is only {size} across: give it a Custom Size in Physics > Dimple."
+                todo = Message("The body is only {size} across: give it a Custom Size in Physics > Dimple.", size=size)
             raise DimpleError(
-                f"The material is so stiff or light on this mesh that a millisecond needs over {MAX_SUBSTEPS} steps. "
-                + todo
-            )
+                "The material is so stiff or light on this mesh that a millisecond needs over {most} steps. {todo}",
+                most=MAX_SUBSTEPS, todo=todo
+            )  # fmt: skip
         return math.ceil(tick / limit)
 
 
@@ -170,7 +171,8 @@ def build_model(
         raise DimpleError("A face uses a material slot that is empty. Assign a material to it.")
     pinned_here = mesh.loose | (_on_vertices(mesh, pinned, "pins", 0.0) >= 0.5)
     named = (("softness", softness), ("knee", knee), ("spread", spread), ("thickness", thickness))
-    maps = painted(*(_on_vertices(mesh, values, f"{name} map", 0.5) for name, values in named))
+    said = (Message("{name} map", name=Message(name)) for name, _ in named)
+    maps = painted(*(_on_vertices(mesh, values, name, 0.5) for name, (_, values) in zip(said, named, strict=True)))
 
     mass = mass_on(mesh, materials) * maps.thicker
     fill, rest_pressure = _fill(mesh, materials)
@@ -250,10 +252,11 @@ def _ground(mesh: Mesh, pinned: Bools, ground: float | None) -> tuple[float | No
     if ground is None or not len(heights) or heights.min() >= ground - SUNK * mesh.size:
         return ground, ()
     lowest = float(heights.min())
-    return lowest, (
-        f"The body starts {1e3 * (ground - lowest):.3g} mm below the ground, so for it the ground is as low as it is. "
-        "Move it up to let it fall.",
-    )
+    return lowest, (Message(
+        "The body starts {depth:.3g} mm below the ground, so for it the ground is as low as it is. Move it up to let "
+        "it fall.",
+        depth=1e3 * (ground - lowest)
+    ),)  # fmt: skip
 
 
 def _even_out(mass: Floats, stiffness: Floats, used: Bools) -> Floats:
@@ -277,8 +280,11 @@ def _on_vertices(mesh: Mesh, values: Bools | Floats | None, name: str, default: 
         return np.full(len(mesh.rest_positions), default)
     values = np.asarray(values, np.float64)
     if values.shape != mesh.source.shape:
-        raise DimpleError(f"The {name} must have one value for each of the {len(mesh.source)} vertices.")
+        raise DimpleError(
+            "The {name} must have one value for each of the {vertices} vertices.",
+            name=Message(name), vertices=len(mesh.source)
+        )  # fmt: skip
     if not np.isfinite(values).all():
-        raise DimpleError(f"Some values of the {name} are not numbers.")
+        raise DimpleError("Some values of the {name} are not numbers.", name=Message(name))
     total = sums_at(mesh.source, values, len(mesh.rest_positions))
     return total / np.bincount(mesh.source, minlength=len(mesh.rest_positions))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import Floats
+from ..messages import Message
 from .dialect import Dialect, is_row, number, split
 from .question import Candidate, Question
 from .vocabulary import is_known
@@ -64,11 +65,13 @@ def which_table(lines: Sequence[str], blocks: Sequence[Block]) -> Question:
 
     def label(block: Block) -> str:
         above = next((lines[i].strip() for i in range(block.start - 1, -1, -1) if lines[i].strip()), "")
-        return f"lines {block.start + 1} to {block.end}, under “{above[:60]}”"
+        return Message(
+            "lines {start} to {end}, under “{above}”", start=block.start + 1, end=block.end, above=above[:60]
+        )
 
     return Question(
         name="table",
-        text=f"The file holds {len(blocks)} tables. Which one is the measurement?",
+        text=Message("The file holds {tables} tables. Which one is the measurement?", tables=len(blocks)),
         candidates=tuple(Candidate(value=str(i + 1), label=label(block)) for i, block in enumerate(blocks)),
     )
 

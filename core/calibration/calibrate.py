@@ -10,6 +10,7 @@ import numpy as np
 
 from ..base import DimpleError
 from ..material import POINT, Indenter, law_force, law_power
+from ..messages import Message
 from .contact import settle
 from .doubts import doubts
 from .fit import Fit, fit_law
@@ -73,7 +74,7 @@ def calibrate(
     """
     for name, value in (("length", length), ("section", section), ("Young's modulus", youngs_modulus)):
         if value is not None and not 0 < value < math.inf:
-            raise DimpleError(f"The {name} of the object must be a number greater than 0.")
+            raise DimpleError("The {name} of the object must be a number greater than 0.", name=Message(name))
     measurement = read_measurement(path, answers)
     loading, doubt = prepare(measurement, answers), ""
     if answers and answers.contact_mm is not None:
@@ -121,11 +122,13 @@ def provenance(calibration: Calibration) -> str:
     """Return a line that says where constants come from: file, fit, uncertainty and tip."""
     fit, tip = calibration.fit, calibration.tip
     knee = f"K1 {fit.K1.text(1e3)} N/mm, K2 {fit.K2.text(1e3)} N/mm, x0 {fit.x0.text(1e-3)} mm"
-    law = knee if fit.model == "two" else f"one slope {fit.K1.text(1e3)} N/mm"
-    return (
-        f"{calibration.measurement.source}: {law} (95 %), {fit.rows} rows, "
-        f"residual {100 * fit.misfit:.1f} % of {fit.full_scale:.3g} N, {tip.shape} of {1e3 * tip.radius:.3g} mm radius"
-    )
+    law = knee if fit.model == "two" else Message("one slope {K1} N/mm", K1=fit.K1.text(1e3))
+    return Message(
+        "{source}: {law} (95 %), {rows} rows, residual {misfit:.1f} % of {full_scale:.3g} N, {tip} of {radius:.3g} "
+        "mm radius",
+        source=calibration.measurement.source, law=law, rows=fit.rows, misfit=100 * fit.misfit,
+        full_scale=fit.full_scale, tip=Message(tip.shape), radius=1e3 * tip.radius
+    )  # fmt: skip
 
 
 def source_of_k(calibration: Calibration) -> str:
@@ -134,8 +137,8 @@ def source_of_k(calibration: Calibration) -> str:
     if surface is None or surface.k is None:
         return ""
     if surface.paper_k is not None:  # of numbers that were typed in
-        return f"k {surface.paper_k / 1e3:.4g} N/mm by Eqs. (9), (10)"
-    return f"k {surface.k.text(1e3)} N/mm (95 %) by the force balance"
+        return Message("k {paper_k:.4g} N/mm by Eqs. (9), (10)", paper_k=surface.paper_k / 1e3)
+    return Message("k {k} N/mm (95 %) by the force balance", k=surface.k.text(1e3))
 
 
 def _columns(measurement: Measurement) -> str:
@@ -143,9 +146,10 @@ def _columns(measurement: Measurement) -> str:
     m = measurement
     named = (m.depth_header, m.force_header)
     depth, force = (
-        f"“{name}” (column {number}) in {unit}" for name, number, unit in zip(named, m.columns, m.units, strict=True)
+        Message("“{name}” (column {number}) in {unit}", name=name, number=number, unit=unit)
+        for name, number, unit in zip(named, m.columns, m.units, strict=True)
     )
-    return f"The depth is {depth}, the force {force}."
+    return Message("The depth is {depth}, the force {force}.", depth=depth, force=force)
 
 
 def _touch(loading: LoadingCurve, fit: Fit, answers: Answers | None) -> str:
@@ -154,9 +158,11 @@ def _touch(loading: LoadingCurve, fit: Fit, answers: Answers | None) -> str:
         return "The touch is as given."
     at, free = loading.reading(0.0), fit.parameters.free
     if "tare" in free:
-        return f"First touch at {at:.3f} mm of the file; {loading.tare:+.4g} N there is no load."
+        return Message(
+            "First touch at {at:.3f} mm of the file; {tare:+.4g} N there is no load.", at=at, tare=loading.tare
+        )
     if free:
-        return f"The file begins in contact or near it; the touch is taken at {at:.3f} mm."
+        return Message("The file begins in contact or near it; the touch is taken at {at:.3f} mm.", at=at)
     return "The file begins at the touch: depth 0 as the file has it."
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..messages import Message
 from .fit import Fit, fit_law, independent_rows
 from .parameters import Free
 from .question import Candidate, Question, Undecided
@@ -160,7 +161,9 @@ def _likeliest(depth: Floats, force: Floats, free: Free, reading: Reading, loade
         return settled, ""
     if loaded < 0 and gain(untared) > price + doubtful:  # what is pressed does not pull
         settled, _ = _read(depth, force, first, ("tare",))
-        return settled, f"The force is {loaded:.3g} N where the file begins: it was taken for no load."
+        return settled, Message(
+            "The force is {loaded:.3g} N where the file begins: it was taken for no load.", loaded=loaded
+        )
     if unsure and (free or gain(untared) > _DECISIVE + price):
         raise Undecided(_begun(reading(first), reading(begun[0].contact.value), loaded))
     if gain(hinge) > _LIKELY and _differs(found, hinge[0]):
@@ -169,11 +172,12 @@ def _likeliest(depth: Floats, force: Floats, free: Free, reading: Reading, loade
 
 
 def _hidden(reading: Reading, found: Fit, other: Fit) -> str:
-    return (
-        f"The noise hides the first touch.\nIt was taken at {reading(found.contact.value):.3g} mm, but "
-        f"{reading(other.contact.value):.3g} mm is as likely, with K1 {other.K1.text(1e3)} N/mm and "
-        f"x0 {other.x0.text(1e-3)} mm."
-    )
+    return Message(
+        "The noise hides the first touch.\nIt was taken at {touch:.3g} mm, but {other:.3g} mm is as likely, with K1 "
+        "{K1} N/mm and x0 {x0} mm.",
+        touch=reading(found.contact.value), other=reading(other.contact.value), K1=other.K1.text(1e3),
+        x0=other.x0.text(1e-3)
+    )  # fmt: skip
 
 
 def _drift(fit: Fit, depth: Floats, force: Floats) -> str:
@@ -183,10 +187,11 @@ def _drift(fit: Fit, depth: Floats, force: Floats) -> str:
     if len(x) < _ROWS or _is_level(x, f, roughness(force)):
         return ""
     slope = float(np.polyfit(x, f, 1)[0])
-    return (
-        f"The force changes by {slope * float(np.ptp(x)):+.2g} N before the touch.\nThe load cell drifts, and the "
-        f"slopes are off by {slope / 1e3:+.2g} N/mm, or the touch is earlier."
-    )
+    return Message(
+        "The force changes by {change:+.2g} N before the touch.\nThe load cell drifts, and the slopes are off by "
+        "{per_mm:+.2g} N/mm, or the touch is earlier.",
+        change=slope * float(np.ptp(x)), per_mm=slope / 1e3
+    )  # fmt: skip
 
 
 def _likely_touch(x: Floats, f: Floats) -> float:
@@ -232,8 +237,11 @@ def _begun(first: float, before: float, loaded: float) -> Question:
     """Ask for the touch of a press that begins loaded [N] at a reading [mm]."""
     return Question(
         name="contact_mm",
-        text=f"The force is {loaded:.3g} N where the file begins, at {first:.4g} mm. "
-        "At which depth was the first touch?",
+        text=Message(
+            "The force is {loaded:.3g} N where the file begins, at {first:.4g} mm. At which depth was the first touch?",
+            loaded=loaded,
+            first=first,
+        ),
         candidates=(
             Candidate(value=f"{before:.6g}", label="before the file begins: the object was pressed already"),
             Candidate(value=f"{first:.6g}", label="where the file begins: the load cell was not tared"),

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..base import DimpleError
+from ..messages import Message
 from .question import Candidate, Question, Undecided
 
 DELIMITERS = (",", ";", "\t", "|", " ")  # a blank stands for any run of blanks
@@ -133,7 +134,7 @@ def _ask_decimal(rows: Sequence[Sequence[str]], best: Dialect) -> None:
                 raise Undecided(
                     Question(
                         name="decimal",
-                        text=f"In “{cell}”, does the mark separate thousands or decimals?",
+                        text=Message("In “{cell}”, does the mark separate thousands or decimals?", cell=cell),
                         candidates=(
                             Candidate(value=".", label=f"{cell} = {points:g}"),
                             Candidate(value=",", label=f"{cell} = {commas:g}"),

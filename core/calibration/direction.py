@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..messages import Message
 from .blocks import MIN_ROWS
 from .question import Answers, Candidate, Question, Undecided, WrongColumns
 from .reader import Measurement
@@ -38,9 +39,12 @@ def oriented(
     if answers.until_mm is not None:
         keep &= depth <= inward * answers.until_mm / 1e3
     if keep.sum() < MIN_ROWS:
-        raise DimpleError(f"Only {int(keep.sum())} rows lie in the range that was given; a fit needs {MIN_ROWS}.")
+        raise DimpleError(
+            "Only {rows} rows lie in the range that was given; a fit needs {least}.",
+            rows=int(keep.sum()), least=MIN_ROWS
+        )  # fmt: skip
     if not keep.all():
-        notes.append(f"{int((~keep).sum())} rows outside the range that was given were left out.")
+        notes.append(Message("{rows} rows outside the range that was given were left out.", rows=int((~keep).sum())))
     return depth[keep], force[keep], inward
 
 
@@ -53,14 +57,16 @@ def _in_order(depth: Floats, force: Floats, timed: bool, answers: Answers, notes
         return depth, force
     if timed or answers.order == "written":
         raise DimpleError("The depth never grows: the file holds unloading only, no press.")
-    raise Undecided(which_order(f"The file begins with its largest force, {force[0]:.4g} N, and ends with little"))
+    raise Undecided(which_order(Message(
+        "The file begins with its largest force, {force:.4g} N, and ends with little", force=force[0]
+    )))  # fmt: skip
 
 
 def which_order(why: str) -> Question:
     """Ask in what order the rows stand, with the reason for asking."""
     return Question(
         name="order",
-        text=f"{why}. In what order do its rows stand?",
+        text=Message("{why}. In what order do its rows stand?", why=why),
         candidates=(
             Candidate(value="reversed", label="from the last to the first"),
             Candidate(value="written", label="as they were measured"),
@@ -88,8 +94,14 @@ def _pressing_sign(force: Floats, answers: Answers, notes: list[str]) -> Floats:
                 name="press",
                 text="The force goes both ways from where it begins. Which sign is a press?",
                 candidates=(
-                    Candidate(value="positive", label=f"from {start:.4g} N up to {force.max():.4g} N"),
-                    Candidate(value="negative", label=f"from {start:.4g} N down to {force.min():.4g} N"),
+                    Candidate(
+                        value="positive",
+                        label=Message("from {start:.4g} N up to {force:.4g} N", start=start, force=force.max()),
+                    ),
+                    Candidate(
+                        value="negative",
+                        label=Message("from {start:.4g} N down to {force:.4g} N", start=start, force=force.min()),
+                    ),
                 ),
             )
         )
@@ -129,11 +141,18 @@ def _check_columns(measurement: Measurement, depth: Floats, force: Floats, answe
         raise Undecided(
             Question(
                 name="depth_column",
-                text=f"“{f}” advances evenly, like a driven depth, and “{d}” does not: are the columns swapped? "
-                "Which one is the depth?",
+                text=Message(
+                    "“{force}” advances evenly, like a driven depth, and “{depth}” does not: are the columns "
+                    "swapped? Which one is the depth?",
+                    force=f,
+                    depth=d,
+                ),
                 candidates=(
-                    Candidate(value=str(depth_at), label=f"{d}, as the header says (a press driven by its force)"),
-                    Candidate(value=str(force_at), label=f"{f}: the columns are swapped"),
+                    Candidate(
+                        value=str(depth_at),
+                        label=Message("{depth}, as the header says (a press driven by its force)", depth=d),
+                    ),
+                    Candidate(value=str(force_at), label=Message("{force}: the columns are swapped", force=f)),
                 ),
             )
         )

@@ -30,7 +30,7 @@ def write_press(path: str | Path, depth: Floats, force: Floats, *, about: Sequen
     try:
         Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
     except OSError as error:
-        raise DimpleError(f"{path} cannot be written: {error.strerror or error}.") from None
+        raise DimpleError("{path} cannot be written: {error}.", path=path, error=error.strerror or error) from None
 
 
 def text_cell(text: str) -> str:

@@ -164,7 +164,9 @@ def _holds(parameters: Parameters, start: Parameters, x: Floats) -> bool:
 
 
 def _too_few(rows: int) -> DimpleError:
-    return DimpleError(f"Only {rows} rows lie beyond the first touch; a fit needs at least {_ROWS}.")
+    return DimpleError(
+        "Only {rows} rows lie beyond the first touch; a fit needs at least {least}.", rows=rows, least=_ROWS
+    )
 
 
 def _settled(start: Parameters, x: Floats, f: Floats) -> Parameters:

@@ -79,12 +79,14 @@ def means_of(curve: Curve, size: float) -> Means:
     pressed = curve.depth > 0
     x, f = curve.depth[pressed], curve.force[pressed]
     if not len(x) or not f.max() > 0:
-        raise DimpleError(f"{curve.name}: no force was measured in contact.")
+        raise DimpleError("{name}: no force was measured in contact.", name=curve.name)
     part = np.minimum((x / x.max() * BINS).astype(np.int64), BINS - 1)
     counts = np.bincount(part, minlength=BINS)
     full = counts > 0
     if full.sum() < FEWEST:
-        raise DimpleError(f"{curve.name}: only {int(full.sum())} depths in contact. Measure at more depths.")
+        raise DimpleError(
+            "{name}: only {full} depths in contact. Measure at more depths.", name=curve.name, full=int(full.sum())
+        )
     depth, force = (np.bincount(part, weights=each, minlength=BINS)[full] / counts[full] for each in (x, f))
     error = np.full(len(depth), max(curve.noise, TRUSTED * float(f.max())))
     return Means(depth, force, error, reach(curve.tip, size), curve)

@@ -7,6 +7,7 @@ import stat
 from pathlib import Path
 
 from ..base import DimpleError
+from ..messages import Message
 from .vocabulary import is_known
 
 MAX_BYTES = 64 * 2**20  # a million rows: far more than an instrument writes
@@ -55,7 +56,9 @@ def load_lines(path: str | Path) -> tuple[list[str], str, tuple[str, ...]]:
     data = _read(Path(path))
     for magic, kind in _MAGIC.items():
         if data.startswith(magic):
-            raise DimpleError(f"This is {kind}, not a text table. Export the measurement as CSV and open that.")
+            raise DimpleError(
+                "This is {kind}, not a text table. Export the measurement as CSV and open that.", kind=Message(kind)
+            )
     if not data.strip():
         raise DimpleError("The file is empty. Export the measurement again.")
     text, encoding = decode(data)
@@ -67,9 +70,10 @@ def load_lines(path: str | Path) -> tuple[list[str], str, tuple[str, ...]]:
     longest = max(range(len(lines)), key=lambda i: len(lines[i]))
     if len(lines[longest]) > MAX_LINE:
         raise DimpleError(
-            f"Line {longest + 1} has {len(lines[longest]):,} characters; a row of a table has at most {MAX_LINE:,}. "
-            "This is not a force-depth table, or its line ends are lost: export it again."
-        )
+            "Line {line} has {lines:,} characters; a row of a table has at most {most:,}. This is not a force-depth "
+            "table, or its line ends are lost: export it again.",
+            line=longest + 1, lines=len(lines[longest]), most=MAX_LINE
+        )  # fmt: skip
     notes: tuple[str, ...] = ()
     if text[-1] not in "\n\r\x1a" and len(lines) > 20 and _looks_cut(lines):
         lines.pop()
@@ -103,17 +107,18 @@ def _read(path: Path) -> bytes:
     try:
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):
-            raise DimpleError(f"{path.name} is not a file.")
+            raise DimpleError("{name} is not a file.", name=path.name)
         if status.st_size <= MAX_BYTES:
             with path.open("rb") as file:
                 data = file.read(MAX_BYTES + 1)
             if len(data) <= MAX_BYTES:
                 return data
     except OSError as error:
-        raise DimpleError(f"{path.name} cannot be read: {error.strerror or error}.") from None
+        raise DimpleError("{name} cannot be read: {error}.", name=path.name, error=error.strerror or error) from None
     raise DimpleError(
-        f"{path.name} is larger than {MAX_BYTES // 2**20} MB, the most a measurement may have. "
-        "Export one test, or fewer samples a second."
+        "{name} is larger than {size} MB, the most a measurement may have. Export one test, or fewer samples a second.",
+        name=path.name,
+        size=MAX_BYTES // 2**20,
     )
 
 

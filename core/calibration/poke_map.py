@@ -16,6 +16,7 @@ import numpy as np
 from ..base import DimpleError, Floats
 from ..material import Material
 from ..mesh.surface import Mesh
+from ..messages import Message
 
 FEWEST, MOST = 8, 800  # places: fewer tell no map, more are joined with their neighbours
 SAME = 1e-3  # of the size: pokes this near are at one place
@@ -69,11 +70,13 @@ class PokeMap:
     @property
     def text(self) -> str:
         """Return what was found, as a sentence."""
-        return (
-            f"{self.pokes} pokes at {self.places} places: each place predicted from the others, the force is off by "
-            f"{self.error:.1%} (RMS; with one softness for all {self.without:.1%}), {self.coverage:.0%} lie in their "
-            f"95 % interval. Softness changes over {1e3 * self.length:.3g} mm."
-        )
+        return Message(
+            "{pokes} pokes at {places} places: each place predicted from the others, the force is off by {error:.1%} "
+            "(RMS; with one softness for all {without:.1%}), {coverage:.0%} lie in their 95 % interval. Softness "
+            "changes over {length:.3g} mm.",
+            pokes=self.pokes, places=self.places, error=self.error, without=self.without, coverage=self.coverage,
+            length=1e3 * self.length
+        )  # fmt: skip
 
 
 def map_pokes(mesh: Mesh, material: Material, pokes: Pokes) -> PokeMap:
@@ -93,7 +96,10 @@ def map_pokes(mesh: Mesh, material: Material, pokes: Pokes) -> PokeMap:
         raise DimpleError("No poke has a depth and a force greater than 0. Are the columns the right ones?")
     places, logs, counts = _at_places(pokes.places[good], pokes.forces[good], law[good], SAME * mesh.size)
     if len(places) < FEWEST:
-        raise DimpleError(f"A map needs pokes at {FEWEST} or more different places; this file has {len(places)}.")
+        raise DimpleError(
+            "A map needs pokes at {least} or more different places; this file has {places}.",
+            least=FEWEST, places=len(places)
+        )  # fmt: skip
     found = _likeliest(places, logs, counts, mesh.size)
     mean, spread = found.at(mesh.rest_positions)
     left_out, left_error = found.left_out()
@@ -199,6 +205,7 @@ def _check(mesh: Mesh, pokes: Pokes) -> None:
     reach = FAR * mesh.size + float(np.median(mesh.rest_lengths))
     if np.median(away) > reach:
         raise DimpleError(
-            f"The pokes lie {1e3 * float(np.median(away)):.3g} mm from the surface. Their x, y and z are places on "
-            "the object as it stands in the scene, at its physical size."
+            "The pokes lie {distance:.3g} mm from the surface. Their x, y and z are places on the object as it "
+            "stands in the scene, at its physical size.",
+            distance=1e3 * float(np.median(away)),
         )

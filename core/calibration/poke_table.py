@@ -34,7 +34,9 @@ def read_pokes(path: str | Path) -> Pokes:
     if at is None:
         best = max((_columns(row) for row in rows), key=len, default={})
         missing = ", ".join(name for name in _NAMES if name not in best)
-        raise DimpleError(f"{Path(path).name} is no table of pokes: there is no column {missing}.")
+        raise DimpleError(
+            "{name} is no table of pokes: there is no column {missing}.", name=Path(path).name, missing=missing
+        )
     columns = _columns(rows[at])
     values = []
     for row in rows[at + 1 :]:
@@ -45,7 +47,7 @@ def read_pokes(path: str | Path) -> Pokes:
     found = np.array(values).reshape(-1, len(columns))
     found = found[np.isfinite(found).all(axis=1)]
     if not len(found):
-        raise DimpleError(f"{Path(path).name} holds no pokes below its headers.")
+        raise DimpleError("{name} holds no pokes below its headers.", name=Path(path).name)
     by = dict(zip(columns, found.T, strict=True))
     depth, force = np.abs(by["depth"]), by["force"] * (-1 if np.median(by["force"]) < 0 else 1)
     return Pokes(places=np.stack([by["x"], by["y"], by["z"]], axis=1), depths=depth, forces=force)

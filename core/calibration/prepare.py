@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..messages import Message
 from .blocks import MIN_ROWS
 from .contact import find_touch
 from .direction import oriented, which_order
@@ -87,15 +88,16 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     cycles = find_cycles(depth)
     unordered = answers.order is None and not measurement.timed
     if not cycles and unordered:
-        raise Undecided(which_order("The depth only falls, which would be a way back and no press"))
+        raise Undecided(which_order(Message("The depth only falls, which would be a way back and no press")))
     if not cycles:
         raise DimpleError("The depth never grows: the file holds unloading only, no press.")
     cycles = _long_enough(cycles, depth, notes)
     if len(cycles) > max(_MANY, 1) or (len(cycles) > 8 and len(depth) / len(cycles) < 16):
         raise DimpleError(
-            f"The depth turns back {len(cycles)} times in {len(depth)} rows: they are not in the order measured, "
-            "or the depth is not the column taken."
-        )
+            "The depth turns back {cycles} times in {rows} rows: they are not in the order measured, or the depth is "
+            "not the column taken.",
+            cycles=len(cycles), rows=len(depth)
+        )  # fmt: skip
     strokes = [_stroke(depth, force, cycle, answers, inward) for cycle in cycles]
     chosen = _choose(strokes, answers, notes)
     stroke = strokes[chosen]
@@ -103,7 +105,7 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     if stroke.torn and answers.until_mm is None:
         raise Undecided(_torn(stroke, inward))
     if stroke.dwelt:
-        notes.append(f"{stroke.dwelt} rows in which the depth stood still were left out.")
+        notes.append(Message("{dwelt} rows in which the depth stood still were left out.", dwelt=stroke.dwelt))
     _look_for_snap(stroke, warnings)
     unloading = slice(cycles[chosen].peak, cycles[chosen].end + 1)
     unloading_depth, unloading_force = depth[unloading] - stroke.touch, force[unloading] - stroke.tare
@@ -147,7 +149,10 @@ def _without_spikes(measurement: Measurement, warnings: list[str]) -> tuple[Floa
     if wrong.any():
         rows = ", ".join(str(row + 1) for row in np.flatnonzero(wrong)[:5])
         more = " ..." if wrong.sum() > 5 else ""
-        warnings.append(f"{int(wrong.sum())} rows stand apart from their neighbours and were left out ({rows}{more}).")
+        warnings.append(Message(
+            "{count} rows stand apart from their neighbours and were left out ({rows}{more}).",
+            count=int(wrong.sum()), rows=rows, more=more
+        ))  # fmt: skip
     return depth[~wrong], force[~wrong]
 
 
@@ -160,7 +165,7 @@ def _long_enough(cycles: list[Cycle], depth: Floats, notes: list[str]) -> list[C
     whole = [cycle for cycle, count in zip(deep, rows, strict=True) if count >= least] or deep
     if len(whole) < len(cycles):
         peaks = ", ".join(f"{1e3 * depth[cycle.peak]:.4g}" for cycle in cycles if cycle not in whole)
-        notes.append(f"Touches to {peaks} mm, less deep or of a few rows only, were left out.")
+        notes.append(Message("Touches to {peaks} mm, less deep or of a few rows only, were left out.", peaks=peaks))
     return whole
 
 
@@ -170,22 +175,25 @@ def _stroke(depth: Floats, force: Floats, cycle: Cycle, answers: Answers, inward
     if (still := standing(x)) > 1:  # rows of one depth say one thing: what the force has come to
         rising = rises(f, f[:still])
         force_there = float(f[still - 1] if rising else np.median(f[:still]))
-        how = f"the force rises to {force_there:.4g} N" if rising else f"the force is {force_there:.4g} N"
-        notes.append(f"In the first {still} rows, before the depth moves, {how}; they count as one.")
+        how = "the force rises to {force:.4g} N" if rising else "the force is {force:.4g} N"
+        notes.append(Message(
+            "In the first {still} rows, before the depth moves, {how}; they count as one.",
+            still=still, how=Message(how, force=force_there)
+        ))  # fmt: skip
         x, f = x[still - 1 :].copy(), f[still - 1 :].copy()
         f[0] = force_there
     keep = moving(x)
     dwelt, x, f = int((~keep).sum()), x[keep], f[keep]
     if len(x) < MIN_ROWS:
-        raise DimpleError(f"A press has {len(x)} rows; a fit needs at least {MIN_ROWS}.")
+        raise DimpleError("A press has {rows} rows; a fit needs at least {least}.", rows=len(x), least=MIN_ROWS)
     at = tear(f)
     torn = None if at is None else (float(x[at] + x[at + 1]) / 2, float(x[-1]), float(f[at]))
     pulled = dip(x, f)
     if pulled.any():
-        notes.append(
-            f"The force dips by {f[~pulled][0] - f.min():.3g} N before the press, as where a tip sticks; "
-            f"{int(pulled.sum())} rows of it were left out."
-        )
+        notes.append(Message(
+            "The force dips by {dip:.3g} N before the press, as where a tip sticks; {rows} rows of it were left out.",
+            dip=f[~pulled][0] - f.min(), rows=int(pulled.sum())
+        ))  # fmt: skip
         x, f = x[~pulled], f[~pulled]
     if answers.contact_mm is not None:
         touch = inward * answers.contact_mm / 1e3
@@ -193,7 +201,9 @@ def _stroke(depth: Floats, force: Floats, cycle: Cycle, answers: Answers, inward
         tare = float(np.median(f[before])) if before.sum() > 2 else 0.0
         free: Free = () if before.sum() > 2 else ("tare",)
         if not x.min() - _BEFORE * np.ptp(x) <= touch < x.max():
-            raise DimpleError(f"The touch at {answers.contact_mm} mm lies outside the depths of the file.")
+            raise DimpleError(
+                "The touch at {contact_mm} mm lies outside the depths of the file.", contact_mm=answers.contact_mm
+            )
     else:
         found = find_touch(x, f)
         touch, tare, free = found.depth, found.tare, found.free
@@ -206,8 +216,12 @@ def _torn(stroke: _Stroke, inward: int) -> Question:
     at, deepest, force = stroke.torn or (0.0, 0.0, 0.0)
     return Question(
         name="until_mm",
-        text=f"The force falls for good from {force:.4g} N at {1e3 * inward * at:.4g} mm: was the specimen torn? "
-        "Down to which depth should it be fitted?",
+        text=Message(
+            "The force falls for good from {force:.4g} N at {at:.4g} mm: was the specimen torn? Down to which "
+            "depth should it be fitted?",
+            force=force,
+            at=1e3 * inward * at,
+        ),
         candidates=(
             Candidate(value=f"{1e3 * inward * at:.7g}", label="where the force begins to fall"),
             Candidate(value=f"{1e3 * inward * deepest:.7g}", label="the deepest row: no tear, it answers like this"),
@@ -220,23 +234,35 @@ def _choose(strokes: list[_Stroke], answers: Answers, notes: list[str]) -> int:
     """Return which cycle to fit: the one that was given, else the first where the others agree with it."""
     if answers.cycle is not None:
         if not 1 <= answers.cycle <= len(strokes):
-            raise DimpleError(f"There is no cycle {answers.cycle}: the file holds {len(strokes)}.")
+            raise DimpleError(
+                "There is no cycle {cycle}: the file holds {presses}.", cycle=answers.cycle, presses=len(strokes)
+            )
         return answers.cycle - 1
     if len(strokes) == 1:
         return 0
     apart = [_difference(strokes[0], other) for other in strokes[1:]]
     if max(apart) <= _AGREE:
-        notes.append(
-            f"{len(strokes)} presses agree within {100 * max(apart):.1f} % of full scale; the first is fitted."
-        )
+        notes.append(Message(
+            "{presses} presses agree within {apart:.1f} % of full scale; the first is fitted.",
+            presses=len(strokes), apart=100 * max(apart)
+        ))  # fmt: skip
         return 0
     raise Undecided(
         Question(
             name="cycle",
-            text=f"The file holds {len(strokes)} presses that differ by up to {100 * max(apart):.0f} % of full scale. "
-            "Which one is fitted?",
+            text=Message(
+                "The file holds {presses} presses that differ by up to {apart:.0f} % of full scale. Which one is "
+                "fitted?",
+                presses=len(strokes),
+                apart=100 * max(apart),
+            ),
             candidates=tuple(
-                Candidate(value=str(i + 1), label=f"{1e3 * s.depth.max():.4g} mm deep, up to {s.force.max():.4g} N")
+                Candidate(
+                    value=str(i + 1),
+                    label=Message(
+                        "{depth:.4g} mm deep, up to {force:.4g} N", depth=1e3 * s.depth.max(), force=s.force.max()
+                    ),
+                )
                 for i, s in enumerate(strokes)
             ),
         )
@@ -255,20 +281,21 @@ def _look_for_snap(stroke: _Stroke, warnings: list[str]) -> None:
     deepest, span = float(fall.max()), float(np.ptp(stroke.force))
     if deepest > _SNAP * span + 8 * roughness(stroke.force):
         where = 1e3 * float(stroke.depth[fall.argmax()])
-        warnings.append(
-            f"The force falls by {deepest:.3g} N ({100 * deepest / span:.0f} % of full scale) before {where:.3g} mm "
-            "while the depth grows: the object snaps, and two slopes cannot show that."
-        )
+        warnings.append(Message(
+            "The force falls by {deepest:.3g} N ({span:.0f} % of full scale) before {where:.3g} mm while the depth "
+            "grows: the object snaps, and two slopes cannot show that.",
+            deepest=deepest, span=100 * deepest / span, where=where
+        ))  # fmt: skip
 
 
 def _check_loss(loss: float | None, unordered: bool, warnings: list[str]) -> None:
     """Ask for the order of the rows, or warn where it is known, if more work comes back than was put in."""
     if loss is None or loss >= -_GAINED:
         return
-    why = f"The way back returns {-100 * loss:.0f} % more work than the press takes"
+    why = Message("The way back returns {loss:.0f} % more work than the press takes", loss=-100 * loss)
     if unordered:
-        raise Undecided(which_order(f"{why}, which no object does"))
-    warnings.append(f"{why}.\nNo object does that: force and depth may not be of one press.")
+        raise Undecided(which_order(Message("{why}, which no object does", why=why)))
+    warnings.append(Message("{why}.\nNo object does that: force and depth may not be of one press.", why=why))
 
 
 def _loss(stroke: _Stroke, depth: Floats, force: Floats) -> float | None:

@@ -51,13 +51,18 @@ class Answers:
         """Refuse what is no answer."""
         for name, allowed in _ALLOWED.items():
             if (given := getattr(self, name)) not in (None, *allowed):
-                raise DimpleError(f"The answer to “{name}” is {allowed[0]} or {allowed[1]} (it is {given}).")
+                raise DimpleError(
+                    "The answer to “{name}” is {first} or {second} (it is {given}).",
+                    name=name, first=allowed[0], second=allowed[1], given=given
+                )  # fmt: skip
         for name in ("table", "cycle"):
             if (number := getattr(self, name)) is not None and number < 1:
-                raise DimpleError(f"The answer to “{name}” is counted from 1 (it is {number}).")
+                raise DimpleError(
+                    "The answer to “{name}” is counted from 1 (it is {number}).", name=name, number=number
+                )
         for name in ("contact_mm", "from_mm", "until_mm"):
             if (depth := getattr(self, name)) is not None and not math.isfinite(depth):
-                raise DimpleError(f"The answer to “{name}” is a depth in mm (it is {depth}).")
+                raise DimpleError("The answer to “{name}” is a depth in mm (it is {depth}).", name=name, depth=depth)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

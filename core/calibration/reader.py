@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..messages import Message
 from .blocks import MIN_ROWS
 from .dialect import find_dialect
 from .load import load_lines
@@ -59,7 +60,7 @@ def read_measurement(path: str | Path, answers: Answers | None = None) -> Measur
     table = find_table(lines, find_dialect(lines, answers.decimal), answers)
     columns = find_columns(table, answers)
     if encoding not in ("utf-8", "utf-8-sig"):
-        notes += (f"The text was read as {encoding}.",)
+        notes += (Message("The text was read as {encoding}.", encoding=encoding),)
     measurement = Measurement(
         source=Path(path).name, depth=columns.depth, force=columns.force,
         depth_header=columns.depth_header, force_header=columns.force_header, columns=columns.numbers,
@@ -74,10 +75,12 @@ def _whole_rows(measurement: Measurement) -> Measurement:
     whole = np.isfinite(measurement.depth) & np.isfinite(measurement.force)
     missing, n = int((~whole).sum()), len(whole)
     if n - missing < MIN_ROWS:
-        raise DimpleError(f"Only {n - missing} rows have both a depth and a force; a fit needs at least {MIN_ROWS}.")
+        raise DimpleError(
+            "Only {n} rows have both a depth and a force; a fit needs at least {least}.", n=n - missing, least=MIN_ROWS
+        )
     if not missing:
         return measurement
-    text = f"{missing} of {n} rows have no depth or no force and were left out."
+    text = Message("{missing} of {n} rows have no depth or no force and were left out.", missing=missing, n=n)
     serious = missing > 0.05 * n and not whole[: n - missing].all()  # beside a longer test a column just ends
     return replace(
         measurement,

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..messages import Message, in_a_row
 from .blocks import MIN_ROWS
 from .question import Answers, Candidate, Question, Undecided
 from .table import Table
@@ -69,10 +70,16 @@ def find_columns(table: Table, answers: Answers) -> Columns:
         if not options and any(table.names):
             options = left(_unnamed(table, units))
         if len(options) > 1 and (beside := _beside(table, units, role, options, given)) is not None:
-            notes.append(f"{title_of(table, beside)} was taken, column {beside + 1}, of the same test.")
+            notes.append(Message(
+                "{title} was taken, column {number}, of the same test.",
+                title=title_of(table, beside), number=beside + 1
+            ))  # fmt: skip
             options = [beside]
         if len(options) > 1 and _alike(table.numbers[:, options]):
-            notes.append(f"{title_of(table, options[0])} was taken; {title_of(table, options[1])} says the same.")
+            notes.append(Message(
+                "{title} was taken; {other} says the same.",
+                title=title_of(table, options[0]), other=title_of(table, options[1])
+            ))  # fmt: skip
             options = options[:1]
         chosen[role] = options[0] if len(options) == 1 and role_of(table.names[options[0]]) == role else None
         if chosen[role] is None and len(options) == 1 and kind_of(units[options[0]]) == KIND[role]:
@@ -132,12 +139,18 @@ def _named(table: Table, name: str, role: str) -> int:
         wanted = name.strip().lower()
         found = [i for i, each in enumerate(table.names) if wanted in (each.lower(), title_of(table, i).lower())]
         if len(found) != 1:
-            raise DimpleError(f"No single column is called “{name}”. Give its number, 1 to {len(table.names)}.")
+            raise DimpleError(
+                "No single column is called “{name}”. Give its number, 1 to {most}.", name=name, most=len(table.names)
+            )
         at = found[0]
     count, rows = int(np.isfinite(table.numbers[:, at]).sum()), len(table.numbers)
     if count < MIN_ROWS:
-        few = f"numbers in {count} of {rows:,} rows only" if count else "no numbers"
-        raise DimpleError(f"Column {at + 1} ({title_of(table, at)}) holds {few}, so it cannot be the {role}.")
+        few = "numbers in {count} of {rows:,} rows only" if count else "no numbers"
+        raise DimpleError(
+            "Column {number} ({title}) holds {few}, so it cannot be the {role}.",
+            number=at + 1, title=title_of(table, at), few=Message(few, count=count, rows=rows),
+            role=Message(role)
+        )  # fmt: skip
     return at
 
 
@@ -169,7 +182,7 @@ def _alike(columns: Floats) -> bool:
 def _check_distinct(table: Table, chosen: dict[str, int | None], questions: list[Question], sole: bool) -> None:
     """Refuse one column for both; where `sole`, the column that is left is the other one."""
     if chosen["depth"] is not None and chosen["depth"] == chosen["force"]:
-        raise DimpleError(f"{title_of(table, chosen['depth'])} cannot be both the depth and the force.")
+        raise DimpleError("{title} cannot be both the depth and the force.", title=title_of(table, chosen["depth"]))
     if sum(table.numeric) < 2:
         raise DimpleError("The table has one column of numbers; it needs a depth and a force.")
     for role, other in (("depth", "force"), ("force", "depth")):
@@ -185,7 +198,10 @@ def _in_time(table: Table, units: Sequence[Unit], notes: list[str]) -> tuple[Tab
     for at in [*([] if time_at is None else [time_at]), *counts]:
         steps = np.diff(table.numbers[:, at])
         if (steps < 0).all():
-            notes.append(f"The rows stand from the last to the first by {title_of(table, at)}; they were turned round.")
+            notes.append(Message(
+                "The rows stand from the last to the first by {title}; they were turned round.",
+                title=title_of(table, at)
+            ))  # fmt: skip
             cells = tuple(column[::-1] for column in table.cells)
             return replace(table, numbers=table.numbers[::-1], cells=cells), True
         if (steps > 0).all():
@@ -206,15 +222,18 @@ def _check_clock(table: Table, time_at: int, depth_at: int) -> None:
     like_a_clock = depth[0] == 0 and len(steps) > 0 and steps.min() > 0 and np.ptp(steps) < 1e-2 * steps.mean()
     if back > _BACKWARD or (time.min() < 0 and like_a_clock):
         numeric = [i for i, is_number in enumerate(table.numeric) if is_number]
-        why = f"“{title_of(table, time_at)}” does not run like a clock: the headers may stand over the wrong columns. "
+        why = Message(
+            "“{title}” does not run like a clock: the headers may stand over the wrong columns.",
+            title=title_of(table, time_at),
+        )
         questions = [_which_column(table, role, numeric) for role in ("depth", "force")]
-        raise Undecided(replace(questions[0], text=why + questions[0].text), questions[1])
+        raise Undecided(replace(questions[0], text=in_a_row([why, questions[0].text])), questions[1])
 
 
 def _which_column(table: Table, role: str, options: Sequence[int]) -> Question:
     return Question(
         name=f"{role}_column",
-        text=f"Which column is the {role}?",
+        text=Message("Which column is the {role}?", role=Message(role)),
         candidates=tuple(
             Candidate(value=str(i + 1), label=f"{title_of(table, i)}: {preview(table.numbers[:, i])}") for i in options
         ),
@@ -225,4 +244,4 @@ def preview(values: Floats) -> str:
     """Show a column: its first numbers and its range."""
     values = values[np.isfinite(values)]
     first = ", ".join(f"{value:g}" for value in values[:3])
-    return f"{first}, ... from {values.min():g} to {values.max():g}"
+    return Message("{first}, ... from {least:g} to {most:g}", first=first, least=values.min(), most=values.max())

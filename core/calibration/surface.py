@@ -59,7 +59,7 @@ def surface_constants(
     Source: Eqs. (9), (10).
     """
     if not length > 0 or not math.isfinite(length):
-        raise DimpleError(f"The length of the object must be greater than 0 mm (it is {1e3 * length:g}).")
+        raise DimpleError("The length of the object must be greater than 0 mm (it is {length:g}).", length=1e3 * length)
     stretch, tension = string_balance(depth, force, length)
     known = section is not None and youngs_modulus is not None
     paper_k = 2 * section * youngs_modulus / length if known else None  # type: ignore[operator]

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..messages import Message
 from .blocks import MAX_ROWS, MIN_ROWS, find_blocks, which_table
 from .dialect import Dialect, number, number_and_unit, split
 from .question import Answers, Undecided
@@ -57,7 +58,9 @@ def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers) -> Tabl
         raise Undecided(which_table(lines, blocks))
     chosen = 0 if answers.table is None else answers.table - 1
     if not 0 <= chosen < len(blocks):
-        raise DimpleError(f"There is no table {chosen + 1} in this file: it has {len(blocks)}.")
+        raise DimpleError(
+            "There is no table {table} in this file: it has {tables}.", table=chosen + 1, tables=len(blocks)
+        )
     above = lines[blocks[chosen - 1].end if chosen else 0 : blocks[chosen].start]
     return _table(blocks[chosen].lines, above, dialect)
 
@@ -67,16 +70,19 @@ def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect) -> Tabl
     warnings: list[str] = []
     stride = -(-len(lines) // MAX_ROWS)
     if stride > 1:
-        notes.append(f"Of {len(lines):,} rows one in {stride} was read.")
+        notes.append(Message("Of {lines:,} rows one in {stride} was read.", lines=len(lines), stride=stride))
         lines = lines[::stride]
     rows = _filled([split(line, dialect.delimiter) for line in lines if line.strip()])
     width = Counter(map(len, rows)).most_common(1)[0][0]
     whole = [row for row in rows if len(row) == width]
     if len(whole) < len(rows):
-        text = f"{len(rows) - len(whole)} of {len(rows)} rows have another number of cells and were left out."
+        text = Message(
+            "{count} of {rows} rows have another number of cells and were left out.",
+            count=len(rows) - len(whole), rows=len(rows)
+        )  # fmt: skip
         (warnings if len(whole) < 0.95 * len(rows) else notes).append(text)
     if len(whole) < MIN_ROWS:
-        raise DimpleError(f"The table has {len(whole)} rows; a fit needs at least {MIN_ROWS}.")
+        raise DimpleError("The table has {rows} rows; a fit needs at least {least}.", rows=len(whole), least=MIN_ROWS)
     columns = list(zip(*whole, strict=True))
     while columns and not any(columns[-1]):  # a delimiter at the end of every row
         columns.pop()

@@ -16,6 +16,7 @@ import numpy as np
 from ..base import DimpleError, Floats
 from ..body.estimate import BEYOND
 from ..material import Indenter
+from ..messages import Message
 from .calibrate import Calibration
 from .distributions import t_quantile
 from .fit import CONFIDENCE, Constant
@@ -211,18 +212,28 @@ def lines(found: Together) -> list[str]:
     if found.knee:
         law += f", K2 = {found.K2.text(1e3)} N/mm, x0 = {found.x0.text(1e-3)} mm"
     low, high = (1e3 * end for end in found.interval)
-    spread = f"spread = {1e3 * found.spread.value:.3g} mm, from {low:.3g} to {high:.3g} mm (95 %)"
+    spread = Message(
+        "spread = {spread:.3g} mm, from {low:.3g} to {high:.3g} mm (95 %)",
+        spread=1e3 * found.spread.value, low=low, high=high
+    )  # fmt: skip
     if not found.determined:
-        spread = "The spread is not determined: measure with tips of different radius."
-    return [
-        f"{len(found.curves)} curves together, for a {_tip_text(found.tip)}: {law}", spread,
-        *(
-            f"{each.name}, {_tip_text(each.tip)}: error {100 * each.rms:.1f} % of full scale (RMS)"
-            + (f", {100 * each.miss.share:.0f} % at worst" if each.miss else "")
-            for each in found.curves
-        ),
-    ]  # fmt: skip
+        spread = Message("The spread is not determined: measure with tips of different radius.")
+    first = Message(
+        "{count} curves together, for a {tip}: {law}", count=len(found.curves), tip=_tip_text(found.tip), law=law
+    )
+    return [first, spread, *map(_error_line, found.curves)]
 
 
-def _tip_text(tip: Indenter) -> str:
-    return f"{tip.shape} of {1e3 * tip.radius:.3g} mm"
+def _error_line(curve: Fitted) -> Message:
+    tip = _tip_text(curve.tip)
+    if curve.miss is None:
+        said = "{name}, {tip}: error {rms:.1f} % of full scale (RMS)"
+        return Message(said, name=curve.name, tip=tip, rms=100 * curve.rms)
+    return Message(
+        "{name}, {tip}: error {rms:.1f} % of full scale (RMS), {worst:.0f} % at worst",
+        name=curve.name, tip=tip, rms=100 * curve.rms, worst=100 * curve.miss.share
+    )  # fmt: skip
+
+
+def _tip_text(tip: Indenter) -> Message:
+    return Message("{tip} of {radius:.3g} mm", tip=Message(tip.shape), radius=1e3 * tip.radius)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..messages import Message
 from .question import Candidate, Question
 from .table import Table
 from .vocabulary import role_of, unit_of
@@ -55,7 +56,10 @@ def factor_to_si(
     if given is not None:
         found = unit_of(given)
         if found is None or found[0] != kind:
-            raise DimpleError(f"“{given}” is not a unit of {kind}. Use one of {', '.join(_CHOICES[role])}.")
+            raise DimpleError(
+                "“{given}” is not a unit of {kind}. Use one of {choices}.",
+                given=given, kind=Message(kind), choices=tuple(_CHOICES[role])
+            )  # fmt: skip
         return found[1], given
     counts = [value for key, value in table.values.items() if re.search(r"counts\s*(per|/)\s*(unit )?force", key)]
     unit = units[at] if at is not None else ""
@@ -68,18 +72,28 @@ def factor_to_si(
             return None
         if found is None or found[0] != "force" or not divisor > 0:
             return None
-        notes.append(f"Counts were divided by {divisor:g}, as the file says, to get {units_above[0]}.")
-        return found[1] / divisor, f"counts of {units_above[0]}/{divisor:g}"
+        notes.append(Message(
+            "Counts were divided by {divisor:g}, as the file says, to get {units_above}.",
+            divisor=divisor, units_above=units_above[0]
+        ))  # fmt: skip
+        return found[1] / divisor, Message(
+            "counts of {units_above}/{divisor:g}", units_above=units_above[0], divisor=divisor
+        )
     if at is None or not unit or kind_of(unit) != kind:
         return None if at is not None else (1.0, "")  # the column comes first
     if isinstance(unit, tuple):
         parts = [unit_of(cell) for cell in unit]
         if any(part is None or part[0] != kind for part in parts):
             return None
-        notes.append(f"The unit of {title_of(table, at)} changes within the file; each row was converted by its own.")
+        notes.append(Message(
+            "The unit of {title} changes within the file; each row was converted by its own.",
+            title=title_of(table, at)
+        ))  # fmt: skip
         return np.array([part[1] for part in parts if part is not None]), " or ".join(dict.fromkeys(unit))
     if unit.lower().strip("()[]. ") in ("g", "gr", "gram", "grams", "kg", "lb", "lbs", "oz"):
-        notes.append(f"{title_of(table, at)}: {unit} was taken as a force, the weight of that mass.")
+        notes.append(Message(
+            "{title}: {unit} was taken as a force, the weight of that mass.", title=title_of(table, at), unit=unit
+        ))  # fmt: skip
     found = unit_of(unit)
     return (found[1], unit.strip("()[]{}<> ")) if found else None
 
@@ -87,7 +101,7 @@ def factor_to_si(
 def title_of(table: Table, at: int) -> str:
     """Return what a column is called in a question: its name and unit, or its number."""
     unit = table.units[at]
-    return (table.names[at] + (f" ({unit})" if unit else "")) or f"column {at + 1}"
+    return (table.names[at] + (f" ({unit})" if unit else "")) or Message("column {number}", number=at + 1)
 
 
 def which_unit(table: Table, role: str, at: int | None) -> Question:
@@ -97,7 +111,7 @@ def which_unit(table: Table, role: str, at: int | None) -> Question:
     reach = float(np.abs(values).max(initial=0))
     return Question(
         name=f"{role}_unit",
-        text=f"In what unit is {title_of(table, at)}? It reaches {reach:g}.",
+        text=Message("In what unit is {title}? It reaches {reach:g}.", title=title_of(table, at), reach=reach),
         candidates=tuple(
             Candidate(value=unit, label=_reach(reach, unit, role)) for unit in _CHOICES[role] if unit_of(unit)
         ),
@@ -107,4 +121,8 @@ def which_unit(table: Table, role: str, at: int | None) -> Question:
 def _reach(reach: float, unit: str, role: str) -> str:
     found = unit_of(unit)
     value = reach * (found[1] if found else 1.0)
-    return f"then it reaches {value:.4g} N" if role == "force" else f"then it reaches {1e3 * value:.4g} mm"
+    return (
+        Message("then it reaches {value:.4g} N", value=value)
+        if role == "force"
+        else Message("then it reaches {value:.4g} mm", value=1e3 * value)
+    )

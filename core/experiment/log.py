@@ -66,7 +66,7 @@ class Log:
             path.parent.mkdir(parents=True, exist_ok=True)
             self.rows = self._resume()
         except (OSError, UnicodeDecodeError) as error:
-            raise DimpleError(f"The answers {path} cannot be kept: {error}.") from None
+            raise DimpleError("The answers {path} cannot be kept: {error}.", path=path, error=error) from None
 
     def append(self, row: Row, samples: Sequence[Sample] = ()) -> None:
         """Keep an answer, and what was touched before it.
@@ -79,7 +79,9 @@ class Log:
             self._write(self.touch, lines)
             self._write(self.path, [[_cell(getattr(row, name)) for name in COLUMNS]])
         except OSError as error:
-            raise DimpleError(f"The answer cannot be written to {self.path}: {error.strerror}.") from None
+            raise DimpleError(
+                "The answer cannot be written to {path}: {error}.", path=self.path, error=error.strerror
+            ) from None
         self.rows.append(row)
 
     def _resume(self) -> list[Row]:
@@ -105,7 +107,7 @@ class Log:
             data = data[: data.rfind(b"\n") + 1]
             _replace(path, data.decode() or head)
         if data and not data.startswith(head.encode()):
-            raise DimpleError(f"{path} is not a file of answers. Choose another.")
+            raise DimpleError("{path} is not a file of answers. Choose another.", path=path)
         return bool(data)
 
     def _write(self, path: Path, rows: Sequence[Sequence[object]]) -> None:
@@ -141,10 +143,14 @@ def _row(path: Path, number: int, cells: dict[str, str]) -> Row:
             force_max_n=float(cells["force_max_n"]), depth_max_mm=float(cells["depth_max_mm"]),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as error:
-        raise DimpleError(f"Row {number} of {path} is damaged ({error}). Repair it or choose another file.") from None
+        raise DimpleError(
+            "Row {number} of {path} is damaged ({error}). Repair it or choose another file.",
+            number=number, path=path, error=error
+        ) from None  # fmt: skip
     if row.trial != number:
         raise DimpleError(
-            f"Row {number} of {path} belongs to trial {row.trial}: a row is missing or repeated. "
-            "Repair the file or choose another one."
-        )
+            "Row {number} of {path} belongs to trial {trial}: a row is missing or repeated. Repair the file or "
+            "choose another one.",
+            number=number, path=path, trial=row.trial
+        )  # fmt: skip
     return row

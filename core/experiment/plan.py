@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from ..errors import DimpleError
+from ..messages import Message
 
 CONSENT: Final = (
     "You will press soft objects and say how they feel. A haptic device may push your fingers with up to 10 N; it does "
@@ -135,14 +136,14 @@ def read_plan(path: Path) -> ExperimentPlan:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise DimpleError(f"The experiment {path.name} cannot be read: {error}.") from None
+        raise DimpleError("The experiment {name} cannot be read: {error}.", name=path.name, error=error) from None
     try:
         if path.suffix.lower() == ".csv":
             rows = list(csv.DictReader(io.StringIO(text)))
             return make_plan({"name": path.stem, "tasks": [_cells(row) for row in rows]})
         return make_plan({"name": path.stem, **json.loads(text)})
     except (ValueError, TypeError, AttributeError) as error:
-        raise DimpleError(f"{path.name} is not an experiment: {error}.") from None
+        raise DimpleError("{name} is not an experiment: {error}.", name=path.name, error=error) from None
 
 
 def make_plan(file: Mapping[str, Any]) -> ExperimentPlan:
@@ -155,7 +156,7 @@ def make_plan(file: Mapping[str, Any]) -> ExperimentPlan:
     if not tasks:
         raise DimpleError("The experiment has no tasks.")
     if sum(task.trials for task in tasks) > LONGEST:
-        raise DimpleError(f"The experiment has more than {LONGEST} trials.")
+        raise DimpleError("The experiment has more than {most} trials.", most=LONGEST)
     name = str(file["name"])
     seed = int(file.get("seed", zlib.crc32(name.encode())))
     return ExperimentPlan(name=name, seed=seed, consent=str(file.get("consent") or CONSENT), tasks=tuple(tasks))
@@ -175,7 +176,7 @@ def _task(number: int, given: Mapping[str, Any]) -> Task:
     known = set(Task.__dataclass_fields__)
     try:
         if unknown := sorted(set(given) - known):
-            raise ValueError(f"it has no {', '.join(unknown)}")
+            raise ValueError(Message("it has no {unknown}", unknown=tuple(unknown)))
         task = Task(
             kind=str(given.get("kind", "")), condition=str(given.get("condition", "felt")),
             object=str(given.get("object", "")), repeats=_whole("repeats", given.get("repeats", 1)),
@@ -185,35 +186,36 @@ def _task(number: int, given: Mapping[str, Any]) -> Task:
         )  # fmt: skip
         _check(task)
     except (ValueError, TypeError) as error:
-        raise DimpleError(f"Task {number} of the experiment: {error}.") from None
+        raise DimpleError("Task {number} of the experiment: {error}.", number=number, error=error) from None
     return task
 
 
 def _check(task: Task) -> None:
     for what, holds in (
         ("kind must be rating or comparison", task.kind in ("rating", "comparison")),
-        (f"condition must be {' or '.join(CONDITIONS)}", task.condition in CONDITIONS),
+        (Message("condition must be {conditions}", conditions=" or ".join(CONDITIONS)), task.condition in CONDITIONS),
         ("object must name a material", bool(task.object)),
         ("repeats must be 1 or more", task.repeats >= 1),
         ("steps must be 2 to 9 different words", 2 <= len(set(task.steps)) == len(task.steps) <= 9),
         ("method must be constant or staircase", task.method in ("constant", "staircase")),
         ("levels must be two or more", task.kind == "rating" or len(set(task.levels)) >= 2),
-        (f"a level must be from {LEAST} to {MOST}", all(LEAST <= x <= MOST for x in (*task.levels, task.start))),
+        (Message("a level must be from {least} to {most}", least=LEAST, most=MOST),
+         all(LEAST <= x <= MOST for x in (*task.levels, task.start))),
         ("step must be above 0 and below 1", 0 < task.step < 1),
-    ):
+    ):  # fmt: skip
         if not holds:
-            raise ValueError(what)
+            raise ValueError(Message(what))
 
 
 def _number(name: str, value: Any) -> float:
     number = float(value)
     if not math.isfinite(number):
-        raise ValueError(f"{name} must be a number")
+        raise ValueError(Message("{name} must be a number", name=name))
     return number
 
 
 def _whole(name: str, value: Any) -> int:
     number = _number(name, value)
     if number != round(number):
-        raise ValueError(f"{name} must be a whole number")
+        raise ValueError(Message("{name} must be a whole number", name=name))
     return round(number)

@@ -76,7 +76,7 @@ def fit(levels: Sequence[float], stiffer: Sequence[int], trials: Sequence[int]) 
     """
     x, n, k = (np.asarray(a, np.float64) for a in (levels, trials, stiffer))
     if n.sum() < FEWEST or len(np.unique(x[n > 0])) < 2:
-        raise DimpleError(f"A point of equality needs {FEWEST} answers at two levels or more.")
+        raise DimpleError("A point of equality needs {least} answers at two levels or more.", least=FEWEST)
     if not 0 < k.sum() < n.sum():
         raise DimpleError("All answers are alike: the levels do not reach the point of equality.")
     used = n > 0

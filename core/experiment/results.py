@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ..errors import DimpleError
+from ..messages import Message
 from .log import Row
 from .psychometric import Psychometric, fit
 
@@ -85,19 +86,24 @@ def compared(rows: Iterable[Row]) -> list[Comparison]:
 def sentences(rows: Iterable[Row]) -> list[str]:
     """Return the results, a sentence for each object and condition."""
     rows = list(rows)
-    lines = [
-        f"{each.object}, {each.condition}: rated {each.mean:.2f} on the average of {sum(each.counts)} "
-        f"({' '.join(map(str, each.counts))})"
+    lines: list[str] = [
+        Message(
+            "{object}, {condition}: rated {mean:.2f} on the average of {answers} ({counts})",
+            object=each.object, condition=each.condition, mean=each.mean, answers=sum(each.counts),
+            counts=" ".join(map(str, each.counts))
+        )
         for each in rated(rows)
-    ]
+    ]  # fmt: skip
     for each in compared(rows):
         if each.fitted is None:
-            lines.append(f"{each.object}, {each.condition}: {each.why}")
+            said = "{object}, {condition}: {why}"
+            lines.append(Message(said, object=each.object, condition=each.condition, why=each.why))
             continue
         f = each.fitted
-        lines.append(
-            f"{each.object}, {each.condition}: equal at {f.pse:.3f} times its stiffness "
-            f"({f.pse_95[0]:.3f} to {f.pse_95[1]:.3f}), just noticeable {100 * f.jnd:.1f} % "
-            f"({100 * f.jnd_95[0]:.1f} to {100 * f.jnd_95[1]:.1f}), of {f.trials} answers"
-        )
+        lines.append(Message(
+            "{object}, {condition}: equal at {pse:.3f} times its stiffness ({pse_low:.3f} to {pse_high:.3f}), just "
+            "noticeable {jnd:.1f} % ({jnd_low:.1f} to {jnd_high:.1f}), of {trials} answers",
+            object=each.object, condition=each.condition, pse=f.pse, pse_low=f.pse_95[0], pse_high=f.pse_95[1],
+            jnd=100 * f.jnd, jnd_low=100 * f.jnd_95[0], jnd_high=100 * f.jnd_95[1], trials=f.trials
+        ))  # fmt: skip
     return lines

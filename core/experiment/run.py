@@ -47,11 +47,12 @@ class Experiment:
         for row in log.rows:
             if (row.plan, row.participant) != (plan.checksum, participant):
                 raise DimpleError(
-                    f"{log.path} has answers of participant {row.participant}, or of another version of the "
-                    "experiment. Choose another file."
-                )
+                    "{path} has answers of participant {participant}, or of another version of the experiment. "
+                    "Choose another file.",
+                    path=log.path, participant=row.participant
+                )  # fmt: skip
         if len(log.rows) > len(self._slots):
-            raise DimpleError(f"{log.path} has more answers than the experiment has trials.")
+            raise DimpleError("{path} has more answers than the experiment has trials.", path=log.path)
 
     def next(self) -> Trial | None:
         """Return the next trial, None where all are answered."""
@@ -85,7 +86,7 @@ class Experiment:
             raise DimpleError("All trials are answered.")
         rating = trial.task.kind == "rating"
         if not 1 <= chosen <= (len(trial.task.steps) if rating else 2):
-            raise DimpleError(f"There is no answer {chosen}.")
+            raise DimpleError("There is no answer {chosen}.", chosen=chosen)
         response = chosen if rating else int((chosen == 1) == trial.test_first)
         row = Row(
             trial=trial.number, plan=self.plan.checksum, participant=self.participant,

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import IO, Final, Protocol
 
 from ..errors import DimpleError
+from ..messages import Message
 from . import pseudo_terminal
 from .contact_model import Contact
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
@@ -87,7 +88,7 @@ class HapticMaster:
         except BaseException as error:
             self.close()
             if isinstance(error, OSError):
-                raise DimpleError(f"The device cannot be opened: {error}.") from None
+                raise DimpleError("The device cannot be opened: {error}.", error=error) from None
             raise
 
     def _open(self) -> None:
@@ -112,7 +113,7 @@ class HapticMaster:
                 self._report, self._heard = unpack_report(message), time.perf_counter()
         running = self.process is not None and self.process.poll() is None
         if not running and self._report.link in (LinkState.OPENING, LinkState.READY):
-            self._lose(f"The servo process ended ({_last_line(self._errors)}). Connect and arm again.")
+            self._lose(Message("The servo process ended ({why}). Connect and arm again.", why=_last_line(self._errors)))
         elif self._report.link is LinkState.READY and time.perf_counter() - self._heard > SERVO_SILENT:
             self._lose("The servo process does not answer, so the device has no force. Disconnect, then connect again.")
         return self._report
@@ -195,7 +196,7 @@ class Emulated(HapticMaster):
             until = time.perf_counter() + PORT_WAIT
             while not port.exists():
                 if self.emulator.poll() is not None or time.perf_counter() > until:
-                    raise DimpleError(f"The emulated device did not start ({_last_line(errors)}).")
+                    raise DimpleError("The emulated device did not start ({why}).", why=_last_line(errors))
                 time.sleep(0.01)
         self.port = str(port)
         HapticMaster._open(self)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from ..errors import DimpleError
+from ..messages import Message
 from ..vectors import ZERO, Vector
 
 STIFFNESS, DAMPING = 400.0, 4.0  # (A) [N/m], [N s/m] of a gripping finger
@@ -66,20 +67,22 @@ def load_hand(path: Path) -> EmulatedHand:
             from_arm={"arm": True, "start": False}[file.get("from", "arm")],
         )
         if len(hand.tips) != 3 or not (hand.stiffness or 0) >= 0 <= hand.damping:
-            raise ValueError("it takes three tips, and a stiffness and a damping of at least 0")
+            raise ValueError(Message("it takes three tips, and a stiffness and a damping of at least 0"))
     except OSError as error:
-        raise DimpleError(f"The hand {path} cannot be read: {error.strerror or error}.") from None
+        raise DimpleError(
+            "The hand {path} cannot be read: {error}.", path=path, error=error.strerror or error
+        ) from None
     except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise DimpleError(f"{path} is not a hand ({error!r}).") from None
+        raise DimpleError("{path} is not a hand ({error}).", path=path, error=error) from None
     return hand
 
 
 def _keyframes(keys: Sequence[Sequence[float]]) -> tuple[Keyframe, ...]:
     frames = tuple((float(t), float(x), float(y), float(z)) for t, x, y, z in keys)
     if not frames or not all(math.isfinite(number) for frame in frames for number in frame):
-        raise ValueError("a tip has no keyframes, or one that is not made of numbers")
+        raise ValueError(Message("a tip has no keyframes, or one that is not made of numbers"))
     if any(a[0] >= b[0] for a, b in zip(frames, frames[1:], strict=False)):
-        raise ValueError("the times of a tip do not rise")
+        raise ValueError(Message("the times of a tip do not rise"))
     return frames
 
 

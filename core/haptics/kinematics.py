@@ -79,7 +79,9 @@ def inverse(block: Block, p: Vector) -> Vector:
     r = math.hypot(x, y)
     bend = (r * r + z * z - block.l1**2 - block.l2**2) / (2 * block.l1 * block.l2)  # cos (q1 - q2)
     if not -1 <= bend <= 1:
-        raise Unreachable(f"The {block.name} cannot reach {math.hypot(r, z):.3f} m from its base.")
+        raise Unreachable(
+            "The {name} cannot reach {distance:.3f} m from its base.", name=block.name, distance=math.hypot(r, z)
+        )
     _refuse_singular(block, r, math.sqrt(1 - bend * bend))
     turn = math.acos(bend)
     q1 = math.atan2(z, r) + math.atan2(block.l2 * math.sin(turn), block.l1 + block.l2 * bend)
@@ -123,9 +125,11 @@ def force(block: Block, q: Vector, torque: Vector) -> Vector:
 
 def _refuse_singular(block: Block, r: float, bend: float) -> None:
     if abs(r) * MOST_CONDITION < block.l1 + block.l2:
-        raise Singular(f"The tip of the {block.name} is on the axis of its base: it cannot move sideways there.")
+        raise Singular(
+            "The tip of the {name} is on the axis of its base: it cannot move sideways there.", name=block.name
+        )
     if abs(bend) * MOST_CONDITION < 1:
-        raise Singular(f"The links of the {block.name} lie in one line: the tip cannot move along it.")
+        raise Singular("The links of the {name} lie in one line: the tip cannot move along it.", name=block.name)
 
 
 def adc_angles(spec: Spec, words: tuple[int, ...]) -> Vector:

@@ -41,7 +41,9 @@ class Mailbox:
             self.path, self._map = _map(path, 2 * _SLOT)
         except (OSError, ValueError) as error:  # ValueError: a file that is shorter
             where = path or _folder()
-            raise DimpleError(f"The mailbox of the device's servo cannot be used: {where} ({error}).") from None
+            raise DimpleError(
+                "The mailbox of the device's servo cannot be used: {where} ({error}).", where=where, error=error
+            ) from None
 
     def post(self, which: int, message: bytes) -> None:
         """Publish a message in place of the last one."""

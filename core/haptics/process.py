@@ -40,7 +40,7 @@ def start(words: Sequence[str], errors: IO[bytes] | None, *, script: Path = STAR
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "HIGH_PRIORITY_CLASS", 0),
         )  # fmt: skip
     except OSError as error:
-        raise DimpleError(f"The process for the device cannot be started: {error.strerror}.") from None
+        raise DimpleError("The process for the device cannot be started: {error}.", error=error.strerror) from None
 
 
 def end(process: subprocess.Popen[bytes]) -> None:

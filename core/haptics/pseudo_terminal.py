@@ -97,7 +97,9 @@ def _terminal(path: Path) -> Iterator[int]:
     import tty
 
     if os.path.exists(path):  # the link of an emulator that was killed is broken, and is replaced
-        raise DimpleError(f"{path} exists already, perhaps from another emulator. End that one, or choose a free path.")
+        raise DimpleError(
+            "{path} exists already, perhaps from another emulator. End that one, or choose a free path.", path=path
+        )
     master, slave = os.openpty()  # the host's end stays open here, so that the line survives between two hosts
     try:
         tty.setraw(slave)
@@ -107,7 +109,7 @@ def _terminal(path: Path) -> Iterator[int]:
             path.unlink(missing_ok=True)
             path.symlink_to(name)
         except OSError as error:
-            raise DimpleError(f"{path} cannot be made: {error.strerror}.") from None
+            raise DimpleError("{path} cannot be made: {error}.", path=path, error=error.strerror) from None
         try:
             yield master
         finally:

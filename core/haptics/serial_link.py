@@ -9,6 +9,7 @@ import time
 from typing import Any, Final
 
 from ..errors import DimpleError
+from ..messages import Message
 from .byte_poller import take
 
 WINDOWS: Final = os.name == "nt"
@@ -84,7 +85,10 @@ class SerialLine:
             pass
 
     def _gone(self, error: BaseException) -> LineLost:
-        return LineLost(f"The connection to {self.name} is lost ({error}). Plug it in, connect, then arm again.")
+        return LineLost(
+            "The connection to {name} is lost ({error}). Plug it in, connect, then arm again.",
+            name=self.name, error=error
+        )  # fmt: skip
 
 
 def lost_errors() -> tuple[type[Exception], ...]:
@@ -129,14 +133,19 @@ def open_line(path: str, baud: int) -> SerialLine:
 def _refusal(path: str, baud: int, error: Exception) -> str:
     number, text = getattr(error, "errno", None), str(error)
     if number in IN_USE or "PermissionError(13" in text:  # the latter is on Windows
-        return f"{path} is in use by another program, or another Blender. Close that one, then connect again."
+        return Message(
+            "{path} is in use by another program, or another Blender. Close that one, then connect again.", path=path
+        )
     if number == errno.ENOENT or "FileNotFoundError(2" in text:
-        return f"There is no port {path}. Is the device plugged in? Choose the port again."
+        return Message("There is no port {path}. Is the device plugged in? Choose the port again.", path=path)
     if number in (errno.EACCES, errno.EPERM):
-        return f"This account may not open {path}. On Linux, join the group dialout (or uucp), then log in again."
+        return Message(
+            "This account may not open {path}. On Linux, join the group dialout (or uucp), then log in again.",
+            path=path,
+        )
     if isinstance(error, ValueError):
-        return f"{path} cannot run at {baud} baud ({text})."
-    return f"{path} is not a serial port that can be opened ({text})."
+        return Message("{path} cannot run at {baud} baud ({text}).", path=path, baud=baud, text=text)
+    return Message("{path} is not a serial port that can be opened ({text}).", path=path, text=text)
 
 
 def ports() -> list[tuple[str, str]]:

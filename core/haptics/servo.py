@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from ..errors import DimpleError
+from ..messages import Message
 from ..vectors import ZERO, Vector, is_finite, length
 from . import kinematics, wire
 from .acting import ActingForces
@@ -94,7 +95,7 @@ class Servo:
     def report(self) -> ServoReport:
         """Return the state of device and link."""
         counts, measured, losses = self._decoder.counts, self._measured, self._losses
-        warning = LOSSY.format(share=losses.share) if losses.share > LOSS_WARNS else ""
+        warning = Message(LOSSY, share=losses.share) if losses.share > LOSS_WARNS else ""
         return ServoReport(
             link=self.link, arming=self._switch.arming, states=losses.taken, lost=losses.missing, unsent=self.unsent,
             wrong=counts.refused, stale=losses.stale,
@@ -114,7 +115,7 @@ class Servo:
     def _send_hello(self, now: float) -> bytes:
         """Return a HELLO each HELLO_EVERY until a device answers; give up after HELLO_WAIT."""
         if self.link is LinkState.OPENING and now - self._began > HELLO_WAIT:
-            self.link, self.note = LinkState.REFUSED, NO_ANSWER.format(baud=self.spec.baud, name=self.spec.name)
+            self.link, self.note = LinkState.REFUSED, Message(NO_ANSWER, baud=self.spec.baud, name=self.spec.name)
         if self.link is LinkState.REFUSED or now - self._asked < HELLO_EVERY:
             return b""
         self._asked = now

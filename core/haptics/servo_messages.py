@@ -6,6 +6,7 @@ import struct
 from dataclasses import dataclass
 from enum import Enum
 
+from ..messages import kept, read
 from ..vectors import ZERO, Vector
 from .contact_model import MOST_AHEAD, Contact
 from .safety import LEASE, Arming
@@ -16,7 +17,7 @@ _ORDER = struct.Struct("<IId")  # arm, disarm, held until
 _CONTACT = struct.Struct("<B14d")
 _REPORT = struct.Struct("<BBB5I5d")
 _TIP = struct.Struct("<BB7d")
-_NOTE = 400  # bytes of the note
+_NOTE = 1000  # bytes of the note, with its values
 ORDER_SIZE = _ORDER.size + TIPS * _CONTACT.size
 REPORT_SIZE = _REPORT.size + TIPS * _TIP.size + _NOTE
 
@@ -143,8 +144,14 @@ def pack_report(report: ServoReport) -> bytes:
     for i in range(TIPS):
         tip = r.tips[i] if i < len(r.tips) else TipState()
         parts.append(_TIP.pack(tip.masked, tip.full, *tip.position, *tip.force, tip.least_energy))
-    parts.append(r.note.encode()[:_NOTE].ljust(_NOTE, b"\0"))
+    parts.append(_note(r.note).ljust(_NOTE, b"\0"))
     return b"".join(parts)
+
+
+def _note(note: str) -> bytes:
+    """Return a note as bytes; of one that is too long, a text without values that is cut off."""
+    whole = kept(note).encode()
+    return whole if len(whole) <= _NOTE else note.encode()[:_NOTE]
 
 
 def unpack_report(message: bytes) -> ServoReport:
@@ -162,5 +169,5 @@ def unpack_report(message: bytes) -> ServoReport:
     return ServoReport(
         link=LinkState(link), arming=Arming(arming), tips=tuple(tips), states=states, lost=lost, unsent=unsent,
         wrong=wrong, stale=stale, rate=rate, delay_p50=p50, delay_p99=p99, cap=cap, peak=peak,
-        note=message[-_NOTE:].rstrip(b"\0").decode(errors="ignore"),
+        note=read(message[-_NOTE:].rstrip(b"\0").decode(errors="ignore")),
     )  # fmt: skip

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from ..errors import DimpleError
+from ..messages import Message
 from ..vectors import Vector
 from . import wire
 from .safety import (
@@ -77,9 +78,10 @@ class Spec:
         highest = self.baud // (BITS_A_BYTE * wire.size(wire.DeviceState))
         if self.tick_hz > highest:
             raise DimpleError(
-                f"{self.baud} baud cannot carry the {self.tick_hz} positions a second of the {self.name}, {highest} at "
-                "most. Raise the baud rate, on the device too, or use a device that is made for a lower rate (tick_hz)."
-            )
+                "{baud} baud cannot carry the {tick_hz} positions a second of the {name}, {highest} at most. Raise "
+                "the baud rate, on the device too, or use a device that is made for a lower rate (tick_hz).",
+                baud=self.baud, tick_hz=self.tick_hz, name=self.name, highest=highest
+            )  # fmt: skip
 
     def left(self, age: float) -> float:
         """Return the share of a force that still acts when its command is so old [s]."""
@@ -101,13 +103,17 @@ def load_spec(path: Path | None = None) -> Spec:
     try:
         spec = _spec(tomllib.loads(path.read_text(encoding="utf-8")))
     except OSError as error:
-        raise DimpleError(f"The device file {path} cannot be read: {error.strerror or error}.") from None
+        raise DimpleError(
+            "The device file {path} cannot be read: {error}.", path=path, error=error.strerror or error
+        ) from None
     except KeyError as error:
-        raise DimpleError(f"The device file {path} has no {error}; see {HAPTIC_MASTER.name}.") from None
+        raise DimpleError(
+            "The device file {path} has no {error}; see {example}.", path=path, error=error, example=HAPTIC_MASTER.name
+        ) from None
     except DimpleError:
         raise
     except ValueError as error:  # TOMLDecodeError and UnicodeDecodeError are among them
-        raise DimpleError(f"The device file {path} is not valid: {error}.") from None
+        raise DimpleError("The device file {path} is not valid: {error}.", path=path, error=error) from None
     return spec
 
 
@@ -153,19 +159,19 @@ def _spec(file: dict[str, Any]) -> Spec:
 
 def _value(file: dict[str, Any], table: str, name: str) -> Any:
     if not isinstance(file[table], dict):
-        raise ValueError(f"[{table}] must be a table")
+        raise ValueError(Message("[{table}] must be a table", table=table))
     return file[table][name]
 
 
 def _text(name: str, value: Any) -> str:
     if not isinstance(value, str) or not value:
-        raise ValueError(f"{name} must be text, not {value!r}")
+        raise ValueError(Message("{name} must be text, not {value}", name=name, value=repr(value)))
     return value
 
 
 def _real(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise ValueError(f"{name} must be a number, not {value!r}")
+        raise ValueError(Message("{name} must be a number, not {value}", name=name, value=repr(value)))
     return float(value)
 
 
@@ -176,14 +182,14 @@ def _number(file: dict[str, Any], table: str, name: str) -> float:
 def _whole(file: dict[str, Any], table: str, name: str) -> int:
     number = _number(file, table, name)
     if number != round(number):
-        raise ValueError(f"{name} must be a whole number, not {number!r}")
+        raise ValueError(Message("{name} must be a whole number, not {value}", name=name, value=repr(number)))
     return round(number)
 
 
 def _list(file: dict[str, Any], table: str, name: str) -> list[Any]:
     values = _value(file, table, name)
     if not isinstance(values, list) or len(values) != wire.FINGERS:
-        raise ValueError(f"{name} must be a list of three, not {values!r}")
+        raise ValueError(Message("{name} must be a list of three, not {value}", name=name, value=repr(values)))
     return values
 
 
@@ -196,13 +202,17 @@ def _check(spec: Spec, ceiling: float) -> None:
     for what, holds in (
         ("continuous_force_n, peak_force_n and force_ceiling_n must not fall in this order and be above 0",
          0 < spec.continuous_force <= spec.peak_force <= ceiling <= HARD_CEILING),
-        (f"hold_s, zero_s and latch_s must rise, to {STATE_GAP}, {ZERO_TIME} and {STATE_LOST} at most",
+        (Message("hold_s, zero_s and latch_s must rise, to {state_gap}, {zero_time} and {state_lost} at most",
+                 state_gap=STATE_GAP, zero_time=ZERO_TIME, state_lost=STATE_LOST),
          0 < spec.hold < spec.zero < spec.latch
          and spec.hold <= STATE_GAP and spec.zero <= ZERO_TIME and spec.latch <= STATE_LOST),
-        (f"slew_n_s must be above 0, {SLEW:g} at most", 0 < spec.slew <= SLEW),
-        (f"tip_speed_m_s must be above 0, {TOP_SPEED} at most", 0 < spec.tip_speed <= TOP_SPEED),
-        (f"arm_force_n must be above 0, {QUIET_FORCE} at most", 0 < spec.arm_force <= QUIET_FORCE),
-        (f"arm_s must be {QUIET_TIME} at least and ramp_s {RAMP_TIME} at least",
+        (Message("slew_n_s must be above 0, {slew:g} at most", slew=SLEW), 0 < spec.slew <= SLEW),
+        (Message("tip_speed_m_s must be above 0, {top_speed} at most", top_speed=TOP_SPEED),
+         0 < spec.tip_speed <= TOP_SPEED),
+        (Message("arm_force_n must be above 0, {quiet_force} at most", quiet_force=QUIET_FORCE),
+         0 < spec.arm_force <= QUIET_FORCE),
+        (Message("arm_s must be {quiet_time} at least and ramp_s {ramp_time} at least",
+                 quiet_time=QUIET_TIME, ramp_time=RAMP_TIME),
          spec.arm_time >= QUIET_TIME and spec.ramp_time >= RAMP_TIME),
         ("l1_m and l2_m must be above 0, 2 at most", 0 < min(spec.l1, spec.l2) <= max(spec.l1, spec.l2) <= 2),
         ("mass_kg must be above 0, 10 at most", 0 < spec.tip_mass <= 10),
@@ -224,10 +234,11 @@ def _check(spec: Spec, ceiling: float) -> None:
         # a force is held for 5 ms at most, on both ends: a slower device would drop it between two ticks
         ("tick_hz must be from 250 to 2000, and its period shorter than hold_s",
          250 <= spec.tick_hz <= 2000 and spec.tick < spec.hold),
-        (f"rms_window_s must be above 0, {RMS_TIME:g} at most", 0 < spec.rms_window <= RMS_TIME),
+        (Message("rms_window_s must be above 0, {rms_time:g} at most", rms_time=RMS_TIME),
+         0 < spec.rms_window <= RMS_TIME),
     ):  # fmt: skip
         if not holds:
-            raise ValueError(what)
+            raise ValueError(Message(what))
 
 
 def geometry_crc(spec: Spec) -> int:
@@ -269,15 +280,25 @@ def check_info(spec: Spec, reported: wire.Info) -> None:
     """
     if reported.major != wire.PROTOCOL[0]:
         raise DimpleError(
-            f"The device speaks protocol {reported.major}.{reported.minor}, this Dimple "
-            f"{wire.PROTOCOL[0]}.{wire.PROTOCOL[1]}: they do not understand each other. Update the older of the two."
-        )
+            "The device speaks protocol {major}.{minor}, this Dimple {own_major}.{own_minor}: they do not understand "
+            "each other. Update the older of the two.",
+            major=reported.major, minor=reported.minor, own_major=wire.PROTOCOL[0], own_minor=wire.PROTOCOL[1]
+        )  # fmt: skip
     own = info(spec, reported.nonce, reported.session)
     free = {"nonce", "minor", "session", "capabilities"}
     other = [name for name, a, b in zip(own._fields, reported, own, strict=True) if a != b and name not in free]
     if other:
-        differences = ", ".join(f"{name} {getattr(reported, name)} instead of {getattr(own, name)}" for name in other)
-        raise DimpleError(
-            f"The device is not the one of the device file ({spec.name}): it reports {differences}. "
-            "Choose the file of this device."
+        differences = ", ".join(
+            Message(
+                "{name} {given} instead of {expected}",
+                name=name,
+                given=getattr(reported, name),
+                expected=getattr(own, name),
+            )
+            for name in other
         )
+        raise DimpleError(
+            "The device is not the one of the device file ({name}): it reports {differences}. Choose the file of "
+            "this device.",
+            name=spec.name, differences=differences
+        )  # fmt: skip

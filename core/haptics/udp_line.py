@@ -68,7 +68,9 @@ class UdpLine:
         self._port.close()
 
     def _gone(self, error: OSError) -> LineLost:
-        return LineLost(f"The connection to {self.name} is lost ({error.strerror}). Connect, then arm again.")
+        return LineLost(
+            "The connection to {name} is lost ({error}). Connect, then arm again.", name=self.name, error=error.strerror
+        )
 
 
 def open_udp(path: str) -> UdpLine:
@@ -79,7 +81,7 @@ def open_udp(path: str) -> UdpLine:
     """
     host, _, number = path.removeprefix(PREFIX).rpartition(":")
     if not host or not number.isdecimal() or not 0 < int(number) < 0x10000:
-        raise DimpleError(f"{path} is not an address of a device. Write it as {EXAMPLE}.")
+        raise DimpleError("{path} is not an address of a device. Write it as {example}.", path=path, example=EXAMPLE)
     port = None
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, int(number), type=socket.SOCK_DGRAM)[0]
@@ -89,5 +91,5 @@ def open_udp(path: str) -> UdpLine:
     except OSError as error:
         if port:
             port.close()
-        raise DimpleError(f"{path} cannot be reached ({error.strerror or error}).") from None
+        raise DimpleError("{path} cannot be reached ({error}).", path=path, error=error.strerror or error) from None
     return UdpLine(port, path)

@@ -27,6 +27,7 @@ from ..base import (
     sums_at,
     sums_of_three,
 )
+from ..messages import Message
 from .edges import Edges, edges_of
 from .repair import connected, consistent_winding, inward_parts, weld
 from .rings import Rings, ordered_rings
@@ -124,7 +125,9 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         raise DimpleError("All vertices lie at one point, so there is nothing to press. Give the mesh a size.")
     kept, source = weld(positions, WELD_SHARE * size)
     if len(kept) < len(positions):
-        notes.append(f"{len(positions) - len(kept)} vertices coincide with others and move with them.")
+        notes.append(
+            Message("{vertices} vertices coincide with others and move with them.", vertices=len(positions) - len(kept))
+        )
         positions, triangles = positions[kept], source[triangles]
 
     a, b, c = triangles.T
@@ -139,13 +142,15 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         raise DimpleError("The faces have no area. Dissolve the degenerate geometry first.")
     flat = int((areas < 1e-10 * size * size).sum()) + int((~whole).sum())
     if flat:
-        notes.append(f"{flat} faces have no area and add no stiffness.")
+        notes.append(Message("{flat} faces have no area and add no stiffness.", flat=flat))
 
     flipped, edges = np.zeros(len(triangles), bool), edges_of(triangles)
     if not edges.consistent:
         consistent = consistent_winding(triangles, edges.adjacency)
         flipped = (consistent != triangles).any(axis=1)
-        notes.append(f"{int(flipped.sum())} faces were flipped to match the normals of their neighbours.")
+        notes.append(Message(
+            "{flipped} faces were flipped to match the normals of their neighbours.", flipped=int(flipped.sum())
+        ))  # fmt: skip
         triangles, edges = consistent, edges_of(consistent)
     border, cap_loop, volume = _closed(positions, triangles, edges)
     least = (LEAST_VOLUME_OPEN if len(border) else LEAST_VOLUME) * size * float(areas.sum())
@@ -158,19 +163,26 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         triangles[inward] = triangles[inward][:, ::-1]
         edges = edges_of(triangles)
         border, cap_loop, volume = _closed(positions, triangles, edges)
-        notes.append(f"{int(inward.sum())} faces of separate parts pointed inward and were flipped for the simulation.")
+        notes.append(Message(
+            "{inward} faces of separate parts pointed inward and were flipped for the simulation.",
+            inward=int(inward.sum())
+        ))  # fmt: skip
     pressurable = volume > least
     if not pressurable:
         notes.append("The mesh is a sheet and encloses no volume: its fill is off.")
     elif len(border):
-        notes.append(f"Holes closed for the pressure only: {int(cap_loop.max()) + 1}.")
+        notes.append(Message("Holes closed for the pressure only: {holes}.", holes=int(cap_loop.max()) + 1))
 
     springs, beside = edges.ends, edges.count > 2
     if beside.any():
-        notes.append(f"{int(beside.sum())} edges are non-manifold: they join three or more faces.")
+        notes.append(
+            Message("{beside} edges are non-manifold: they join three or more faces.", beside=int(beside.sum()))
+        )
     loose = _loose(triangles, len(positions))
     if loose.any():
-        notes.append(f"{int(loose.sum())} loose vertices belong to no face and stay where they are.")
+        notes.append(
+            Message("{loose} loose vertices belong to no face and stay where they are.", loose=int(loose.sum()))
+        )
     lengths = np.concatenate([_lengths(positions, springs[part]) for part in row_parts(len(springs))])
     vertex_areas = sums_at(triangles.ravel(), np.repeat(areas / 3, 3), len(positions))
     return Mesh(
@@ -220,9 +232,10 @@ def _check(positions: Floats, triangles: Ints, material: Ints) -> None:
     if not possible.all():
         bad = np.flatnonzero(~possible.all(axis=1))
         raise DimpleError(
-            f"Vertex {bad[0]} has a NaN or infinite coordinate, or one beyond {FARTHEST:g} m "
-            f"({len(bad)} such vertices). Delete or move them."
-        )
+            "Vertex {vertex} has a NaN or infinite coordinate, or one beyond {farthest:g} m ({count} such vertices). "
+            "Delete or move them.",
+            vertex=bad[0], farthest=FARTHEST, count=len(bad)
+        )  # fmt: skip
 
 
 def _lengths(positions: Floats, pairs: Ints) -> Floats:

@@ -16,6 +16,7 @@ from typing import Any
 
 from ..body.model import Model
 from ..errors import DimpleError
+from ..messages import Message
 from .body import AVX2 as AVX2
 from .body import BASE as BASE
 from .body import BEST as BEST
@@ -91,14 +92,17 @@ def _tested() -> ctypes.CDLL:
     here = f"{platform.system()} {platform.machine()}"
     found = next((path for path in places() if path.exists()), None)
     if found is None:
-        raise DimpleError(f"There is no compiled core for {here} here. Install the zip of Dimple for that platform.")
+        raise DimpleError(
+            "There is no compiled core for {here} here. Install the zip of Dimple for that platform.", here=here
+        )
     try:
         library = load(found)
         check(library)
     except (OSError, AttributeError, NativeError) as error:
         raise DimpleError(
-            f"The compiled core for {here} was refused ({error}). Install the zip of Dimple for that platform again."
-        ) from error
+            "The compiled core for {here} was refused ({error}). Install the zip of Dimple for that platform again.",
+            here=here, error=error
+        ) from error  # fmt: skip
     return library
 
 
@@ -115,7 +119,7 @@ def create(
         DimpleError: no such backend, or no library runs here.
     """
     if backend not in BITS:
-        raise DimpleError(f"There is no backend {backend}: take native or native64.")
+        raise DimpleError("There is no backend {backend}: take native or native64.", backend=backend)
     return Body(model, library(), surface=surface, bits=BITS[backend])
 
 
@@ -134,7 +138,7 @@ def load(path: Path) -> ctypes.CDLL:
     library = ctypes.CDLL(str(path))
     library.dm_abi.restype = c_int32
     if library.dm_abi() != ABI:
-        raise NativeError(f"it has version {library.dm_abi()}, not {ABI}")
+        raise NativeError(Message("it has version {version}, not {expected}", version=library.dm_abi(), expected=ABI))
     library.dm_message.restype = library.dm_instructions.restype = ctypes.c_char_p
     for name in ("dm_destroy", "dm_scene_destroy"):
         getattr(library, name).argtypes, getattr(library, name).restype = [c_void_p], None

@@ -9,6 +9,7 @@ import numpy as np
 from ..body.model import Model, build_model
 from ..material import Material
 from ..mesh.surface import mesh_from_triangles
+from ..messages import Message
 from ..solver.motion import Motion
 from .body import Body, NativeError
 
@@ -33,7 +34,7 @@ def check(library: ctypes.CDLL) -> None:
     off = float(np.abs(centre + (0.0, 0.0, fallen)).max())
     swung = float(np.abs(np.ptp(after, axis=1) - np.ptp(before, axis=1)).min())
     if not (off < AGREEMENT * size < swung < size):
-        raise NativeError(f"its check is off by {1000 * off:.3g} mm")
+        raise NativeError(Message("its check is off by {off:.3g} mm", off=1000 * off))
 
 
 def octahedron() -> Model:

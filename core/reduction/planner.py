@@ -13,6 +13,7 @@ from functools import partial
 
 from ..base import DimpleError
 from ..body.model import Model
+from ..messages import Message
 from .processor_time import BUDGET, ESTIMATED, cost_of, speed_of, work_of
 from .proxy import SMALLEST, Proxy, build_proxy, most_of
 
@@ -51,14 +52,16 @@ def plan(model: Model, *, radius: float = 0.01, budget: float = BUDGET, build: M
     Raises:
         DimpleError: the material is too stiff for the mesh, and no proxy can be made.
     """
-    because = "The full mesh is too stiff to simulate"
+    because = Message("The full mesh is too stiff to simulate")
     try:
         cost = cost_of(model)
-        because = f"The full mesh would run at {speed_of(cost, budget)} real time ({work_of(model)})"
+        because = Message(
+            "The full mesh would run at {speed} real time ({work})", speed=speed_of(cost, budget), work=work_of(model)
+        )
     except DimpleError:  # for any step; a proxy has longer edges, so it may take longer steps
         cost = math.inf
     if cost <= ESTIMATED * budget:
-        return _full_mesh(cost, f"The full mesh runs live: {work_of(model)}.")
+        return _full_mesh(cost, Message("The full mesh runs live: {work}.", work=work_of(model)))
     asked = most_of(model)
     if cost < math.inf:  # steps grow no faster than edges shrink, so the work no faster than vertices to 3/2
         asked = min(asked, int(len(model.mass) * (budget / cost) ** (2 / 3)))
@@ -68,7 +71,9 @@ def plan(model: Model, *, radius: float = 0.01, budget: float = BUDGET, build: M
         fewer = int(chosen.asked * budget / chosen.cost)  # they take no more steps
         return make(max(fewer, SMALLEST)) if chosen.cost > ESTIMATED * budget else chosen
     except DimpleError as error:
-        return _full_mesh(cost_of(model), f"{because}. It is simulated anyway: {error}.")
+        return _full_mesh(
+            cost_of(model), Message("{because}. It is simulated anyway: {error}", because=because, error=error)
+        )
 
 
 def plan_full_mesh(model: Model, *, budget: float = BUDGET, because: str = "As chosen") -> Plan:
@@ -81,7 +86,10 @@ def plan_full_mesh(model: Model, *, budget: float = BUDGET, because: str = "As c
         DimpleError: the material is too stiff for the mesh.
     """
     cost = cost_of(model)
-    return _full_mesh(cost, f"{because}, the full mesh: {work_of(model)}, at {speed_of(cost, budget)} real time.")
+    return _full_mesh(cost, Message(
+        "{because}, the full mesh: {work}, at {speed} real time.",
+        because=Message(because), work=work_of(model), speed=speed_of(cost, budget)
+    ))  # fmt: skip
 
 
 def plan_proxy(
@@ -106,11 +114,12 @@ def plan_proxy(
     """
     proxy, asked = _first(vertices, lambda n: build(model, n))
     cost, error = cost_of(proxy.model), surface_error(proxy.spacing, radius)
-    speed = "runs live" if cost <= ESTIMATED * budget else f"runs at {speed_of(cost, budget)} real time"
-    reason = (
-        f"{because}. A proxy of {len(proxy.seeds):,} vertices {speed}; its dents are within {1e3 * error:.2g} mm of "
-        "the mesh's."
-    )
+    speed = "runs live" if cost <= ESTIMATED * budget else "runs at {speed} real time"
+    reason = Message(
+        "{because}. A proxy of {vertices:,} vertices {speed}; its dents are within {error:.2g} mm of the mesh's.",
+        because=Message(because), vertices=len(proxy.seeds), speed=Message(speed, speed=speed_of(cost, budget)),
+        error=1e3 * error
+    )  # fmt: skip
     return Plan(proxy=proxy, asked=asked, cost=cost, error=error, reason=reason)
 
 
@@ -130,12 +139,13 @@ def _first(vertices: int, make: Callable[[int], Proxy]) -> tuple[Proxy, int]:
     Raises:
         DimpleError: no number of vertices works; the message is that of the first.
     """
-    why = DimpleError()
+    why: DimpleError | None = None
     for asked in (math.ceil(vertices * DENSER**k) for k in range(TRIES)):
         try:
             return make(asked), asked
         except DimpleError as error:
-            why = why if why.args else error
+            why = why or error
+    assert why is not None
     raise why
 
 

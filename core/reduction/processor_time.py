@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..base import TICK
 from ..body.model import Model
+from ..messages import Message
 
 BUDGET = 0.6  # [s] per second for the simulation; Blender needs the rest to draw
 COST = 1.4e-8  # [s] a vertex and step: measured once (tests/bench), and kept
@@ -16,7 +17,10 @@ def cost_of(model: Model) -> float:
 
 
 def work_of(model: Model) -> str:
-    return f"{len(model.mass):,} vertices at {model.substeps(TICK)} steps per millisecond"
+    return Message(
+        "{vertices:,} vertices at {substeps} steps per millisecond",
+        vertices=len(model.mass), substeps=model.substeps(TICK)
+    )  # fmt: skip
 
 
 def speed_of(cost: float, budget: float) -> str:

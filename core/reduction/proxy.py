@@ -62,7 +62,10 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
     used = np.flatnonzero(~mesh.loose)
     most = most_of(model)
     if not SMALLEST <= vertices <= most:
-        raise DimpleError(f"a proxy of this mesh has from {SMALLEST} to {most} vertices, not {vertices}")
+        raise DimpleError(
+            "a proxy of this mesh has from {least} to {most} vertices, not {vertices}.",
+            least=SMALLEST, most=most, vertices=vertices
+        )  # fmt: skip
     spacing, stiffer = mean_spacing(mesh, vertices), painted(model)
     place = _places(mesh, stiffer, spacing)
     seeds, cells = _seeds_and_cells(mesh, place, spread_seeds(mesh, place, used, vertices, spacing))
@@ -93,7 +96,7 @@ def _seeds_and_cells(mesh: Mesh, place: Floats, seeds: Ints) -> tuple[Ints, Ints
         seeds = seeds[stands]  # a part too small for a triangle follows what is beside it
         if not len(seeds):
             break
-    raise DimpleError("its pieces are too small for a proxy")
+    raise DimpleError("its pieces are too small for a proxy.")
 
 
 def painted(model: Model) -> Singles:
@@ -133,11 +136,11 @@ def _coarse_mesh(fine: Mesh, seeds: Ints, cells: Ints) -> Mesh:
     points = fine.rest_positions[seeds]
     mesh = mesh_from_triangles(points, flip_edges(points, dual(cells[fine.triangles])))
     if len(mesh.rest_positions) != len(seeds) or mesh.loose.any():
-        raise DimpleError("its surface is too crumpled for a proxy of this size")
+        raise DimpleError("its surface is too crumpled for a proxy of this size.")
     if mesh.pressurable != fine.pressurable or (fine.closed and not mesh.closed):
-        raise DimpleError("a proxy of this size would have holes")
+        raise DimpleError("a proxy of this size would have holes.")
     if fine.pressurable and not abs(mesh.volume / fine.volume - 1) < VOLUME_SLACK:
-        raise DimpleError("a proxy of this size would lose too much of the volume")
+        raise DimpleError("a proxy of this size would lose too much of the volume.")
     return mesh
 
 
@@ -176,5 +179,5 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
         rest_pressure=model.pressure.rest_pressure, gravity=model.gravity, ground=model.ground,
     )  # fmt: skip
     if coarse.free != model.free or pinned.all():
-        raise DimpleError("its pins are too few for a proxy of this size")
+        raise DimpleError("its pins are too few for a proxy of this size.")
     return coarse

@@ -57,7 +57,7 @@ def rigid_shape(positions: Floats, triangles: Ints, mass: float) -> RigidShape:
         DimpleError: no mass, or a mesh without an area.
     """
     if not 0 < mass < math.inf:
-        raise DimpleError(f"The mass of a prop must be greater than 0 kg (it is {mass:g}).")
+        raise DimpleError("The mass of a prop must be greater than 0 kg (it is {mass:g}).", mass=mass)
     x = np.asarray(positions, np.float64)
     middle = x[np.unique(triangles)].mean(axis=0)
     corners = (x - middle)[triangles]  # (t, 3, 3)

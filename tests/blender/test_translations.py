@@ -1,6 +1,7 @@
 """Everything an artist reads on Dimple's buttons exists in Japanese, and nothing is translated that is not there."""
 
 import ast
+import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,27 +14,6 @@ EXTENSION = "bl_ext.user_default.dimple"
 BASES = ("Panel", "Menu", "Operator", "PropertyGroup", "AddonPreferences")
 # whatever Blender gives to a class of ours is translated by Blender: the name of a preset operator's preset
 BLENDERS_OWN = {"rna_type", "name", "remove_name", "remove_active"}
-
-# two words or more, or a sentence: what a person reads
-SENTENCE = re.compile(r"""[A-Za-z]{2,}[,;:]?["”]? ["“]?[A-Za-z{]|[}"”] [a-z]{2}|^[A-Z][a-z].*\.$""")
-# a place that is a sentence of its own: what stands beside it is a message without it
-BESIDE = re.compile(r"(?<=[.?])\s*\{\}$|^\{\}\s(?=[A-Z][a-z])")
-# what no artist reads: command lines, what is written to files, names in a .blend, the columns of measured files, and
-# what only a mistake in our own code raises
-UNSEEN = (
-    "core/calibration/export.py", "core/calibration/vocabulary.py", "core/haptics/command.py",
-    "core/native/body.py", "core/native/carry.py", "core/native/scene.py", "core/solver/twin.py",
-    "operators/clip.py", "operators/command_line.py", "operators/curves.py", "operators/formats.py",
-    "operators/sidecar.py",
-)  # fmt: skip
-# whose texts are looked up when they are whole: presets, and what a map paints
-CHECKED_WHOLE = ("core/everyday.py", "operators/names.py")
-UNSEEN_TEXTS = {
-    "import sys, mmap, select, tomllib; print('python', *sys.version_info[:2])", "real time", "force units?",
-    "Simulated by Dimple, not measured: {}, {} mm", "Tip: sphere, radius {} mm",
-    "Material: K1 {} N/mm, K2 {} N/mm, x0 {} mm", "Object Info", "Dimple Press", ".Dimple Press",
-    "Dimple Trial", "Dimple Export", "Dimple Frame", "Fingertip {}", "{} mm", "{}: {}, {}, calibrated {}",
-}  # fmt: skip
 
 
 def classes(bpy: ModuleType) -> Iterator[type]:
@@ -95,7 +75,7 @@ def drawn_texts() -> Iterator[str]:
     import bl_ext.user_default.dimple as dimple
 
     root = Path(dimple.__file__).parent
-    for path in [*root.glob("addon/*.py"), *root.glob("operators/*.py")]:
+    for path in [*root.glob("addon/*.py"), *root.glob("operators/**/*.py")]:
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") in ("PAUSED", "PAUSED_POKE"):
                 yield from (part.value for part in ast.walk(node.value) if isinstance(part, ast.Constant))
@@ -128,39 +108,21 @@ def measured(bpy: ModuleType) -> Iterator[str]:
     yield from (text for preset in OBJECTS for text in (preset.label, preset.provenance))
 
 
-def spoken() -> Iterator[tuple[str, str]]:
-    """Yield (file, template) of every text in core and the operators that is no docstring; {} is where a value goes."""
+def said() -> Iterator[str]:
+    """Yield every text in core and the operators: of these are the messages, and the words that fill them."""
     import bl_ext.user_default.dimple as dimple
 
     root = Path(dimple.__file__).parent
-    for path in sorted([*root.glob("core/**/*.py"), *root.glob("operators/*.py")]):
-        tree = ast.parse(path.read_text())
-        nodes = list(ast.walk(tree))
-        parts = {id(each) for node in nodes if isinstance(node, ast.JoinedStr) for each in ast.walk(node)} - {
-            id(node) for node in nodes if isinstance(node, ast.JoinedStr)
-        }
-        parts |= {id(node.value) for node in nodes if isinstance(node, ast.Expr)}  # docstrings
-        inner = [each for node in nodes if isinstance(node, ast.FormattedValue) for each in ast.walk(node.value)]
-        parts -= {id(each) for each in inner if isinstance(each, ast.Constant)}
-        for node in nodes:
-            if id(node) not in parts and (text := template(node)):
-                yield path.relative_to(root).as_posix(), BESIDE.sub("", text).strip()
-
-
-def template(node: ast.AST) -> str:
-    """Return a text of our code as a key of the catalogue, "" for what is none."""
-    pieces = node.values if isinstance(node, ast.JoinedStr) else [node]
-    texts = [each.value if isinstance(each, ast.Constant) else "{}" for each in pieces]
-    if not isinstance(node, ast.JoinedStr | ast.Constant) or not all(isinstance(text, str) for text in texts):
-        return ""
-    return re.sub(r"\{[^}]*\}", "{}", "".join(texts))
+    for path in [*root.glob("core/**/*.py"), *root.glob("operators/**/*.py")]:
+        nodes = ast.walk(ast.parse(path.read_text()))
+        yield from (each.value for each in nodes if isinstance(each, ast.Constant) and isinstance(each.value, str))
 
 
 @pytest.fixture
 def japanese(bpy: ModuleType) -> dict[tuple[str, str], str]:
-    from bl_ext.user_default.dimple.addon.translations import JAPANESE
+    from bl_ext.user_default.dimple.addon.translations import dictionaries
 
-    return JAPANESE
+    return dictionaries()["ja_JP"]
 
 
 def test_every_label_and_description_is_there_in_japanese(bpy: ModuleType, japanese: dict) -> None:
@@ -184,10 +146,11 @@ def test_words_of_ours_are_looked_up_where_blender_has_none_of_its_own(bpy: Modu
 
 
 def test_nothing_is_translated_twice() -> None:
-    from bl_ext.user_default.dimple.addon.translations import SUBJECTS
+    from bl_ext.user_default.dimple.addon import translations
 
-    words = [english for subject in SUBJECTS for english in subject.WORDS]
-    assert sorted({each for each in words if words.count(each) > 1}) == []
+    for path in (Path(translations.__file__).parent / "locale").glob("*.json"):
+        words = [english for english, _ in json.loads(path.read_text("utf-8"), object_pairs_hook=list)]
+        assert words == sorted(set(words)), path
 
 
 def test_every_word_that_the_panels_write_is_there_in_japanese(bpy: ModuleType, japanese: dict) -> None:
@@ -196,70 +159,60 @@ def test_every_word_that_the_panels_write_is_there_in_japanese(bpy: ModuleType, 
     assert sorted(wanted - {text for _, text in japanese}) == []
 
 
-def test_every_message_of_core_and_operators_is_there_in_japanese(bpy: ModuleType, japanese: dict) -> None:
-    known = {text for _, text in japanese}
-    said = {(path, text) for path, text in spoken() if path not in UNSEEN and SENTENCE.search(text)}
-    said = {(path, text) for path, text in said if text not in UNSEEN_TEXTS and path not in CHECKED_WHOLE}
-    assert len(said) > 450
-    assert sorted(each for each in said if each[1] not in known) == []
+def test_words_that_fill_messages_are_there_in_japanese(bpy: ModuleType, japanese: dict) -> None:
+    from bl_ext.user_default.dimple.core.calibration.load import _MAGIC
+    from bl_ext.user_default.dimple.core.calibration.units import KIND
+    from bl_ext.user_default.dimple.core.material import FILLS, TIPS
+
+    words = {*FILLS, *TIPS, *KIND, *KIND.values(), *_MAGIC.values(), "softness", "knee", "spread", "thickness", "pins"}
+    assert sorted(words - {text for _, text in japanese}) == []
 
 
-def test_a_message_with_numbers_is_recognised_and_filled_in_japanese(bpy: ModuleType, japanese: dict) -> None:
-    from bl_ext.user_default.dimple.operators.japanese import MESSAGES
+def translated(message: str, japanese: dict) -> str:
     from bl_ext.user_default.dimple.operators.translation import translated
 
-    def lookup(text: str) -> str:
-        return japanese.get(("*", text), text)
-
-    for english, text in MESSAGES.items():
-        values = [f"ab{i}7" for i in range(english.count("{}"))]
-        said = english.format(*values)
-        assert translated(said, lookup).rstrip("。") == text.format(*values).rstrip("。"), english
-        assert translated(said, lambda text: text) == said  # where the interface is English
+    return translated(message, lambda text: japanese.get(("*", text), text))
 
 
-@pytest.mark.parametrize(
-    ("english", "text"),
-    [
-        (
-            '"Cube": Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide '
-            'the mesh. "Depth": Holes closed for the pressure only: 3.',
-            '"Cube": すべての頂点が固定されていて動けません。「固定」を「なし」にするか、固定する頂点を減らすか、'
-            'メッシュを細分化してください。"Depth": 圧力の計算でのみふさぐ穴: 3 個。',
-        ),
-        (
-            '"Cube" is soft: "Vinyl cube, air, 165 mm", 165 mm across. Press it with the left mouse button.',
-            '"Cube" を柔らかくしました: "Vinyl cube, air, 165 mm"、大きさ 165 mm。左マウスボタンで押せます。',
-        ),
-        (
-            "The fill must be one of air, liquid, solid, none (it is jelly). Change it in Material > Dimple.",
-            "中身は 空気、液体、固体、なし のいずれかにしてください（現在 jelly）。マテリアル > Dimple で変更して"
-            "ください。",
-        ),
-        (
-            "The mass must be greater than 0 kg (it is -1). Change it in Material > Dimple.",
-            "質量は 0 kg より大きくしてください（現在 -1）。マテリアル > Dimple で変更してください。",
-        ),
-        (
-            "Its materials differ in fill or pressure: air, 7.5 kPa acts, on the most area.",
-            "マテリアルの中身か圧力がそれぞれ違います。面積が最も大きい 空気、7.5 kPa を使います。",
-        ),
-        ("What nobody wrote. The file is empty. Export the measurement again.",
-         "What nobody wrote. ファイルが空です。測定をもう一度書き出してください。"),
-    ],
-)  # fmt: skip
-def test_messages_in_messages_and_in_a_row_are_translated_and_names_are_not(
-    bpy: ModuleType, japanese: dict, english: str, text: str
+def test_values_are_filled_in_messages_among_them_are_translated_and_names_are_not(
+    bpy: ModuleType, japanese: dict
 ) -> None:
+    from bl_ext.user_default.dimple.core.base import DimpleError
+    from bl_ext.user_default.dimple.core.material import Material
+    from bl_ext.user_default.dimple.core.messages import Message, about, in_a_row
+
+    def refused(**wrong: object) -> str:
+        with pytest.raises(DimpleError) as refusal:
+            Material(**({"K1": 1.0, "K2": 1.0, "x0": 1.0, "k": 1.0, "mass": 1.0} | wrong))
+        return translated(str(refusal.value), japanese)
+
+    assert refused(fill="jelly") == (
+        "中身は 空気、液体、固体、なし のいずれかにしてください（現在 jelly）。マテリアル > Dimple で変更してください。"
+    )
+    assert refused(mass=-1.0) == (
+        "質量は 0 kg より大きくしてください（現在 -1 kg）。マテリアル > Dimple で変更してください。"
+    )
+    closed = about("Air", Message("Holes closed for the pressure only: {holes}.", holes=3))
+    gone = about("Cube", "a material is gone: the constants of a new one act in its place.")
+    assert translated(in_a_row([closed, gone]), japanese) == (
+        '"Air": 圧力の計算でのみふさぐ穴: 3 個。'
+        '"Cube": マテリアルがなくなったため、代わりに新しいマテリアルの定数を使います。'
+    )
+    assert translated("What nobody wrote: {air}.", japanese) == "What nobody wrote: {air}."
+
+
+def test_where_the_interface_is_english_a_message_stays_as_it_is(bpy: ModuleType) -> None:
+    from bl_ext.user_default.dimple.core.messages import Message
     from bl_ext.user_default.dimple.operators.translation import translated
 
-    assert translated(english, lambda text: japanese.get(("*", text), text)) == text
+    message = Message("{share:.0%} of {what}", share=0.25, what=(Message("air"), "{x}"))
+    assert translated(message) == translated(message, lambda text: text) == message == "25% of air, {x}"
 
 
 def test_what_is_reported_goes_through_the_catalogue(bpy: ModuleType) -> None:
     import bl_ext.user_default.dimple as dimple
 
-    paths = Path(dimple.__file__).parent.glob("[ao]*/*.py")
+    paths = Path(dimple.__file__).parent.glob("[ao]*/**/*.py")
     assert [path.name for path in paths if ".report({" in path.read_text()] == []
 
 
@@ -269,7 +222,7 @@ def test_why_a_button_is_grey_is_looked_up_when_it_is_shown(
     """Blender does not translate it, and has no Japanese in this environment: a replacement looks it up."""
     from bl_ext.user_default.dimple.operators import polls
 
-    monkeypatch.setattr(polls, "pgettext_tip", lambda text: f"<{text}>")
+    monkeypatch.setattr(polls, "tip_", lambda text: f"<{text}>")
     for verb in ("measure", "record", "reset", "arm_device"):
         with pytest.raises(RuntimeError, match=r"poll\(\) <.+>"):
             getattr(bpy.ops.dimple, verb)()
@@ -278,25 +231,21 @@ def test_why_a_button_is_grey_is_looked_up_when_it_is_shown(
 def test_no_poll_sets_a_message_that_is_not_looked_up(bpy: ModuleType) -> None:
     import bl_ext.user_default.dimple as dimple
 
-    paths = Path(dimple.__file__).parent.glob("[ao]*/*.py")
+    paths = Path(dimple.__file__).parent.glob("[ao]*/**/*.py")
     assert [path.name for path in paths if "poll_message_set" in path.read_text()] == ["polls.py"]
 
 
 def test_no_translation_is_left_over(bpy: ModuleType, japanese: dict) -> None:
-    used = {text for _, text in texts(bpy)} | {*drawn_texts(), *measured(bpy)} | {text for _, text in spoken()}
-    used |= {text.partition(" must")[0] for text in used}  # a limit that is exceeded goes by the name of its rule
+    used = {text for _, text in texts(bpy)} | {*drawn_texts(), *measured(bpy), *said()}
     assert sorted({text for _, text in japanese} - used - {"Dimple", "Settings of Dimple"}) == []
 
 
-def test_a_translation_keeps_numbers_units_and_places(japanese: dict) -> None:
-    """What stands in brackets is a unit, and {} is where a number goes."""
+def test_a_translation_keeps_units_and_is_japanese(japanese: dict) -> None:
     for (_, english), text in japanese.items():
-        places = [re.findall(r"\{\d?\}", each) for each in (english, text)]
-        assert len(places[0]) == len(places[1]) or english.startswith('"{}" is {} {}, not a mesh'), english
         for part in ("(N/mm)", "(mm)", "(kg)", "(kg/m³)", "(s)"):
             assert (part in english) == (part in text), english
         assert text == text.strip() and text
-        words = set(re.findall(r"[A-Za-z]{2,}", english)) - {"mm", "Dimple"}  # the rest is numbers, places and units
+        words = set(re.findall(r"[A-Za-z]{2,}", re.sub(r"\{.*?\}", "", english))) - {"mm", "Dimple"}
         assert not words or any(ord(character) > 0x2E7F for character in text), english
 
 

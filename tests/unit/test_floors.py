@@ -40,6 +40,7 @@ FLOORS = {
     "core.mesh": 1,
     "core.base": 0,
     "core.errors": 0,
+    "core.messages": 0,
     "core.steps": 0,
     "core.vectors": 0,
     "core.material": 0,

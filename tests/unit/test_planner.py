@@ -118,7 +118,7 @@ def test_where_none_of_any_size_can_be_made_the_full_mesh_is_simulated_or_its_st
     round_model: Model,
 ) -> None:
     def build(model: Model, vertices: int) -> Proxy:
-        raise DimpleError("its surface is too crumpled")
+        raise DimpleError("its surface is too crumpled.")
 
     chosen = plan(round_model, budget=1e-9, build=build)
     assert chosen.proxy is None and chosen.reason.endswith("simulated anyway: its surface is too crumpled.")

@@ -16,16 +16,16 @@ from tools.environment import BLENDERS, DEV_PINS, PEER_PINS, READER_PINS, ROOT, 
 # what is read at run time beside Python
 DATA = {
     "LICENSE", "blender_manifest.toml", "core/haptics/haptic_master.toml", "core/native/sources.tar.bz2",
-    "addon/poke_tool.dat",
+    "addon/locale/ja_JP.json", "addon/poke_tool.dat",
 }  # fmt: skip
 # said here and not read from the manifest or the folders, so that a change of either has to be meant
 TOP = {"LICENSE", "__init__.py", "addon", "blender_manifest.toml", "core", "operators", "wheels"}
 FOLDERS = {
-    "addon", "addon/pictures", "addon/translations", "core", "core/animation", "core/body", "core/calibration",
+    "addon", "addon/locale", "addon/pictures", "core", "core/animation", "core/body", "core/calibration",
     "core/experiment", "core/haptics",
-    "core/mesh", "core/native", "core/reduction", "core/solver", "operators", "operators/japanese", "wheels",
+    "core/mesh", "core/native", "core/reduction", "core/solver", "operators", "wheels",
 }  # fmt: skip
-ENDINGS = {"", ".dat", ".py", ".toml", ".webp", ".whl", ".bz2"}  # no library, object, cache, table or scene
+ENDINGS = {"", ".dat", ".json", ".py", ".toml", ".webp", ".whl", ".bz2"}  # no library, object, cache, table or scene
 WHEELS = {
     "pyserial": "any", "trimesh": "any",
     "dimple_native": "macosx_11_0_arm64 macosx_11_0_x86_64 manylinux_2_17_x86_64 win_amd64 win_arm64",

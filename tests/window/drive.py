@@ -346,7 +346,9 @@ def in_japanese() -> robot.Waits:
     view, said = bpy.context.preferences.view, ""
     view.language = "ja_JP"
     ours = robot.extension("addon.translations")
-    words = [(english, text) for (context, english), text in ours.JAPANESE.items() if context == ours.CONTEXT]
+    words = [
+        (english, text) for (context, english), text in ours.dictionaries()["ja_JP"].items() if context == ours.CONTEXT
+    ]
     other = [english for english, text in words if bpy.app.translations.pgettext(english, ours.CONTEXT) != text]
     check("every word of ours is ours in Japanese", len(words) > 500 and not other, ", ".join(other[:9]))
     context = bpy.ops.dimple.apply_preset.get_rna_type().translation_context
@@ -354,6 +356,12 @@ def in_japanese() -> robot.Waits:
     depth = bpy.types.UILayout.enum_item_name(bpy.context.scene.dimple, "press_by", "DEPTH")
     check("an item of a menu is ours in Japanese", depth == dict(words)["Depth"], depth)
     check("a preset's button is Japanese", shown == dict(words)["Tennis ball"], shown)
+    message, translation = robot.extension("core.messages").Message, robot.extension("operators.translation")
+    whole = message("The fill must be one of {fills} (it is {fill}). Change it in Material > Dimple.",
+                    fills=(message("air"), message("none")), fill="Air")
+    filled = translation.translated(whole)
+    check("a message is filled in Japanese, its words too", filled.startswith("中身は 空気、なし の"), filled)
+    check("a name in it stays as it is", "現在 Air" in filled)
     try:
         bpy.ops.dimple.record()
     except RuntimeError as error:

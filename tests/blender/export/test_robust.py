@@ -30,7 +30,7 @@ def test_files_that_are_there_are_kept_unless_they_are_to_be_replaced(
     pressed()
     before = earlier(tmp_path / "out")
     given = {"directory": str(tmp_path / "out"), "formats": {"PC2", "STL"}, "frame_start": 1, "frame_end": 3}
-    with pytest.raises(RuntimeError, match=r"Ball.pc2 and 3 more is there already.*Overwrite"):
+    with pytest.raises(RuntimeError, match=r"Ball.pc2 and 3 more are there already.*Overwrite"):
         bpy.ops.dimple.export_animation(**given)
     assert contents(tmp_path / "out") == before
     bpy.ops.dimple.export_animation(**given, overwrite=True)

@@ -1,6 +1,5 @@
 """From an instrument's file to constants: read, asked about, refused."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -34,8 +33,16 @@ def write(tmp_path: Path) -> Write:
     return write_file
 
 
+def questions_of(asked: str) -> list[dict]:
+    from bl_ext.user_default.dimple.core.messages import from_json
+
+    return from_json(asked)["questions"]
+
+
 def record_of(scene: Any) -> dict:
-    return json.loads(scene.calibration)
+    from bl_ext.user_default.dimple.core.messages import from_json
+
+    return from_json(scene.calibration)
 
 
 def test_the_sample_becomes_the_constants_it_was_made_from_within_their_errors(bpy: ModuleType, scene: Any) -> None:
@@ -138,7 +145,7 @@ def test_every_answer_has_a_property_of_its_name_with_the_label_that_messages_us
 
     shown = bpy.ops.dimple.calibrate.get_rna_type().properties
     for field in fields(Answers):
-        assert calibrate._labels([field.name]) == shown[field.name].name
+        assert calibrate._labels([field.name]) == (shown[field.name].name,)
 
 
 def test_columns_that_hold_no_press_are_refused_with_the_properties_that_choose_others(
@@ -187,14 +194,14 @@ def test_the_dialog_asks_until_nothing_is_open(
 
     asked = Asked(bpy, monkeypatch, write("bare.csv", "", lambda x, f: f"{x:.4f},{f:.4f}"))
     assert asked.answer() == {"CANCELLED"} and len(asked.opened) == 2
-    questions = json.loads(asked.opened[-1]["asked"])["questions"]
+    questions = questions_of(asked.opened[-1]["asked"])
     assert [question["name"] for question in questions] == ["depth_column", "force_column"]
     previews = [text for _, _, text in calibrate._items(asked.opened[-1]["asked"], 0)]
     assert "0, 0.339, 0.678, ... from 0 to 20" in previews[1]
     assert asked.answer("0", "NONE") == {"CANCELLED"} and scene.calibration == ""
     assert asked.opened[-1]["asked"] == asked.opened[-2]["asked"], "what has no answer is asked again"
     asked.answer("0", "1")
-    questions = json.loads(asked.opened[-1]["asked"])["questions"]
+    questions = questions_of(asked.opened[-1]["asked"])
     assert [question["name"] for question in questions] == ["depth_unit", "force_unit"]
     units = [candidate["value"] for candidate in questions[1]["candidates"]]
     assert asked.answer("0", str(units.index("N"))) == {"FINISHED"}
@@ -227,7 +234,7 @@ def test_the_likeliest_answer_is_chosen_when_the_dialog_opens(
     manager = SimpleNamespace(invoke_props_dialog=lambda *args, **how: {"RUNNING_MODAL"})
     context = SimpleNamespace(object=None, window_manager=manager)
     asked.calibrate.DIMPLE_OT_calibrate.invoke(shown, context, None)
-    (question,) = json.loads(shown.asked)["questions"]
+    (question,) = questions_of(shown.asked)
     assert question["candidates"][int(shown.answer_0)]["value"] == question["default"]
     assert float(question["default"]) == pytest.approx(-6, abs=0.01)
 
@@ -239,10 +246,10 @@ def test_headers_that_are_exchanged_can_be_told_so_in_the_dialog(
     path = write("exchanged.csv", "Force (N),Depth (mm)", lambda x, f: f"{x:.4f},{f + 0.5 * rng.normal():.4f}")
     asked = Asked(bpy, monkeypatch, path)
     asked.answer()
-    (question,) = json.loads(asked.opened[-1]["asked"])["questions"]
+    (question,) = questions_of(asked.opened[-1]["asked"])
     assert "are the columns swapped?" in question["text"] and "--" not in question["text"]
     asked.answer("1")
-    questions = json.loads(asked.opened[-1]["asked"])["questions"]
+    questions = questions_of(asked.opened[-1]["asked"])
     assert [question["name"] for question in questions] == ["depth_unit", "force_unit"]
     assert asked.answer("0", "0") == {"FINISHED"}  # mm, N
     assert record_of(scene)["x0"] == pytest.approx(12, rel=0.05)

@@ -258,6 +258,7 @@ def test_what_sleeps_on_a_collider_falls_once_that_is_taken_away(
 def test_what_meets_something_is_planned_for_twice_the_work_and_with_every_vertex_where_it_meets_itself(
     bpy: ModuleType, sessions: Any, ball: Add, add: Add, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    from bl_ext.user_default.dimple.core.messages import read
     from bl_ext.user_default.dimple.core.reduction import planner
     from bl_ext.user_default.dimple.operators import live
 
@@ -272,7 +273,7 @@ def test_what_meets_something_is_planned_for_twice_the_work_and_with_every_verte
     def after(seconds: float) -> tuple[bool, str]:
         for _ in range(round(30 * seconds)):
             live.advance(bpy.context, 1 / 30)
-        return sessions.get(obj).session.proxy is None, obj.dimple.plan_reason
+        return sessions.get(obj).session.proxy is None, read(obj.dimple.plan_reason)
 
     live.start_all(bpy.context)
     is_full, before = after(0.1)
