@@ -1,6 +1,7 @@
 """The bridge between Blender's objects and the core: what is read of an object to press it.
 
-With `object_link`, `bridge_model`, `bridge_write`, `final_mesh` and `offset` the only toucher of mesh arrays and scale.
+With `object_link`, `bridge_model`, `bridge_write`, `final_mesh`, `rendered_mesh` and `offset` the only toucher of mesh
+arrays and scale.
 """
 
 from __future__ import annotations
@@ -53,8 +54,6 @@ def reading_body(
     Raises:
         DimpleError: this object cannot be pressed, with the reason and what to do.
     """
-    from ..core.mesh.surface import mesh_from_triangles
-
     check(body)
     context.view_layer.update()
     matrix = np.array(body.matrix_world)
@@ -64,10 +63,7 @@ def reading_body(
         triangles = triangles[:, ::-1]
     used, triangle_material = np.unique(np.clip(slots, 0, max(len(body.material_slots) - 1, 0)), return_inverse=True)
     try:
-        make = partial(
-            mesh_from_triangles, to_physical(scale, matrix, rest), triangles, triangle_material=triangle_material
-        )
-        mesh: Mesh = yield 0.1, make
+        mesh: Mesh = yield 0.1, partial(_mesh, scale, matrix, rest, triangles, triangle_material)
     except DimpleError as error:
         raise DimpleError(about(body.name, str(error))) from error
     resting = mesh.rest_positions[mesh.source].astype(np.float32)
@@ -80,6 +76,13 @@ def reading_body(
     )  # fmt: skip
     model: Model = yield from bridge_model.reading_model(context.scene, body, mesh, link)
     return link, model
+
+
+def _mesh(scale: float, matrix: Floats, rest: Singles, triangles: Any, triangle_material: Any) -> Mesh:
+    from ..core.mesh.surface import mesh_from_triangles
+
+    points = to_physical(scale, matrix, rest)
+    return mesh_from_triangles(points, triangles, triangle_material=triangle_material)
 
 
 def scale_of(scene: bpy.types.Scene, body: bpy.types.Object, link: ObjectLink) -> float:

@@ -10,7 +10,7 @@ from collections.abc import Collection
 import bpy
 import numpy as np
 
-from . import final_mesh, offset
+from . import final_mesh, offset, rendered_mesh
 from .bridge import ObjectLink, Singles, get_points
 from .names import CACHES_OFF, KEPT, KEPT_PRESS, PAINTING
 
@@ -45,7 +45,7 @@ def is_intact(body: bpy.types.Object, link: ObjectLink) -> bool:
 def keep(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, offsets: Singles) -> None:
     """Leave a press, offsets (N, 3) from the shape at rest, in a modifier on top of all others."""
     final_mesh.detach(body)
-    shown = final_mesh.shown(context, body, len(link.rest), link.cuts)
+    shown = rendered_mesh.shown(context, body, len(link.rest), link.cuts)
     for each, own in shown:
         offset.set_offsets(each.carrier, offsets if own is None else own.carry(offsets))
     offset.add(body, KEPT, KEPT_PRESS, [each for each, _ in shown])

@@ -15,7 +15,7 @@ import bpy
 from ..core.base import DimpleError
 from ..core.messages import Message
 from ..core.recording import PointCache, open_point_cache
-from . import curves, final_mesh, offset
+from . import curves, offset, rendered_mesh
 from .names import BAKED_PRESS, CACHE
 from .stack import is_cache
 
@@ -154,7 +154,7 @@ def play(
 ) -> bpy.types.Modifier:
     """Let an object play a PC2 file of offsets; see `attach_cache`."""
     _, samples = open_point_cache(path)
-    shown = final_mesh.shown(context, obj, samples.shape[1], cuts)
+    shown = rendered_mesh.shown(context, obj, samples.shape[1], cuts)
     for each, carried in shown:
         file = path
         if carried:

@@ -100,7 +100,7 @@ def attach(context: bpy.types.Context, body: bpy.types.Object, cuts: int | None 
     if shown:
         body[CACHES_OFF] = "\n".join(modifier.name for modifier in shown)  # its duplicates know it too
     try:
-        mesh = _evaluated(context, body)
+        mesh = evaluated(context, body)
         given, cuts = len(mesh.vertices), cuts_of(context, body, mesh) if cuts is None else cuts
         offset.add(body, "Dimple Press", PRESS, [offset.Shown(given, cuts, offset.new_carrier())])
     except BaseException:
@@ -134,98 +134,13 @@ def read(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = Tr
             '"{name}" is not in this view layer, so it has no shape now. Put it there first.', name=body.name
         )
     with attached(context, body, cuts):
-        mesh = _evaluated(context, body)
+        mesh = evaluated(context, body)
         rest = read_rest(body, context.evaluated_depsgraph_get())
         if rest is None or not len(mesh.polygons):
             raise DimpleError(
                 '"{name}" has no faces, so there is no surface to press. Add faces first.', name=body.name
             )
-        return Final(rest, *_triangles(mesh), _cuts_now(body))
-
-
-def shown(
-    context: bpy.types.Context, body: bpy.types.Object, count: int, cuts: int
-) -> list[tuple[offset.Shown, Carried | None]]:
-    """Return how the final mesh of an object is to be moved, in the viewport and where it differs in a render, each
-    with what carries the offsets of the viewport's to it, None for that itself.
-
-    Args:
-        count: vertices of the viewport's.
-        cuts: how often that is subdivided, unless it is already.
-    """
-    given = len(_evaluated(context, body).vertices)
-    cuts = 0 if given == count else cuts
-    with _as_rendered(body):
-        mesh = _evaluated(context, body)
-        rendered, finer = len(mesh.vertices), cuts_of(context, body, mesh)
-        there = _final(context, body, rendered, finer) if rendered != given else None
-    carried = _carried(_final(context, body, given, cuts), there.points) if there else None
-    found: list[tuple[offset.Shown, Carried | None]] = [(offset.Shown(given, cuts, offset.new_carrier(count)), None)]
-    if carried:
-        found.append((offset.Shown(rendered, finer, offset.new_carrier(len(carried.corners))), carried))
-    return found
-
-
-class Carried(NamedTuple):
-    """What carries offsets to the vertices of another mesh: each follows the nearest triangle.
-
-    corners: (M, 3) of that.
-    shares: (M, 3) of each corner.
-    """
-
-    corners: np.ndarray
-    shares: np.ndarray
-
-    def carry(self, offsets: Singles) -> Singles:
-        """Return the offsets (M, 3) of the other mesh for those (N, 3) of the one."""
-        return np.einsum("mc,mcd->md", self.shares, offsets[self.corners])
-
-
-def _carried(final: Final, points: Singles) -> Carried:
-    """Return what carries offsets of a final mesh to other points (M, 3) on or near it."""
-    from mathutils.bvhtree import BVHTree
-
-    tree = BVHTree.FromPolygons(final.points.tolist(), final.triangles.tolist())
-    nearest = [tree.find_nearest(point)[::2] for point in points.tolist()]
-    at, number = np.array([[*place] for place, _ in nearest]), np.array([each for _, each in nearest])
-    corners = final.triangles[number]
-    a, b, c = final.points[corners].astype(np.float64).transpose(1, 0, 2)
-    whole = np.cross(b - a, c - a)
-    parts = [np.cross(v - u, at - u) for u, v in ((b, c), (c, a), (a, b))]
-    shares = np.stack([(each * whole).sum(axis=1) for each in parts], axis=1)
-    total = shares.sum(axis=1)
-    flat = total <= 0
-    shares[flat], total[flat] = (1, 0, 0), 1
-    return Carried(corners, np.asarray(shares / total[:, None], np.float32))
-
-
-def _final(context: bpy.types.Context, body: bpy.types.Object, given: int, cuts: int) -> Final:
-    """Return the final mesh of an object as it is now, subdivided."""
-    offset.add(body, "Dimple Press", PRESS, [offset.Shown(given, cuts, offset.new_carrier())])
-    try:
-        mesh = _evaluated(context, body)
-        return Final(_points(mesh), *_triangles(mesh), cuts)
-    finally:
-        offset.remove(body, PRESS)
-
-
-@contextmanager
-def _as_rendered(body: bpy.types.Object) -> Iterator[None]:
-    """Let the viewport show an object as a render does, for a while."""
-    before = [(each, each.show_viewport, getattr(each, "levels", None)) for each in body.modifiers]
-    try:
-        for each, was_shown, level in before:
-            if each.show_render != was_shown:
-                each.show_viewport = each.show_render
-            if hasattr(each, "render_levels") and each.render_levels != level:
-                each.levels = each.render_levels
-        yield
-    finally:
-        for each, was_shown, level in before:
-            if each.show_viewport != was_shown:
-                each.show_viewport = was_shown
-            if level is not None and each.levels != level:
-                each.levels = level
+        return Final(rest, *triangles_of(mesh), _cuts_now(body))
 
 
 def _cuts_now(body: bpy.types.Object) -> int:
@@ -241,7 +156,7 @@ def weights(context: bpy.types.Context, body: bpy.types.Object, group: str, cuts
     """
     found = body.vertex_groups.get(group)
     with attached(context, body, cuts):
-        mesh = _evaluated(context, body)
+        mesh = evaluated(context, body)
         attribute = mesh.attributes.get(group)
         if found is None and attribute and attribute.domain == "POINT" and attribute.data_type == "FLOAT":
             values = np.empty(len(mesh.vertices), np.float32)
@@ -303,7 +218,7 @@ def lead(
 
 def _check_count(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink) -> None:
     """Raise a DimpleError where an object is seen, with other vertices than it was read with."""
-    count = len(_evaluated(context, body).vertices)
+    count = len(evaluated(context, body).vertices)
     if body.visible_get() and count != len(link.rest):
         raise DimpleError(
             '"{name}": its modifiers give {count:,} vertices now, and gave {vertices:,}. What is pressed must keep '
@@ -314,7 +229,7 @@ def _check_count(context: bpy.types.Context, body: bpy.types.Object, link: Objec
 
 def is_coarse(context: bpy.types.Context, body: bpy.types.Object) -> bool:
     """Tell whether the final mesh of a body, as it is pressed, is too coarse for the fingertip."""
-    return cuts_of(context, body, _evaluated(context, body)) > 0
+    return cuts_of(context, body, evaluated(context, body)) > 0
 
 
 def cuts_of(context: bpy.types.Context, body: bpy.types.Object, mesh: bpy.types.Mesh) -> int:
@@ -322,9 +237,9 @@ def cuts_of(context: bpy.types.Context, body: bpy.types.Object, mesh: bpy.types.
     as many vertices as follow a hand; 0 where the artist wants it simulated as it is.
     """
     radius = context.scene.dimple.finger_radius_mm / 1e3
-    if body.dimple.simulated != "AUTO" or not len(mesh.polygons):
+    if body.dimple.simulated != "AUTO" or not 0 < len(mesh.loops) <= MOST:
         return 0
-    matrix, points = np.array(body.matrix_world), _points(mesh)
+    matrix, points = np.array(body.matrix_world), points_of(mesh)
     scale = scale_of_body(context.scene, body, points, matrix)
     widths, areas = _widths(mesh, scale * points.astype(np.float64) @ matrix[:3, :3].T)
     cuts = 0
@@ -348,16 +263,18 @@ def _widths(mesh: bpy.types.Mesh, points: Floats) -> tuple[Floats, Floats]:
     return np.maximum.reduceat(np.maximum(edges, arms), starts), np.add.reduceat(across, starts)
 
 
-def _evaluated(context: bpy.types.Context, body: bpy.types.Object) -> bpy.types.Mesh:
+def evaluated(context: bpy.types.Context, body: bpy.types.Object) -> bpy.types.Mesh:
+    """Return the mesh of an object after all its modifiers."""
     context.view_layer.update()
     return body.evaluated_get(context.evaluated_depsgraph_get()).data
 
 
-def _points(mesh: bpy.types.Mesh) -> Singles:
+def points_of(mesh: bpy.types.Mesh) -> Singles:
+    """Return the coordinates (N, 3) of a mesh."""
     return get_points(mesh.vertices, len(mesh.vertices), "co")
 
 
-def _triangles(mesh: bpy.types.Mesh) -> tuple[Any, Any]:
+def triangles_of(mesh: bpy.types.Mesh) -> tuple[Any, Any]:
     """Return the triangles (t, 3) of a mesh and the material slot of each (t,).
 
     Only the corners are asked for one by one, which takes 0.3 s for a million: a polygon's triangles follow each other.

@@ -142,9 +142,9 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
 
 def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
     """Plan anew for constants that were tuned, once nothing presses: a proxy takes a while to make."""
-    session, before, around = body.session, body.around, planning.around(context.scene, obj)
     if body.changed_at is None:
         return []
+    session, before, around = body.session, body.around, planning.around(context.scene, obj)
     if not (before and around.itself > before.itself):  # then every vertex is simulated from now on
         if body.frame.time < body.changed_at + UNTOUCHED_S:
             return []

@@ -33,10 +33,11 @@ from .cells import follow_cells as follow_cells
 from .cells import grow_cells as grow_cells
 from .definition import BodyDef, Constants
 from .first_use import check
+from .flips import flip_edges as flip_edges
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 25
+ABI = 26
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 BITS = {"native": 32, "native64": 64}  # of the state, by the name of a backend
 
@@ -54,6 +55,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_carry_moved": (POINTER(CBinding), c_void_p, POINTER(CKept), c_void_p),
     "dm_grow_cells": (POINTER(CCells), c_void_p, c_void_p),
     "dm_follow_cells": (POINTER(CCells), c_void_p, c_int64, c_void_p, c_void_p, c_void_p, c_void_p),
+    "dm_flip_edges": (c_int64, c_void_p, c_int64, c_void_p),
     "dm_scene_create": (
         POINTER(c_void_p),
         c_int64,

@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 25 /* changes with anything below */
+#define DM_ABI 26 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -245,6 +245,9 @@ DM_API int32_t dm_grow_cells(const dm_cells *surface, int64_t *cells, uint8_t *j
  * room for 8 DM_FOLLOWED entries in each. */
 DM_API int32_t dm_follow_cells(const dm_cells *surface, const int64_t *cells, int64_t width, const int64_t *around,
                                int64_t *first, uint16_t *followed, uint16_t *weights);
+
+/* Flip blunt edges of triangles (triangles, 3) on points (vertices, 3) [m], in place, where the surface is nearly flat. */
+DM_API int32_t dm_flip_edges(int64_t vertices, const double *points, int64_t triangles, int64_t *corners);
 
 /* A mesh that bodies meet and that goes where it is led. */
 typedef struct {

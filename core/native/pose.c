@@ -205,3 +205,16 @@ static void dm_fit_whole(const dm_state *b, double *pose) {
         pose[9 + c] = b->origin[c] + to[c] - back;
     }
 }
+
+/* Where the shape at rest is now. */
+static void dm_pose_now(const dm_state *b, double *pose) {
+    if (b->asleep) memcpy(pose, b->still_pose, sizeof b->still_pose);
+    else dm_fit_whole(b, pose);
+}
+
+/* Where that of a free body was fitted as the substep began. */
+static void dm_fitted_pose(const dm_state *b, double *pose) {
+    memcpy(pose, b->rotation, sizeof b->rotation);
+    for (int c = 0; c < 3; c++)
+        pose[9 + c] = b->origin[c] + b->translation[c] - dm_inner3(b->rotation + 3 * c, b->rest_centre);
+}

@@ -14,6 +14,7 @@ DM_FAST
 #include "facets.c"
 #include "contact.c"
 #include "surface.c"
+#include "foot.c"
 #include "fingertip.c"
 DM_SMALL
 #include "reach.c"

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from .. import native
 from ..base import DimpleError, Floats, Ints, Singles, mean_of_pairs, sums_at
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
@@ -18,7 +20,6 @@ from ..mesh.surface import Mesh, mesh_from_triangles
 from ..native import Binding
 from .binding import bind
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
-from .flips import flip_edges
 from .protrusion import held_distance
 
 SMALLEST = 60  # vertices: fewer no longer have the shape of a body
@@ -28,28 +29,33 @@ STIFFER = 16.0  # times as stiff, as softness of 0 is beside 1: what is painted 
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Proxy:
     """A coarse model and the binding of a fine mesh to it.
 
+    mesh: the fine mesh, n vertices.
     model: the coarse body that is simulated, m vertices.
     seeds: (m,) the vertex of the fine mesh at which each coarse vertex lies.
     cells: (n,) the coarse vertex whose share of mass and stiffness each vertex of the fine mesh is.
     painted: (n,) how much stiffer each vertex of the fine mesh was than most when the cells were made, see `painted`.
     still: the vertices of the fine mesh that are pinned or loose.
     spacing: mean distance between seeds [m].
-    offset: the distance that it holds from what it meets [m], see `held_distance`.
     binding: what carries the fine mesh along.
     """
 
+    mesh: Mesh
     model: Model
     seeds: Ints
     cells: Ints
     painted: Singles
     still: Ints
     spacing: float
-    offset: float
     binding: Binding
+
+    @cached_property
+    def offset(self) -> float:
+        """Return the distance [m] that it holds from what it meets, see `held_distance`."""
+        return held_distance(self.mesh, self.model.mesh, self.cells, self.spacing)
 
 
 def build_proxy(model: Model, vertices: int) -> Proxy:
@@ -71,8 +77,8 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
     seeds, cells = _seeds_and_cells(mesh, place, spread_seeds(mesh, place, used, vertices, spacing))
     coarse = _constants(model, _coarse_mesh(mesh, seeds, cells), cells)
     return Proxy(
-        model=coarse, seeds=seeds, cells=cells, painted=stiffer, still=np.flatnonzero(model.pinned | mesh.loose),
-        spacing=spacing, offset=held_distance(mesh, coarse.mesh, cells, spacing),
+        mesh=mesh, model=coarse, seeds=seeds, cells=cells, painted=stiffer,
+        still=np.flatnonzero(model.pinned | mesh.loose), spacing=spacing,
         binding=bind(mesh.rest_positions, coarse.mesh, place, seeds, cells),
     )  # fmt: skip
 
@@ -134,7 +140,7 @@ def most_of(model: Model) -> int:
 
 def _coarse_mesh(fine: Mesh, seeds: Ints, cells: Ints) -> Mesh:
     points = fine.rest_positions[seeds]
-    mesh = mesh_from_triangles(points, flip_edges(points, dual(cells[fine.triangles])))
+    mesh = mesh_from_triangles(points, native.flip_edges(native.library(), points, dual(cells[fine.triangles])))
     if len(mesh.rest_positions) != len(seeds) or mesh.loose.any():
         raise DimpleError("its surface is too crumpled for a proxy of this size.")
     if mesh.pressurable != fine.pressurable or (fine.closed and not mesh.closed):

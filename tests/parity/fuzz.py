@@ -235,6 +235,8 @@ def main(seed: int) -> None:
             width = int(fuzzer.rng.integers(-1, 9))
             code = library.dm_follow_cells(surface, cells, width, around, *lists)
             code = max(code, library.dm_grow_cells(surface, cells, joined))
+            points, corners = fuzzer.array("positions", 6), fuzzer.array("corners", 6)
+            code = max(code, library.dm_flip_edges(int(fuzzer.rng.integers(-1, 9)), points, 2, corners))
         elif name == "step":
             code = library.dm_step(body, address(fuzzer.motion()), address(frame := CFrame()))
             check(frame)

@@ -106,7 +106,7 @@ RENAMED = {
 }  # fmt: skip
 # what only C has: how much it takes, how it searches and lays things out, and what numpy writes into a formula
 OF_C = set(
-    """BIN_POINTS BLOCK DEEPEST DIGIT DIGITS FACET_BLOCK K_X K_XQ LANES LEAF LIST_MARGIN MAX_BODIES
+    """AS_FLAT BIN_POINTS BLOCK BLUNT DEEPEST DIGIT DIGITS FACET_BLOCK K_X K_XQ LANES LEAF LIST_MARGIN LOOKS MAX_BODIES
     MAX_COUNT MAX_NEIGHBOURS MAX_SURFACES MAX_VERTICES MAX_WORKERS MOMENTS MOST_BINS M_V M_X M_XV M_XX PINS_AHEAD
     PIN_BEHIND RUN WAITING WIDE WINDOW X86""".split()
 )
@@ -303,6 +303,15 @@ def test_cells_of_what_is_not_there_are_refused() -> None:
             native.follow_cells(library, place, seeds, *wrong)
     assert library.dm_grow_cells(ctypes.byref(CCells()), none.ctypes.data, none.ctypes.data) == SIZE
     assert library.dm_follow_cells(None, none.ctypes.data, 1, *(none.ctypes.data,) * 4) == SIZE
+
+
+def test_triangles_on_points_that_are_not_there_are_not_flipped() -> None:
+    library, points, corners = native.library(), np.eye(3), np.array([[0, 1, 2]])
+    assert (native.flip_edges(library, points, corners) == corners).all()
+    for wrong in (corners + 1, corners - 1, [[0, 1, 0]]):
+        with pytest.raises(native.NativeError, match="index"):
+            native.flip_edges(library, points, wrong)
+    assert library.dm_flip_edges(0, None, 0, None) == library.dm_flip_edges(3, points.ctypes.data, -1, None) == SIZE
 
 
 def test_a_body_is_freed_with_its_object(monkeypatch: pytest.MonkeyPatch) -> None:

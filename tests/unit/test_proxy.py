@@ -12,6 +12,7 @@ from core.base import DimpleError, Floats
 from core.body.model import Model, build_model
 from core.body.shape_matching import fit_pose
 from core.material import PRESETS
+from core.mesh.edges import edges_of
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.reduction.binding import WHOLE, carry
 from core.reduction.cells import grow_cells, spread_seeds, vertex_normals
@@ -53,6 +54,19 @@ def pressed(model: Model, proxy: Proxy | None, depth: float = 0.01, radius: floa
         session.set_fingers([Finger((top[0], top[1], top[2] - down), radius)])
         frame = session.step(seconds)
     return session, float(frame.finger_forces[0, 2])
+
+
+def test_angles_that_face_each_other_across_a_flipped_edge_sum_to_at_most_a_half_turn() -> None:
+    side = 20
+    corner = np.array([i * side + j for i in range(side - 1) for j in range(side - 1)])
+    points = np.stack([*np.divmod(np.arange(side * side), side), np.zeros(side * side)], axis=1).astype(float)
+    points[:, :2] = (points[:, :2] + np.random.default_rng(0).uniform(-0.3, 0.3, (side * side, 2))) * (1, 2)
+    halves = [corner, corner + side, corner + 1], [corner + 1, corner + side, corner + side + 1]
+    flipped = native.flip_edges(native.library(), points, np.concatenate([np.stack(half, axis=1) for half in halves]))
+    at, p, q = (points[np.roll(flipped, -turn, axis=1)] for turn in (2, 0, 1))
+    p, q = p - at, q - at
+    angles, edges = np.arctan2(np.cross(p, q)[..., 2], (p * q).sum(axis=2)), edges_of(flipped)
+    assert (angles > 0).all() and np.bincount(edges.of_half, angles.ravel())[edges.count == 2].max() <= np.pi + 1e-6
 
 
 def test_at_rest_the_surface_is_the_mesh_bit_for_bit(model: Model, proxy: Proxy) -> None:

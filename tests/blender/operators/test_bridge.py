@@ -93,10 +93,10 @@ def test_triangles_of_faces_of_any_size_have_the_material_of_their_face(bpy: Mod
     mesh = add(points, [(0, 1, 2, 3, 4), (1, 5, 2), (2, 5, 6, 3)]).data
     for index, slot in enumerate((2, 0, 1)):
         mesh.polygons[index].material_index = slot
-    triangles, slots = final_mesh._triangles(mesh)
+    triangles, slots = final_mesh.triangles_of(mesh)
     expected = [
         (tuple(each.vertices), mesh.polygons[each.polygon_index].material_index) for each in mesh.loop_triangles
     ]
     assert list(zip(map(tuple, triangles.tolist()), slots.tolist(), strict=True)) == expected
     mesh.attributes.remove(mesh.attributes["material_index"])
-    assert not final_mesh._triangles(mesh)[1].any()
+    assert not final_mesh.triangles_of(mesh)[1].any()

@@ -1,0 +1,25 @@
+"""The call that flips the edges of a proxy's mesh."""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+
+from ..base import Floats, Ints
+from .body import NativeError
+from .definition import Arrays
+
+
+def flip_edges(library: ctypes.CDLL, points: Floats, triangles: Ints) -> Ints:
+    """Return triangles (t, 3) on the same points (n, 3), blunt edges flipped where the surface is nearly flat there.
+
+    Raises:
+        NativeError: a vertex that does not exist, or no memory.
+    """
+    flipped = np.array(triangles, np.int64, order="C")
+    with Arrays() as arrays:
+        code = library.dm_flip_edges(len(points), arrays.double(points), len(flipped), flipped.ctypes.data)
+    if code:
+        raise NativeError(library.dm_message(code).decode(), code)
+    return flipped
