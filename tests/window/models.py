@@ -17,7 +17,6 @@ Check = Callable[..., None]
 Place = tuple[int, int]
 ENGINES = "BLENDER_WORKBENCH", "BLENDER_EEVEE", "CYCLES"
 SIZE = 640, 400  # [px] of a render
-NEAR = 60  # [px] of a render round the press: the dent and its rim
 HELD_MM = 8.0  # that a press is waited for
 
 
