@@ -23,7 +23,7 @@ from tools.extension import build_zip
 BUILD = ROOT / "build"
 # tests that measure real time with a device's processes run alone; then the other groups run side by side, one for each
 # processor, the long ones first
-REAL_TIME_FILES = "byte_poller", "device", "mailbox", "processes", "pseudo_terminal", "serial_link", "udp_line"
+REAL_TIME_FILES = "byte_poller", "device", "mailbox", "processes", "pseudo_terminal", "serial_line", "udp_line"
 REAL_TIME = [f"tests/haptics/test_{name}.py" for name in REAL_TIME_FILES]
 IN_BLENDER = ["tests/blender"]
 LONG = ["tests/calibration", "tests/experiment", "tests/studies", "tests/unit"]

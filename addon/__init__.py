@@ -9,7 +9,6 @@ from . import (
     preferences,
     presets,
     properties,
-    reduction,
     still_warning,
     surface_colours,
     tool,
@@ -19,18 +18,16 @@ from . import (
 # in order of dependence: operators read the properties, panels name the operators and the presets' popover,
 # the preferences move the panels
 PARTS = (
-    translations, material_choice, properties, operators, presets, panels, reduction, preferences, surface_colours,
+    translations, material_choice, properties, operators, presets, panels, preferences, surface_colours,
     overlay, fingertip_gizmo, tool, still_warning,
 )  # fmt: skip
 
 
 def register() -> None:
-    """Register every part."""
     for part in PARTS:
         part.register()
 
 
 def unregister() -> None:
-    """Unregister every part, the last first."""
     for part in reversed(PARTS):
         part.unregister()

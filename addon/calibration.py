@@ -5,7 +5,7 @@ import bpy
 from ..operators import calibration
 from ..operators.names import Op
 from . import calibrated
-from .drawing import MaterialPanel, SidebarPanel, draw_notes, draw_rows
+from .drawing import MaterialPanel, SidebarPanel, draw_notes, draw_rows, shown_if
 
 
 def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | None]:
@@ -36,7 +36,6 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the operators and the result."""
         layout = self.layout
         layout.operator(Op.CALIBRATE, text="Calibrate from File...", icon="IMPORT")
         layout.operator(Op.CALIBRATE_TOGETHER, text="Calibrate from Several Files...", icon="IMPORT")
@@ -61,13 +60,9 @@ class DIMPLE_PT_calibration_notes(SidebarPanel, bpy.types.Panel):
     bl_parent_id = "DIMPLE_PT_calibration"
     bl_options = {"DEFAULT_CLOSED"}
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a result."""
-        return bool(shown(context)[0])
+    poll = shown_if(lambda context: shown(context)[0])
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the notes."""
         draw_notes(context, self.layout, calibrated.sentences(shown(context)[0]))
 
 
@@ -79,7 +74,6 @@ class DIMPLE_PT_virtual_press(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the tip that measured, the place and the operator."""
         layout, body = self.layout, context.object
         layout.use_property_split = True
         if body and body.active_material:
@@ -97,13 +91,9 @@ class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
     bl_parent_id = "DIMPLE_PT_material"
     bl_options = {"DEFAULT_CLOSED"}
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a calibrated material."""
-        return context.material is not None and bool(calibration.load(context.material.dimple.calibration))
+    poll = shown_if(lambda context: context.material and calibration.load(context.material.dimple.calibration))
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the result and its notes."""
         settings = context.material.dimple
         record = calibration.load(settings.calibration)
         draw_result(context, self.layout, record, settings)

@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import bpy
 
@@ -12,7 +12,7 @@ from .shapes import Point, Segment
 
 FINGERTIP = (1.0, 0.62, 0.15, 1.0)
 FORCE = (0.95, 0.2, 0.15, 1.0)
-FAINT, BACK = 0.35, 0.6  # how much of what is behind they hide
+FAINT, BACK = 0.35, 0.6  # how opaque they are
 
 LINE_WIDTH = 2.0  # in units of Blender's own line width
 # all sizes below in pixels at a resolution scale of 1
@@ -70,34 +70,45 @@ def overlays_shown(context: bpy.types.Context) -> bool:
     return context.space_data.overlay.show_overlays
 
 
-def draw_lines(segments: Sequence[Segment], colour: Point, screen: Screen) -> None:
-    """Draw straight lines, each from point to point, in the scene or in pixels."""
-    if not segments:
-        return
+def draw(
+    kind: str, points: Any, *, colour: Point | None = None, colours: Any = None, indices: Any = None,
+    screen: Screen | None = None, behind: bool = True,
+) -> None:
+    """Draw "LINES", "TRIS" or a "TRI_STRIP" through points, in one colour or with a colour for each point.
+
+    Args:
+        screen: where lines are drawn, for their width.
+        behind: draw also what surfaces of the scene hide.
+    """
     import gpu
     from gpu_extras.batch import batch_for_shader
 
-    points = [(*point, 0.0)[:3] for segment in segments for point in segment]
-    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
-    shader.uniform_float("viewportSize", (screen.width, screen.height))
-    shader.uniform_float("lineWidth", screen.line)
-    shader.uniform_float("color", colour)
+    name = "POLYLINE_UNIFORM_COLOR" if screen else "UNIFORM_COLOR" if colour else "SMOOTH_COLOR"
+    shader = gpu.shader.from_builtin(name)
+    if screen:
+        shader.uniform_float("viewportSize", (screen.width, screen.height))
+        shader.uniform_float("lineWidth", screen.line)
+    if colour:
+        shader.uniform_float("color", colour)
+    content = {"pos": points} if colour else {"pos": points, "color": colours}
     gpu.state.blend_set("ALPHA")
-    batch_for_shader(shader, "LINES", {"pos": points}).draw(shader)
+    gpu.state.depth_test_set("NONE" if behind else "LESS_EQUAL")
+    batch_for_shader(shader, kind, content, indices=indices).draw(shader)
+    gpu.state.depth_test_set("NONE")
     gpu.state.blend_set("NONE")
+
+
+def draw_lines(segments: Sequence[Segment], colour: Point, screen: Screen) -> None:
+    """Draw straight lines, each from point to point, in the scene or in pixels."""
+    if segments:
+        points = [(*point, 0.0)[:3] for segment in segments for point in segment]
+        draw("LINES", points, colour=colour, screen=screen)
 
 
 def draw_filled(low: Point, high: Point, colour: Point) -> None:
     """Fill a rectangle between two corners [px]."""
-    import gpu
-    from gpu_extras.batch import batch_for_shader
-
     corners = [(low[0], low[1], 0), (high[0], low[1], 0), (high[0], high[1], 0), (low[0], high[1], 0)]
-    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    shader.uniform_float("color", colour)
-    gpu.state.blend_set("ALPHA")
-    batch_for_shader(shader, "TRIS", {"pos": corners}, indices=[(0, 1, 2), (0, 2, 3)]).draw(shader)
-    gpu.state.blend_set("NONE")
+    draw("TRIS", corners, colour=colour, indices=[(0, 1, 2), (0, 2, 3)])
 
 
 def write(text: str, at: Point, scale: float, colour: Point | None = None) -> float:

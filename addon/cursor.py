@@ -18,7 +18,7 @@ _pixels = [5.0]  # in a millimetre, where the circle was drawn last
 
 
 def radius_zoom(_manager: bpy.types.PropertyGroup) -> tuple[float, float]:
-    """Return how many pixels a millimetre has, for Blender's control that sizes what is drawn round the mouse."""
+    """Return how many pixels a millimetre has, for Blender's control that sizes the circle round the mouse."""
     return _pixels[0], _pixels[0]
 
 

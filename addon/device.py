@@ -23,28 +23,28 @@ class DevicePlace:
     """The settings of a scene that name the device and place its workspace."""
 
     device_port: StringProperty(
-        name="Port",
-        description='Serial port of the device, a path, or udp:HOST:PORT. '
-        'On Linux and macOS "emulated" tries a simulated one',
+        name="Port", description="Where the device is plugged in: a serial port, a path, or udp:HOST:PORT",
         search=_ports, search_options={"SORT", "SUGGESTION"}, **_FIXED,
     )  # fmt: skip
     device_file: StringProperty(
-        name="Device File", description="TOML file with the numbers of the device. Empty: the Haptic Master's",
+        name="Device File", description="TOML file that describes the device: its lengths, limits and protocol. Empty:"
+                                        " the Haptic Master",
         subtype="FILE_PATH", **_FIXED,
     )  # fmt: skip
     device_scale: FloatProperty(
-        name="Workspace Scale", description="How many times the movement of the hand is enlarged on the body",
+        name="Workspace Scale", description="Scale from hand motion to scene motion: at 2, a fingertip moves twice as "
+                                            "far as your hand",
         default=1.0, min=0.01, soft_min=0.1, soft_max=10.0, precision=2, **_FIXED,
     )  # fmt: skip
     device_origin: FloatVectorProperty(
         name="Origin",
-        description="Where in the scene the calibrated position of the device is",
+        description="Point of the scene where the fingertips are while the device is at its calibrated position",
         subtype="XYZ",
         **_FIXED,
     )
     device_centre_mm: FloatVectorProperty(
-        name="Center (mm)", description="The position of the device that corresponds to the origin", subtype="XYZ",
-        **_FIXED,
+        name="Center (mm)", description="Position of the device that corresponds to the origin in the scene",
+        subtype="XYZ", **_FIXED,
     )
 
 
@@ -55,7 +55,6 @@ class DIMPLE_PT_device(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw port, place, verbs and numbers."""
         settings, layout, connection = context.scene.dimple, self.layout, haptic.get()
         layout.use_property_split = True
         which = layout.column()

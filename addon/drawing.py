@@ -1,5 +1,7 @@
 """What the panels share: their places in the interface, notes in boxes, and tables."""
 
+from collections.abc import Callable
+
 import bpy
 
 from ..operators.messages import wrapped
@@ -27,6 +29,11 @@ class SidebarPanel:
     bl_category = TAB
 
 
+def shown_if(is_met: Callable[[bpy.types.Context], object]) -> classmethod:
+    """Return the poll of a panel that is shown where a condition is met."""
+    return classmethod(lambda _cls, context: bool(is_met(context)))
+
+
 def draw_notes(
     context: bpy.types.Context, layout: bpy.types.UILayout, sentences: list[str], icon: str = "INFO"
 ) -> None:
@@ -38,6 +45,24 @@ def draw_notes(
     for sentence in sentences:
         for i, line in enumerate(wrapped(translated(sentence, readout.iface_), columns)):
             column.label(text=line, icon="BLANK1" if i else icon, translate=False)
+
+
+def draw_prop(
+    layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, name: str, *, active: bool, slider: bool = False
+) -> None:
+    """Draw a setting, greyed out where it does nothing now."""
+    row = layout.row()
+    row.active = active
+    row.prop(settings, name, slider=slider)
+
+
+def draw_linked(
+    layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, name: str, link: str, **options: str
+) -> None:
+    """Draw a setting of the fingertip, and the link that lets it follow the size of the body."""
+    row = layout.row(align=True)
+    row.prop(settings, name, **options)
+    row.prop(settings, link, text="", icon="LINKED")
 
 
 def draw_rows(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:

@@ -15,7 +15,7 @@ class DIMPLE_PT_experiment(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw what comes next, and nothing that tells which object it is."""
+        """Draw the next step, without a hint at which object it is."""
         layout, under_way = self.layout, experiment.get()
         if under_way is None:
             layout.operator(Op.OPEN_EXPERIMENT, icon="FILE_FOLDER")

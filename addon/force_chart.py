@@ -53,7 +53,7 @@ class Curves(NamedTuple):
 
 
 def fits(free: Room, scale: float, lines: int) -> bool:
-    """Tell whether a chart with its key has room, and so many lines above it."""
+    """Tell whether a chart with its key has room, and some lines of text above it."""
     high = SIZE[1] + LINE_HEIGHT + (MARGIN + lines * LINE_HEIGHT if lines else 0.0)
     return free.right - free.left > SIZE[0] * scale and free.top - free.bottom > high * scale
 

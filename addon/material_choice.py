@@ -10,8 +10,8 @@ from bpy.props import EnumProperty
 from bpy.utils import previews
 
 from ..operators.apply_preset import give
+from .object_settings import FIXED
 from .readout import iface_
-from .reduction_settings import FIXED
 
 PICTURES = Path(__file__).parent / "pictures"
 Item = tuple[str, str, str, int | str, int]
@@ -21,7 +21,7 @@ _pictures: list[previews.ImagePreviewCollection] = []
 
 
 def choices(_settings: bpy.types.PropertyGroup | None, _context: bpy.types.Context | None) -> list[Item]:
-    """Return the known materials: identifier, name, source, picture and number; 0 is what is none of them."""
+    """Return the known materials: identifier, name, source, picture and number; 0 is a custom material."""
     from ..core.everyday import OBJECTS  # not at import: it needs numpy, and enabling must be quick
 
     if not _pictures:
@@ -63,7 +63,8 @@ class MaterialChoice:
     """The property of an object that says which known material it has."""
 
     material: EnumProperty(
-        name="Material", description="What the object is made of, from soft to hard: each picture is a press with 5 N",
+        name="Material", description="Choose what the object is made of, from soft to hard. Each picture shows a press"
+                                     " with 5 N",
         items=choices, get=_in_use, set=_use, **FIXED,
     )  # fmt: skip
 

@@ -3,20 +3,15 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
+from ..core.fills import FILLS
 from ..operators.names import TIPS
-from .reduction_settings import FIXED, KEYED, exact, kept_text
+from .object_settings import FIXED, KEYED, exact, kept_text
 
 _MASS_FROM = (
     ("DENSITY", "Density", "The mass follows from the density and the volume of the body"),
     ("MASS", "Mass", "The mass of the whole body is given"),
 )
-_FILLS = (
-    # with the numbers that files keep
-    ("AIR", "Air", "The enclosed air is compressed: the pressure rises and the volume falls a little", 0),
-    ("LIQUID", "Liquid", "The enclosed liquid keeps its volume: where a dent goes in, the body bulges elsewhere", 1),
-    ("SOLID", "Solid", "Rubber, jelly or flesh to the core: it keeps its volume, and gives way round a fingertip", 3),
-    ("NONE", "None", "Nothing is enclosed, so there is no pressure. Suits open meshes", 2),
-)
+_FILLS = [(name.upper(), fill.label, fill.description, fill.number) for name, fill in FILLS.items()]
 
 
 def _mark_edited(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
@@ -67,56 +62,61 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
 
     softness_mm: FloatProperty(
         name="Softness (mm)",
-        description="How deep a fingertip of 10 mm sinks in with 5 N; to change it scales how hard the material is",
+        description="Make the material softer or harder: how deep a fingertip of 10 mm sinks in with 5 N. Changing it "
+                    "scales the whole force curve",
         min=LEAST_MM, max=1000.0, soft_min=0.1, soft_max=100.0, step=10, precision=2,
         get=_softness, set=_set_softness, **FIXED,
     )  # fmt: skip
-    K1: _stiffness("K1 (N/mm)", 0.61, "Force per depth of a press, up to the knee")
-    K2: _stiffness("K2 (N/mm)", 7.23, "Force per depth of a press, beyond the knee")
+    K1: _stiffness("K1 (N/mm)", 0.61, "How hard the first millimetres are: force per depth, up to the knee")
+    K2: _stiffness("K2 (N/mm)", 7.23, "How hard the material is deeper down: force per depth, beyond the knee")
     x0: FloatProperty(
-        name="Knee x0 (mm)", description="Depth at which the slope changes from K1 to K2",
+        name="Knee x0 (mm)", description="Depth of a press at which the material changes from K1 to K2",
         default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **KEYED,
     )  # fmt: skip
     k: _stiffness(
-        "Surface k (N/mm)", 9.2, "Stiffness of the surface against stretching: the stiffer, the farther a dent reaches"
+        "Surface k (N/mm)", 9.2,
+        "How stiff the skin is against stretching: the stiffer it is, the farther a dent reaches",
     )
     spread_mm: FloatProperty(
         name="Spread (mm)",
-        description="How far a dent reaches beyond the fingertip; 0: as far as the surface k carries it",
+        description="How far a dent reaches beyond the fingertip. At 0, the surface stiffness k decides",
         default=0.0, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,
     )  # fmt: skip
     mass_from: EnumProperty(
-        name="Mass From", description="How the mass of the body is given", items=_MASS_FROM, **FIXED
-    )
+        name="Mass From", description="Enter the mass directly, or let it follow from a density",
+        items=_MASS_FROM, **FIXED,
+    )  # fmt: skip
     density: FloatProperty(
-        name="Density (kg/m³)", description="Mass per volume of the body; water has 1000",
+        name="Density (kg/m³)", description="How heavy the material is: mass per volume. Water has 1000",
         default=100.0, min=0.0, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **KEYED,
     )  # fmt: skip
     mass_kg: FloatProperty(
-        name="Mass (kg)", description="Mass of the whole body if it were all of this material",
+        name="Mass (kg)", description="How heavy the body is, as if all of it were made of this material",
         default=0.2, min=0.0, soft_min=0.001, soft_max=100.0, step=1, precision=3, **KEYED,
     )  # fmt: skip
     damping_ratio: FloatProperty(
-        name="Damping Ratio", description="0 is undamped, 1 is critically damped",
+        name="Damping Ratio", description="How quickly wobbling dies away: 0 is undamped, 1 is critically damped",
         default=0.2, min=0.0, max=2.0, soft_max=1.0, precision=2, **KEYED,
     )  # fmt: skip
     friction: FloatProperty(
         name="Friction",
-        description="Coefficient of friction between the surface and fingertips or ground; 0 is frictionless",
+        description="How well the surface grips fingertips and the ground: coefficient of friction, 0 is frictionless",
         default=0.5, min=0.0, soft_max=1.5, precision=2, **KEYED,
     )  # fmt: skip
-    fill: EnumProperty(name="Fill", description="What the surface encloses", items=_FILLS, **KEYED)
+    fill: EnumProperty(name="Fill", description="What is inside the surface: it decides how the body gives way and "
+                                                "where it bulges", items=_FILLS, **KEYED)
     pressure_kpa: FloatProperty(
         name="Pressure (kPa)",
-        description="How much higher the pressure inside is than outside before the body gives way: above 0 it swells, "
-        "below 0 it shrinks. The constants are those without",
+        description="Inflate or deflate the body: gauge pressure at rest. Positive swells it, negative shrinks it. "
+        "K1, K2 and x0 are measured without it",
         default=0.0, min=-100.0, max=1000.0, soft_min=-20.0, soft_max=100.0, step=10, precision=2, **KEYED,
     )  # fmt: skip
     tip: EnumProperty(
-        name="Tip", description="What pressed the object when it was measured", items=TIPS, default="SPHERE", **FIXED
-    )
+        name="Tip", description="Shape of the tip that pressed the object when it was measured",
+        items=TIPS, default="SPHERE", **FIXED,
+    )  # fmt: skip
     tip_radius_mm: FloatProperty(
-        name="Tip Radius (mm)", description="Radius of what pressed the object when it was measured",
+        name="Tip Radius (mm)", description="Radius of the tip that pressed the object when it was measured",
         default=10.0, min=0.01, soft_max=50.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
     provenance: StringProperty(

@@ -2,10 +2,11 @@
 
 import bpy
 
+from ..core.fills import FILLS
 from ..core.messages import read
 from ..operators import twins
 from ..operators.names import Op
-from .drawing import MaterialPanel, SidebarPanel, draw_notes
+from .drawing import MaterialPanel, SidebarPanel, draw_notes, shown_if
 from .material_choice import draw_choice
 from .presets import DIMPLE_PT_material_presets
 
@@ -23,7 +24,7 @@ def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
 
 
 def draw_softness(context: bpy.types.Context, layout: bpy.types.UILayout, material: bpy.types.Material) -> None:
-    """Draw what the material is in pictures, how soft it is, and what is wrong with its constants."""
+    """Draw the pictures of the materials, the softness, and errors in the constants."""
     layout.use_property_split = True
     body = context.object
     if body and body.type == "MESH" and body.active_material == material:  # its tab may be pinned to another
@@ -49,7 +50,7 @@ def draw_constants(context: bpy.types.Context, layout: bpy.types.UILayout, setti
     layout.prop(settings, "damping_ratio", slider=True)
     layout.prop(settings, "friction", slider=True)
     layout.prop(settings, "fill")
-    if settings.fill != "NONE":
+    if FILLS[settings.fill.lower()].law:
         layout.prop(settings, "pressure_kpa")
     if settings.provenance:
         if settings.edited:
@@ -57,42 +58,33 @@ def draw_constants(context: bpy.types.Context, layout: bpy.types.UILayout, setti
         draw_notes(context, layout, [read(settings.provenance)], "BOOKMARKS")
 
 
-class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):
+class WithPresets:
+    """A panel with the button of the presets in its header."""
+
+    def draw_header_preset(self, _context: bpy.types.Context) -> None:
+        DIMPLE_PT_material_presets.draw_panel_header(self.layout)
+
+
+class DIMPLE_PT_material(WithPresets, MaterialPanel, bpy.types.Panel):
     """The constants of the active material."""
 
     bl_label = "Dimple"
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Show on every material of a mesh."""
-        return context.material is not None and not context.material.grease_pencil
-
-    def draw_header_preset(self, _context: bpy.types.Context) -> None:
-        """Draw the button of the presets."""
-        DIMPLE_PT_material_presets.draw_panel_header(self.layout)
+    poll = shown_if(lambda context: context.material and not context.material.grease_pencil)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw what the material is, then its constants."""
         draw_softness(context, self.layout, context.material)
         draw_constants(context, self.layout, context.material.dimple)
 
 
-class DIMPLE_PT_object_material(SidebarPanel, bpy.types.Panel):
+class DIMPLE_PT_object_material(WithPresets, SidebarPanel, bpy.types.Panel):
     """What the active object is made of."""
 
     bl_label = "Material"
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a mesh."""
-        return context.object is not None and context.object.type == "MESH"
-
-    def draw_header_preset(self, _context: bpy.types.Context) -> None:
-        """Draw the button of the presets."""
-        DIMPLE_PT_material_presets.draw_panel_header(self.layout)
+    poll = shown_if(lambda context: context.object and context.object.type == "MESH")
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the choice and the softness, and how to compare two."""
         body, layout = context.object, self.layout
         if body.active_material:
             draw_softness(context, layout, body.active_material)
@@ -109,13 +101,9 @@ class DIMPLE_PT_object_constants(SidebarPanel, bpy.types.Panel):
     bl_parent_id = "DIMPLE_PT_object_material"
     bl_options = {"DEFAULT_CLOSED"}
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a material."""
-        return DIMPLE_PT_object_material.poll(context) and context.object.active_material is not None
+    poll = shown_if(lambda context: DIMPLE_PT_object_material.poll(context) and context.object.active_material)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw them."""
         draw_constants(context, self.layout, context.object.active_material.dimple)
 
 

@@ -122,12 +122,10 @@ def _in_scene(entry: Any, finger: Any) -> tuple[Point, float]:
 
 
 def register() -> None:
-    """Add both draw functions to every 3D viewport."""
     for draw, moment in ((draw_bodies, "POST_VIEW"), (draw_numbers, "POST_PIXEL")):
         _handlers.append((bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", moment), "WINDOW"))
 
 
 def unregister() -> None:
-    """Stop drawing."""
     while _handlers:
         bpy.types.SpaceView3D.draw_handler_remove(*_handlers.pop())

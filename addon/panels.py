@@ -1,60 +1,19 @@
-"""The panels: Physics > Dimple, and the tab in the sidebar, in the order of work.
+"""The tab in the sidebar, in the order of work.
 
 What cannot be used now is greyed out, not hidden; a tooltip from the operator's poll says why.
 """
 
 import bpy
 
+from ..operators import sizing
 from ..operators.fingertip_objects import body_of
 from ..operators.messages import Note
-from ..operators.names import MAPS, Op
+from ..operators.names import Op
 from ..operators.sessions import sessions
 from ..operators.under_way import is_blind
-from . import calibration, device, experiment, materials, readout, room
-from .contact import DIMPLE_PT_contact
-from .drawing import TAB, SidebarPanel, draw_notes, draw_rows
-from .tool import amounts
-
-
-class DIMPLE_PT_body(bpy.types.Panel):
-    """The settings that make the object a soft body."""
-
-    bl_label = "Dimple"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "physics"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Show on every object; only a mesh can be switched on."""
-        return context.object is not None
-
-    def draw_header(self, context: bpy.types.Context) -> None:
-        """Draw the switch."""
-        self.layout.enabled = context.object.type == "MESH"
-        self.layout.prop(context.object.dimple, "enabled", text="")
-
-    def draw(self, context: bpy.types.Context) -> None:
-        """Draw pins, softness and size."""
-        body, layout = context.object, self.layout
-        settings = body.dimple
-        layout.use_property_split = True
-        if body.type != "MESH":
-            draw_notes(context, layout, ["Dimple presses meshes. Make Soft converts this object to one."])
-        layout = layout.column()
-        layout.enabled = body.type == "MESH" and settings.enabled
-        layout.prop(settings, "pinned")
-        row = layout.row()
-        row.active = settings.pinned == "GROUP"
-        row.prop_search(settings, "pin_group", body, "vertex_groups")
-        column = layout.column(align=True)
-        for name, _, _ in MAPS:
-            column.prop_search(settings, f"{name}_group", body, "vertex_groups")
-        column.operator(Op.SOFTNESS_FROM_POKES, text="Softness from Pokes...", icon="IMPORT")
-        layout.prop(settings, "size_mode")
-        row = layout.row()
-        row.active = settings.size_mode == "CUSTOM"
-        row.prop(settings, "size_mm")
+from . import calibration, device, experiment, materials, physics_panels, readout, room
+from .drawing import TAB, SidebarPanel, draw_linked, draw_notes, draw_prop, draw_rows, shown_if
+from .tool import draw_amount
 
 
 class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
@@ -63,7 +22,7 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
     bl_label = "Press"
 
     def draw_header(self, context: bpy.types.Context) -> None:
-        """Note, before what is open is drawn, that the numbers are not."""
+        """Note that the numbers are hidden, until the open panel is drawn."""
         room.note_readout(context.area, shown=False)
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -98,13 +57,9 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
     bl_parent_id = "DIMPLE_PT_session"
     bl_options = {"DEFAULT_CLOSED"}
 
-    @classmethod
-    def poll(cls, _context: bpy.types.Context) -> bool:
-        """Leave a participant's own judgement alone."""
-        return not is_blind()
+    poll = shown_if(lambda _: not is_blind())  # a participant judges alone
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the numbers with units, then the notes."""
         layout, body = self.layout, body_of(context.object, context.scene)
         entry = sessions.get(body.session_uid) if body else None
         if entry is None:
@@ -121,13 +76,9 @@ class DIMPLE_PT_state(SidebarPanel, bpy.types.Panel):
     bl_parent_id = "DIMPLE_PT_object_material"
     bl_options = {"HIDE_HEADER"}
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Show while something runs."""
-        return bool(context.window_manager.dimple.state)
+    poll = shown_if(lambda context: context.window_manager.dimple.state)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw it."""
         draw_notes(context, self.layout, [context.window_manager.dimple.state])
 
 
@@ -137,27 +88,20 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
     bl_label = "Fingertips"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw radius, direction and the three slots."""
         settings, layout = context.scene.dimple, self.layout
         layout.use_property_split = True
-        row = layout.row(align=True)
-        row.prop(settings, "finger_radius_mm", text="Radius (mm)")
-        row.prop(settings, "radius_follows", text="", icon="LINKED")
+        draw_linked(layout, settings, "finger_radius_mm", "radius_follows", text="Radius (mm)")
         layout.row().prop(settings, "press_by", expand=True)
-        for name in amounts(settings):
-            row = layout.row(align=True)
-            row.prop(settings, name)
-            if name == "press_depth_mm":
-                row.prop(settings, "depth_follows", text="", icon="LINKED")
-        row = layout.row()
-        row.active = settings.press_by == "DEPTH"  # a force goes straight into the surface
-        row.prop(settings, "poke_along")
+        draw_amount(layout, settings)
+        if settings.press_by == "FORCE":
+            layout.prop(settings, "press_force_g")
+        # a force goes straight into the surface
+        draw_prop(layout, settings, "poke_along", active=settings.press_by == "DEPTH")
         layout.prop(settings, "active_finger")
         column = layout.column(align=True)
-        for number in (1, 2, 3):
+        for number in sizing.NUMBERS:
             column.prop(settings, f"finger_{number}")
-        tips = [getattr(settings, f"finger_{number}") for number in (1, 2, 3)]
-        if any(tip and tip.type != "EMPTY" for tip in tips):
+        if any(tip and tip.type != "EMPTY" for tip in sizing.fingertips(context.scene)):
             draw_notes(context, layout, ["A fingertip presses as a ball of this radius, whatever its shape."])
         column = layout.column(align=True)
         column.operator(Op.ADD_FINGERTIP, icon="SPHERE")
@@ -196,7 +140,6 @@ class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the folder, the curves and the other kind of bake."""
         settings, layout = context.scene.dimple, self.layout
         layout.use_property_split = True
         layout.prop(settings, "cache_dir")
@@ -213,7 +156,6 @@ class DIMPLE_PT_display(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the switches."""
         settings, layout = context.scene.dimple, self.layout
         layout.use_property_split = True
         layout.prop(settings, "show_overlay")
@@ -230,7 +172,7 @@ _SIDEBAR = (
 )  # fmt: skip
 _register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)
 _register_properties, _unregister_properties = bpy.utils.register_classes_factory(
-    [*materials.PROPERTIES, DIMPLE_PT_body, DIMPLE_PT_contact, *calibration.PROPERTIES]
+    [*materials.PROPERTIES, *physics_panels.PROPERTIES, *calibration.PROPERTIES]
 )
 
 
@@ -245,12 +187,10 @@ def move_to_tab(name: str) -> None:
 
 
 def register() -> None:
-    """Register every panel."""
     _register_properties()
     _register_sidebar()
 
 
 def unregister() -> None:
-    """Unregister every panel."""
     _unregister_sidebar()
     _unregister_properties()

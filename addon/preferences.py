@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import StringProperty
 
+from ..operators.names import Op
 from . import panels
 
 PACKAGE = __package__.rpartition(".")[0]  # the extension itself: bl_ext.<repository>.dimple
@@ -18,22 +19,22 @@ class DIMPLE_AP_preferences(bpy.types.AddonPreferences):
     bl_idname = PACKAGE
 
     tab_name: StringProperty(
-        name="Sidebar Tab", description="Name of the tab in the sidebar of the 3D viewport",
+        name="Sidebar Tab", description="Show the panels in a tab of this name, in the sidebar of the 3D viewport",
         default=panels.TAB, update=_move_tab,
     )  # fmt: skip
     cache_dir: StringProperty(
         name="Default Cache Folder",
-        description="Where recordings go when neither the scene names a folder nor the file is saved. "
-        "Empty: Dimple's own folder",
+        description="Folder for recordings and bakes of unsaved files, unless the scene names one. Empty: Dimple's own"
+                    " folder",
         subtype="DIR_PATH",
     )
 
     def draw(self, _context: bpy.types.Context) -> None:
-        """Draw both settings."""
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "tab_name")
         layout.prop(self, "cache_dir")
+        layout.operator(Op.COPY_REPORT, icon="COPYDOWN")
 
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory([DIMPLE_AP_preferences])
@@ -48,5 +49,4 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Unregister the preferences."""
     _unregister_classes()

@@ -14,7 +14,6 @@ class DIMPLE_PT_material_presets(PresetPanel, bpy.types.Panel):
     preset_add_operator = "dimple.material_preset_add"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw Blender's own list of presets."""
         own = DIMPLE_PT_material_presets
         if bpy.utils.preset_paths(own.preset_subdir):
             PresetPanel.draw(self, context)

@@ -21,7 +21,7 @@ def deepest(entry: Any) -> int | None:
 
 
 def draw(shown: list[tuple[bpy.types.Object, Any]], free: Room, screen: Screen) -> None:
-    """Draw the profile of the first body that is pressed at the lower right of what is free."""
+    """Draw the profile of the first pressed body at the lower right of the free area."""
     from ..core import fields
 
     pressed = [(entry, tip) for _, entry in shown if (tip := deepest(entry)) is not None]

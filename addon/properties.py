@@ -19,20 +19,20 @@ from bpy.props import (
 from ..operators import sizing
 from ..operators.names import MAPS, PLACES
 from . import cursor
-from .contact import ContactSettings
 from .device import DevicePlace
 from .material_choice import MaterialChoice
 from .material_settings import DIMPLE_PG_material
-from .reduction_settings import FIXED, KEYED, ReductionSettings, exact, kept_text
+from .object_settings import FIXED, KEYED, ContactSettings, ReductionSettings, exact, kept_text
 
 _PINNED = (
-    ("BASE", "Base", "The lowest tenth of the body is pinned; a flat sheet is pinned along its border"),
-    ("GROUP", "Vertex Group", "Vertices with a weight of 0.5 or more in the pin group are pinned"),
-    ("NONE", "None", "Nothing is pinned: the body can be pushed away, fall and roll"),
+    ("BASE", "Base", "Pin the lowest tenth of the body, or the border of a flat sheet"),
+    ("GROUP", "Vertex Group", "Pin the vertices whose weight in the pin group is 0.5 or more"),
+    ("NONE", "None", "Pin nothing: the body can be pushed away, fall and roll"),
 )
 _SIZE_MODES = (
-    ("REAL", "As Modeled", "The body is as large as it is in the scene"),
-    ("CUSTOM", "Custom Size", "The body represents a real object of the given size, whatever its size in the scene"),
+    ("REAL", "As Modeled", "Press the body at its size in the scene"),
+    ("CUSTOM", "Custom Size", "Press the body as a real object of the size that you enter, whatever its size in the "
+                              "scene"),
 )
 _POKE_ALONG = (
     ("VIEW", "View", "The fingertip moves away from the viewer, into the screen"),
@@ -41,23 +41,23 @@ _POKE_ALONG = (
 
 _WEIGHT_N = 9.80665e-3  # of a gram
 _PRESS_BY = (
-    ("DEPTH", "Depth", "The fingertip goes to a set depth; the force is what the body answers"),
+    ("DEPTH", "Depth", "Press to a set depth, and read the force"),
     (
         "FORCE", "Force",
-        "The fingertip pushes straight into the surface with a force; the softer the body, the deeper it sinks in",
+        "Press straight into the surface with a set force: the softer the body, the deeper the fingertip sinks in",
     ),
 )
 
 
 _FIELDS = (
-    ("NONE", "None", "The mesh keeps its own look"),
+    ("NONE", "None", "Show the mesh in its own colors"),
     ("PRESSURE", "Contact Pressure", "How hard the surface is pressed (kPa)"),
     ("DEPTH", "Depth", "How far the surface is below its shape at rest (mm)"),
     ("STRETCH", "Stretch", "How much longer or shorter its edges are than at rest (%)"),
-    ("SLOPE", "Slope K1", "How hard the first millimetres are, with the softness that is painted (N/mm)"),
-    ("KNEE", "Knee x0", "How deep the soft part reaches, with what is painted (mm)"),
-    ("SPREAD", "Spread", "How far a dent reaches beyond the fingertip, with what is painted (mm)"),
-    ("THICKNESS", "Thickness", "How thick the surface is, with what is painted; 100 is as measured (%)"),
+    ("SLOPE", "Slope K1", "How hard the first millimetres are, painted softness included (N/mm)"),
+    ("KNEE", "Knee x0", "How deep the soft part reaches, painted knee included (mm)"),
+    ("SPREAD", "Spread", "How far a dent reaches beyond the fingertip, painted spread included (mm)"),
+    ("THICKNESS", "Thickness", "How thick the surface is, painted thickness included; 100 is as measured (%)"),
 )
 
 
@@ -74,10 +74,14 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
     """The settings that make an object a soft body."""
 
     enabled: BoolProperty(name="Dimple", description="Make this mesh a soft body that can be pressed", **FIXED)
-    pinned: EnumProperty(name="Pinned", description="Which part of the body is pinned", items=_PINNED, **KEYED)
+    pinned: EnumProperty(
+        name="Pinned", description="Hold a part of the body in place, so that the rest gives way", items=_PINNED,
+        **KEYED,
+    )  # fmt: skip
     pin_group: StringProperty(
-        name="Pin Group", description="Vertex group that is pinned, where its weight is 0.5 or more", **FIXED
-    )
+        name="Pin Group", description="Vertex group that holds the body in place, where its weight is 0.5 or more",
+        **FIXED,
+    )  # fmt: skip
     softness_group: _map(0)
     knee_group: _map(1)
     spread_group: _map(2)
@@ -89,11 +93,12 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
         type=bpy.types.Object,
     )  # fmt: skip
     twin: PointerProperty(
-        name="Twin Of", description="The object that this is a twin of, with another material",
+        name="Twin Of", description="Original that this copy with another material is compared with",
         type=bpy.types.Object,
     )  # fmt: skip
     size_mode: EnumProperty(
-        name="Physical Size", description="How large the real object is", items=_SIZE_MODES, **FIXED
+        name="Physical Size", description="Press the object at its size in the scene, or as a real object of another "
+                                          "size", items=_SIZE_MODES, **FIXED
     )
     size_mm: FloatProperty(
         name="Size (mm)", description="Largest dimension of the real object",
@@ -112,7 +117,8 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
 
 def _finger(number: int) -> PointerProperty:
     return PointerProperty(
-        name=f"Fingertip {number}", description="Object that presses as a fingertip; it can be keyframed",
+        name=f"Fingertip {number}", description="Object that presses bodies as a fingertip; keyframe it to animate a "
+                                                "press",
         type=bpy.types.Object, poll=_is_fingertip,
     )  # fmt: skip
 
@@ -123,7 +129,8 @@ def _follows(setting: str) -> BoolProperty:
             setattr(self, setting, sizing.fitted(self, setting))
 
     return BoolProperty(
-        name="Follow Size", description="Follow the size of the body that is pressed; another value ends that",
+        name="Follow Size", description="Adapt this value to the size of each body that you press. Typing a value ends"
+                                        " that",
         get=lambda self: sizing.follows(self, setting), set=follow, **FIXED,
     )  # fmt: skip
 
@@ -137,7 +144,8 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
 
     finger_radius_mm: FloatProperty(
         name="Fingertip Radius (mm)",
-        description="Radius of the fingertip of the tool and of those that are added, at the physical size of the body",
+        description="How large the fingertip is: radius of the tool and of added fingertips, at the physical size of "
+                    "the body",
         default=10.0, min=sizing.LEAST_MM, soft_min=0.1, soft_max=1000.0, step=10, precision=1, **FIXED,
     )  # fmt: skip
     radius_follows: _follows("finger_radius_mm")
@@ -147,54 +155,54 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         default=165.0, **FIXED,
     )  # fmt: skip
     active_finger: IntProperty(
-        name="Finger", description="The fingertip the mouse moves", default=1, min=1, max=3, **FIXED
+        name="Finger", description="Fingertip that the mouse moves", default=1, min=1, max=3, **FIXED
     )
     finger_1: _finger(1)
     finger_2: _finger(2)
     finger_3: _finger(3)
     poke_along: EnumProperty(
-        name="Poke Along", description="Direction in which the fingertip presses", items=_POKE_ALONG, default="NORMAL",
-        **FIXED,
+        name="Poke Along", description="Press into the screen, or straight into the surface",
+        items=_POKE_ALONG, default="NORMAL", **FIXED,
     )  # fmt: skip
     press_by: EnumProperty(
-        name="Press By", description="Whether a press, Ctrl F and pen pressure set a depth or a force",
+        name="Press By", description="Press to a depth, or with a force. Ctrl F and pen pressure change the same",
         items=_PRESS_BY, **FIXED,
     )  # fmt: skip
     press_depth_mm: FloatProperty(
-        name="Depth (mm)", description="How deep a press goes, by depth",
+        name="Depth (mm)", description="How deep the fingertip presses",
         default=15.0, min=sizing.LEAST_MM, soft_min=0.1, soft_max=1000.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
     by_force: BoolProperty(
         name="By Force", description="A press is by force", get=lambda self: self.press_by == "FORCE", **FIXED
     )
     press_force_n: FloatProperty(
-        name="Force (N)", description="How strong a press is, by force",
+        name="Force (N)", description="How hard the fingertip presses",
         default=5.0, min=0.001, soft_min=0.1, soft_max=100.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
     press_force_g: FloatProperty(
-        name="Force (g)", description="The same force, as the weight of so many grams",
+        name="Force (g)", description="How hard the fingertip presses, as a weight in grams",
         min=0.1, soft_min=10.0, soft_max=10_000.0, step=1000, precision=0,
         get=lambda self: self.press_force_n / _WEIGHT_N, set=_set_grams, **FIXED,
     )  # fmt: skip
     frame_budget_percent: FloatProperty(
         name="Simulation Share (%)",
-        description="Share of the processor time that the simulation of all bodies may use; "
-        "Blender needs the rest to draw",
+        description="Give the simulation more time, or less: its share of each second. Blender needs the rest to draw",
         default=60.0, min=5.0, max=95.0, step=500, precision=0, **FIXED,
     )  # fmt: skip
-    use_gravity: BoolProperty(name="Gravity", description="Apply the gravity of the scene to the body", **KEYED)
+    use_gravity: BoolProperty(name="Gravity", description="Let the gravity of the scene act on soft bodies", **KEYED)
     use_ground: BoolProperty(
-        name="Ground", description="A floor at height 0 of the scene that nothing falls through", **KEYED
+        name="Ground", description="Catch falling bodies on a floor at height 0 of the scene", **KEYED
     )
     calibration: kept_text("Calibration", "The last result, until it is applied to a material")
     tip_place: EnumProperty(name="Press At", description="Where the tip presses", items=PLACES, **FIXED)
     cache_dir: StringProperty(
         name="Cache Folder",
-        description="Where recordings go. Empty: beside the .blend file, or Dimple's own folder if it is not saved",
+        description="Folder for recordings and bakes. Empty: beside the .blend file, or Dimple's own folder for "
+                    "unsaved files",
         subtype="DIR_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )  # fmt: skip
     shape_key_step: IntProperty(
-        name="Frame Step", description="Make one shape key for this many frames",
+        name="Frame Step", description="Make a shape key every this many frames: fewer keys, less exact motion",
         default=1, min=1, soft_max=25, **FIXED,
     )  # fmt: skip
     use_curves: BoolProperty(
@@ -206,13 +214,13 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         default=True, **FIXED,
     )  # fmt: skip
     show_field: EnumProperty(
-        name="Colors", description="Color the surface of what is pressed, with a scale", items=_FIELDS, **FIXED
+        name="Colors", description="Color pressed bodies by a quantity, with a scale", items=_FIELDS, **FIXED
     )
     show_rest: BoolProperty(
-        name="Shape at Rest", description="Draw the edges of the shape at rest where the body has left it", **FIXED
+        name="Shape at Rest", description="Draw the undeformed shape above a dent", **FIXED
     )
     show_profile: BoolProperty(
-        name="Profile", description="Draw a cut through the dent of the deepest fingertip", **FIXED
+        name="Profile", description="Draw a cross-section of the dent under the deepest fingertip", **FIXED
     )
     show_chart: BoolProperty(
         name="Chart", description="Draw force against depth, with the material's curve",

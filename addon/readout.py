@@ -30,7 +30,7 @@ def rate_hz(frame: Any) -> float:
 
 
 def rows(frame: Any | None) -> list[tuple[str, str]]:
-    """Return (label, number with unit) of what presses; also where nothing does, so that what is below stays there."""
+    """Return (label, number with unit) of each press; zeros without one, so that the panel does not jump."""
     # every value has a row of its own, so that a narrow sidebar does not cut off its unit
     lines = []
     for number, force, depth in (finger_numbers(frame) if frame else []) or [(1, 0.0, 0.0)]:

@@ -21,7 +21,7 @@ class Room(NamedTuple):
 
 
 def free_room(context: bpy.types.Context, scale: float) -> Room | None:
-    """Return what is free of the region that is being drawn, None where another of the four views has the numbers.
+    """Return the free area of the region that is being drawn, None where another of the four views has the numbers.
 
     Args:
         scale: the resolution scale of the interface.

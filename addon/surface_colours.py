@@ -1,4 +1,4 @@
-"""Colours on the surface of what runs, with their scale, and the edges of the shape at rest above a dent.
+"""Colours on the surface of running bodies, with their scale, and the undeformed shape above a dent.
 
 They are drawn over the picture and change neither mesh nor material.
 """
@@ -119,19 +119,14 @@ def draw_coloured(each: Coloured, ends: tuple[float, float], view: bpy.types.Reg
     """Draw a surface in the colours of its values."""
     import gpu
     import numpy as np
-    from gpu_extras.batch import batch_for_shader
 
     colours = np.ones((len(each.values), 4), np.float32)
     colours[:, :3] = colour_map.coloured(each.values, ends, each.name in SIGNED)
     toward = np.array(view.view_matrix, np.float32)[2, :3]
     colours[:, :3] *= (1 - SHADE + SHADE * np.abs(each.normals @ toward))[:, None]
-    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
-    batch = batch_for_shader(shader, "TRIS", {"pos": each.positions, "color": colours}, indices=each.triangles)
     with gpu.matrix.push_pop_projection():
         gpu.matrix.load_projection_matrix(_lifted(gpu.matrix.get_projection_matrix()))
-        gpu.state.depth_test_set("LESS_EQUAL")
-        batch.draw(shader)
-        gpu.state.depth_test_set("NONE")
+        canvas.draw("TRIS", each.positions, colours=colours, indices=each.triangles, behind=False)
 
 
 def _lifted(projection: Any) -> Any:
@@ -143,9 +138,7 @@ def _lifted(projection: Any) -> Any:
 
 def draw_rest(entry: Any, screen: Screen) -> None:
     """Draw the edges of the shape at rest where the body has left it."""
-    import gpu
     import numpy as np
-    from gpu_extras.batch import batch_for_shader
 
     from ..core import fields
 
@@ -155,21 +148,15 @@ def draw_rest(entry: Any, screen: Screen) -> None:
     far = (moved > max(MOVED * float(moved.max()), 1e-6 * entry.session.model.mesh.size))[edges].any(axis=1)
     if not far.any():
         return
-    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
-    shader.uniform_float("viewportSize", (screen.width, screen.height))
-    shader.uniform_float("lineWidth", screen.line / canvas.LINE_WIDTH)
-    shader.uniform_float("color", canvas.ghost())
-    points = np.ascontiguousarray(rest / entry.link.scale, np.float32)
-    batch = batch_for_shader(shader, "LINES", {"pos": points}, indices=np.ascontiguousarray(edges[far], np.int32))
-    gpu.state.blend_set("ALPHA")
-    gpu.state.depth_test_set("LESS_EQUAL")
-    batch.draw(shader)
-    gpu.state.depth_test_set("NONE")
-    gpu.state.blend_set("NONE")
+    canvas.draw(
+        "LINES", np.ascontiguousarray(rest / entry.link.scale, np.float32), colour=canvas.ghost(),
+        indices=np.ascontiguousarray(edges[far], np.int32), behind=False,
+        screen=screen._replace(line=screen.line / canvas.LINE_WIDTH),
+    )  # fmt: skip
 
 
 def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen) -> float:
-    """Draw the scale at the right of what is free; return where what is left of it ends [px]."""
+    """Draw the scale at the right of the free area; return the right end of the rest [px]."""
     from ..core.fields import UNITS
 
     scale = screen.scale
@@ -192,9 +179,7 @@ def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen)
 
 def draw_bar(corner: tuple[float, float], size: tuple[float, float], signed: bool) -> None:
     """Draw the colours of a scale, the lowest below."""
-    import gpu
     import numpy as np
-    from gpu_extras.batch import batch_for_shader
 
     (left, bottom), (wide, high) = corner, size
     colours = np.repeat(colour_map.table(signed), 2, axis=0)
@@ -202,8 +187,7 @@ def draw_bar(corner: tuple[float, float], size: tuple[float, float], signed: boo
     points[0::2, 0], points[1::2, 0] = left, left + wide
     points[:, 1] = bottom + high * np.repeat(np.linspace(0, 1, len(colours) // 2), 2)
     paint = np.concatenate([colours, np.ones((len(colours), 1))], axis=1).astype(np.float32)
-    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
-    batch_for_shader(shader, "TRI_STRIP", {"pos": points, "color": paint}).draw(shader)
+    canvas.draw("TRI_STRIP", points, colours=paint)
 
 
 def titles() -> dict[str, str]:
@@ -216,13 +200,11 @@ def titles() -> dict[str, str]:
 
 
 def register() -> None:
-    """Add both draw functions to every 3D viewport."""
     for draw, moment in ((draw_surfaces, "POST_VIEW"), (draw_scales, "POST_PIXEL")):
         _handlers.append(bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", moment))
 
 
 def unregister() -> None:
-    """Stop drawing."""
     while _handlers:
         bpy.types.SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
     _made.clear()

@@ -7,11 +7,15 @@ import bpy
 from ..operators.names import POKE_TOOL, Op
 from ..operators.sessions import sessions
 from . import cursor
+from .drawing import draw_linked
 
 
-def amounts(settings: bpy.types.PropertyGroup) -> tuple[str, ...]:
-    """Return the settings that say how far or how hard a press goes."""
-    return ("press_force_n", "press_force_g") if settings.press_by == "FORCE" else ("press_depth_mm",)
+def draw_amount(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+    """Draw how deep or how hard a press is."""
+    if settings.press_by == "DEPTH":
+        draw_linked(layout, settings, "press_depth_mm", "depth_follows")
+    else:
+        layout.prop(settings, "press_force_n")
 
 
 class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
@@ -38,15 +42,11 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
     def draw_settings(context: bpy.types.Context, layout: bpy.types.UILayout, _tool: bpy.types.WorkSpaceTool) -> None:
         """Draw the fingertip's settings in the tool header."""
         settings = context.scene.dimple
-        row = layout.row(align=True)
-        row.prop(settings, "finger_radius_mm", text="Radius (mm)")
-        row.prop(settings, "radius_follows", text="", icon="LINKED")
+        draw_linked(layout, settings, "finger_radius_mm", "radius_follows", text="Radius (mm)")
         layout.prop(settings, "press_by", expand=True)
-        row = layout.row(align=True)
-        row.prop(settings, amounts(settings)[0])
-        if settings.press_by == "DEPTH":
-            row.prop(settings, "depth_follows", text="", icon="LINKED")
-            layout.prop(settings, "poke_along")  # a force goes straight into the surface
+        draw_amount(layout, settings)
+        if settings.press_by == "DEPTH":  # a force goes straight into the surface
+            layout.prop(settings, "poke_along")
         recording = any(body.recording for body in sessions.values())
         layout.operator(Op.RECORD, text="", icon="REC", depress=recording)
 
@@ -62,7 +62,6 @@ class DIMPLE_MT_object(bpy.types.Menu):
     bl_label = "Dimple"
 
     def draw(self, _context: bpy.types.Context) -> None:
-        """Draw the verbs."""
         layout = self.layout
         layout.operator_context = "INVOKE_REGION_WIN"
         for verb in (
@@ -86,7 +85,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Remove both."""
     bpy.types.VIEW3D_MT_object.remove(draw_menu)
     bpy.utils.unregister_class(DIMPLE_MT_object)
     bpy.utils.unregister_tool(DIMPLE_WT_poke)

@@ -53,36 +53,41 @@ LOOKS = {
 def pictures() -> None:
     """Press and render a ball of every preset."""
     from bl_ext.user_default.dimple.core.everyday import OBJECTS
-    from bl_ext.user_default.dimple.core.mesh.surface import mesh_from_triangles
 
     PICTURES.mkdir(exist_ok=True)
     for old in PICTURES.glob("*.webp"):
         old.unlink()
     ball, tip = stage()
-    rest, triangles = np.empty(3 * len(ball.data.vertices)), np.empty(3 * len(ball.data.polygons), np.int32)
+    rest = np.empty(3 * len(ball.data.vertices), np.float32)
     ball.data.vertices.foreach_get("co", rest)
-    ball.data.polygons.foreach_get("vertices", triangles)
-    mesh = mesh_from_triangles(rest.reshape(-1, 3) / SCALE, triangles.reshape(-1, 3))
     for preset in OBJECTS:
-        skin, depth = pressed(mesh, preset.material)
-        ball.data.vertices.foreach_set("co", SCALE * skin.ravel())
-        ball.data.update()
-        tip.location.z = SCALE * (BALL + FINGERTIP - depth)
+        shape(ball, rest)
+        body = pressed(ball, preset.name)
+        shape(ball, body.positions())
+        tip.location.z = SCALE * (BALL + FINGERTIP - body.depth)
         paint(ball.active_material, *LOOKS[preset.name])
         bpy.context.scene.render.filepath = str(PICTURES / f"{preset.name}.webp")
         bpy.ops.render.render(write_still=True)
 
 
-def pressed(mesh: Any, material: Any) -> tuple[Any, float]:
-    """Return where the vertices (n, 3) of a ball are when the fingertip has come to rest in it, and how deep [m]."""
-    from bl_ext.user_default.dimple.core.body.model import build_model
-    from bl_ext.user_default.dimple.core.mesh.surface import base_vertices
-    from bl_ext.user_default.dimple.core.session import Finger, Session
+def shape(ball: bpy.types.Object, points: Any) -> None:
+    """Move the vertices of a ball to points (n, 3)."""
+    ball.data.vertices.foreach_set("co", np.ravel(points))
+    ball.data.update()
 
-    session = Session(build_model(mesh, [material], pinned=base_vertices(mesh)))
-    session.set_fingers([Finger((0.0, 0.0, BALL + FINGERTIP), FINGERTIP, FORCE)])
-    session.step(SETTLED_S)
-    return session.skin(), float(session.frame.depths[0])
+
+def pressed(ball: bpy.types.Object, preset: str) -> Any:
+    """Return the body of a ball of a preset in which the fingertip has come to rest."""
+    from bl_ext.user_default.dimple import Body
+    from bl_ext.user_default.dimple.core.session import Finger
+
+    bpy.context.view_layer.objects.active = ball
+    bpy.ops.dimple.apply_preset(preset=preset)
+    ball.dimple.size_mm, ball.dimple.simulated = 2e3 * BALL, "MESH"
+    body = Body.from_object(ball)
+    body.session.set_fingers([Finger((0.0, 0.0, BALL + FINGERTIP), FINGERTIP, FORCE)])
+    body.step(SETTLED_S)
+    return body
 
 
 def stage() -> tuple[bpy.types.Object, bpy.types.Object]:

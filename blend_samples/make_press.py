@@ -47,18 +47,15 @@ def press_picture() -> None:
 
 def simulated(head: bpy.types.Object) -> list[tuple[Any, Any]]:
     """Return where the vertices (n, 3) of the head and the fingertip's centre (3,) are in each frame [m]."""
-    from bl_ext.user_default.dimple.core.body.model import build_model
-    from bl_ext.user_default.dimple.core.everyday import OBJECTS
+    from bl_ext.user_default.dimple import Body
     from bl_ext.user_default.dimple.core.mesh.ray import ray_hit
-    from bl_ext.user_default.dimple.core.mesh.surface import base_vertices, mesh_from_triangles
-    from bl_ext.user_default.dimple.core.session import Finger, Session
+    from bl_ext.user_default.dimple.core.session import Finger
 
-    rest, triangles = np.empty(3 * len(head.data.vertices)), np.empty(3 * len(head.data.loop_triangles), np.int32)
-    head.data.vertices.foreach_get("co", rest)
-    head.data.loop_triangles.foreach_get("vertices", triangles)
-    mesh = mesh_from_triangles(rest.reshape(-1, 3) / SCALE, triangles.reshape(-1, 3))
-    material = next(each.material for each in OBJECTS if each.name == "marshmallow")
-    session = Session(build_model(mesh, [material], pinned=base_vertices(mesh)))
+    bpy.context.view_layer.objects.active = head
+    bpy.ops.dimple.apply_preset(preset="marshmallow")
+    head.dimple.size_mm, head.dimple.simulated = 1e3 * SIZE, "MESH"
+    session = Body.from_object(head).session
+    mesh = session.model.mesh
     way = np.array(WAY) / np.linalg.norm(WAY)
     start = np.array(PLACE) - SIZE * way
     hit = ray_hit(tuple(start.tolist()), tuple(way.tolist()), mesh.rest_positions, mesh.triangles)
@@ -84,7 +81,6 @@ def stage() -> tuple[bpy.types.Object, bpy.types.Object]:
     for vertex in head.data.vertices:
         vertex.co *= SCALE * SIZE / size
     head.data.shade_smooth()
-    head.data.calc_loop_triangles()
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=SCALE * FINGER)
     finger = bpy.context.object
     for vertex in finger.data.vertices:  # a capsule along its z

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .base import DimpleError
+from .errors import DimpleError  # not of base: the servo process has no numpy
+from .fills import FILLS
 from .messages import Message
 
 _LARGEST = 1e12  # in any unit: beyond it sums overflow
 _PER_UNIT = {"N/mm": 1e-3, "mm": 1e3, "kPa": 1e-3}  # of each in an SI unit
-FILLS = ("air", "liquid", "solid", "none")
-KEEP_VOLUME = ("liquid", "solid")  # of them
 LEAST_PRESSURE, MOST_PRESSURE = -1e5, 1e6  # [Pa]: nearly a vacuum; and no skin holds more
 TIPS = ("point", "punch", "sphere")
 HERTZ = 1.5  # power of the depth with which a sphere presses an elastic solid
@@ -55,7 +54,7 @@ class Material:
             twentieth of its size. Give exactly one of the two.
         damping_ratio: of springs and shape matching; 0 undamped, 1 critically damped.
         friction: Coulomb coefficient of the skin against a fingertip and the ground.
-        fill: "air", "liquid", "solid" (keeps its volume, and its skin gives way under a fingertip) or "none".
+        fill: a key of `fills.FILLS`.
         pressure: of the fill above that outside, in the shape at rest [Pa]; K1, K2 and x0 were measured without.
 
     Raises:
@@ -121,7 +120,7 @@ def law_power(K1: float, K2: float, fill: str, tip: str) -> float:
 
     K2 / K1 tells it: of two slopes that take as much energy as c x^p and its tangent, it is p^2.
     """
-    bent = (fill, tip) == ("solid", "sphere") and K2 > K1 > 0
+    bent = FILLS[fill].elastic and tip == "sphere" and K2 > K1 > 0
     return min(math.sqrt(K2 / K1), HERTZ) if bent else 1.0
 
 

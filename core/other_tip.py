@@ -17,6 +17,7 @@ import numpy as np
 
 from .base import Floats
 from .body.estimate import bed_area, reach, spread_on
+from .fills import FILLS
 from .material import FINGERTIP, Indenter, Material
 
 FORCE = 5.0  # [N] of the fingertip that softness is told by: that of a firm press with a finger
@@ -81,7 +82,7 @@ def _factors(material: Material, ball: Indenter, size: float, end: float) -> Flo
 
 def area(material: Material, tip: Indenter, size: float, depths: Floats) -> Floats:
     """Return what a tip presses on at depths (d,) [m]: on a bed [m2], on an elastic solid [m]."""
-    if material.fill != "solid":
+    if not FILLS[material.fill].elastic:
         spread = spread_on(material, size)
         return np.array([bed_area(tip, size, spread, depth)[0] for depth in depths.tolist()])
     if tip.shape == "sphere":
@@ -91,6 +92,6 @@ def area(material: Material, tip: Indenter, size: float, depths: Floats) -> Floa
 
 def layer(material: Material, size: float) -> float:
     """Return where a solid was measured the radius of the ball, or minus that of the flat tip, that did [m], else 0."""
-    if material.fill != "solid":
+    if not FILLS[material.fill].elastic:
         return 0.0
     return math.copysign(reach(material.indenter, size), 1 if material.indenter.shape == "sphere" else -1)

@@ -8,11 +8,11 @@ from . import (
     add_fingertip,
     apply_preset,
     bake,
+    bug_report,
     calibrate,
     calibrate_apply,
     calibrate_together,
     command_line,
-    compare_materials,
     device,
     experiment,
     export,
@@ -25,34 +25,17 @@ from . import (
     record,
     softness,
     start,
+    twins,
 )
 
 PARTS = (
-    make_soft,
-    start,
-    poke,
-    play,
-    record,
-    bake,
-    export,
-    apply_preset,
-    add_fingertip,
-    key_press,
-    calibrate,
-    calibrate_apply,
-    calibrate_together,
-    softness,
-    measure,
-    compare_materials,
-    device,
-    experiment,
-    command_line,
+    bug_report, make_soft, start, poke, play, record, bake, export, apply_preset, add_fingertip, key_press, calibrate,
+    calibrate_apply, calibrate_together, softness, measure, twins, device, experiment, command_line,
     handlers,
-)
+)  # fmt: skip
 
 
 def register() -> None:
-    """Register every operator, then listen to Blender."""
     for part in PARTS:
         part.register()
 

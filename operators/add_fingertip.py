@@ -4,11 +4,16 @@ import bpy
 from mathutils import Vector
 
 from . import fingertip_objects, polls, sizing
-from .messages import report, say
+from .messages import report
 from .names import Op
 
+_has_body = polls.need(
+    lambda context: (body := fingertip_objects.body_of(context.object, context.scene)) and body.type == "MESH",
+    "Select the mesh to press",
+)
 
-class DIMPLE_OT_add_fingertip(bpy.types.Operator):
+
+class DIMPLE_OT_add_fingertip(polls.Declared, bpy.types.Operator):
     """Add a fingertip to the active body."""
 
     bl_idname = Op.ADD_FINGERTIP
@@ -19,34 +24,25 @@ class DIMPLE_OT_add_fingertip(bpy.types.Operator):
     )
     bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need Object Mode, a mesh and a free slot."""
-        body = fingertip_objects.body_of(context.object, context.scene)
-        if context.mode != "OBJECT" or body is None or body.type != "MESH":
-            return polls.refuse(cls, "Select the mesh to press, in Object Mode")
-        return polls.has_free_fingertips(cls, context.scene, 1)
+    needs = (
+        polls.in_object_mode, _has_body,
+        lambda operator, context: polls.has_free_fingertips(operator, context.scene, 1),
+    )  # fmt: skip
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         """Add a sphere as large as the tool's fingertip, touching the body."""
-        from ..core.base import DimpleError
         from . import bridge
 
         scene = context.scene
         body = fingertip_objects.body_of(context.object, scene)
-        try:
-            bridge.check(body)
-            scale, top = bridge.scale_and_top(context, body)
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
-            return {"CANCELLED"}
+        bridge.check(body)
+        scale, top = bridge.scale_and_top(context, body)
         report(self, fingertip_objects.leave_poke())
         sizing.fit(scene, body)
         radius = scene.dimple.finger_radius_mm / 1e3 / scale
         place, outward = _at_cursor(context, body, radius) or (Vector(top), Vector((0.0, 0.0, 1.0)))
         number = fingertip_objects.free(scene)[0]
         fingertip_objects.make(context, body, number, place + radius * outward, radius, outward)
-        return {"FINISHED"}
 
 
 def _at_cursor(context: bpy.types.Context, body: bpy.types.Object, near: float) -> tuple[Vector, Vector] | None:

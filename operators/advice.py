@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ..core.messages import Message
-from . import offset, stack
+from . import offset, sizing, stack
 from .messages import Note
 
 if TYPE_CHECKING:
@@ -21,14 +21,13 @@ def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: Ob
     """Return sentences of advice on a body: its rig, what of the scene does not act, its size, and how fine it is."""
     notes, size = [], mesh.size
     if stack.is_carried(body):
-        notes.append(Note("A rig holds it: its shape at rest goes where that goes."))
+        notes.append(Note("A rig holds the body: its shape at rest follows the rig."))
     if any(each.field and each.field.type != "NONE" for each in scene.objects):
-        notes.append(Note("Wind and other force fields of the scene do not act on it."))
+        notes.append(Note("Wind and other force fields of the scene do not act on the body."))
     for bake in filter(stack.is_cache, body.modifiers):
         if not all(path.exists() for path, _ in offset.files(bake)):
             notes.append(Message('The file that "{name}" plays is gone: bake again.', name=bake.name))
-    for number in (1, 2, 3):
-        tip = getattr(scene.dimple, f"finger_{number}")
+    for tip in sizing.fingertips(scene):
         if tip and (tip.hide_viewport or tip.name not in bpy.context.view_layer.objects):
             notes.append(
                 Message('The fingertip "{name}" is disabled in the viewport, so it does not move.', name=tip.name)
@@ -36,8 +35,7 @@ def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: Ob
     radius, edge = scene.dimple.finger_radius_mm / 1e3, float(np.median(mesh.rest_lengths))
     if link.cuts:
         notes.append(Note(
-            "The mesh is coarse for the fingertip: it is pressed with {vertices:,} vertices.",
-            vertices=len(link.rest)
+            "The mesh is coarse for the fingertip: it is subdivided to {vertices:,} vertices.", vertices=len(link.rest)
         ))  # fmt: skip
     if radius < size / 100:
         notes.append(Message(

@@ -5,9 +5,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import StringProperty
 
-from ..core.messages import Message
 from . import polls, sizing
-from .messages import say
 from .names import Op
 
 if TYPE_CHECKING:
@@ -21,8 +19,8 @@ def material_of(obj: bpy.types.Object, name: str) -> bpy.types.Material:
     return obj.active_material
 
 
-class DIMPLE_OT_apply_preset(bpy.types.Operator):
-    """Give the active material the constants of a known object, and the body its size"""
+class DIMPLE_OT_apply_preset(polls.Declared, bpy.types.Operator):
+    """Give the active object the material and the size of a measured or everyday object"""
 
     bl_idname = Op.APPLY_PRESET
     bl_label = "Apply Preset"
@@ -30,24 +28,18 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
 
     preset: StringProperty(name="Preset", description="Name of a measured object, such as object_2_vinyl_air")
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a mesh whose settings stay: those of linked data are lost with the file."""
-        return polls.needs_mesh(cls, context) and polls.is_own(cls, context.object)
+    needs = polls.needs_mesh, polls.is_own
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         """Set material, size and source."""
+        from ..core.base import DimpleError
         from ..core.everyday import OBJECTS
 
         preset = next((each for each in OBJECTS if each.name == self.preset), None)
         if preset is None:
             known = ", ".join(each.name for each in OBJECTS)
-            say(self, {"ERROR"}, Message(
-                'There is no preset "{preset}". There are: {known}.', preset=self.preset, known=known
-            ))  # fmt: skip
-            return {"CANCELLED"}
+            raise DimpleError('There is no preset "{preset}". There are: {known}.', preset=self.preset, known=known)
         give(context.object, preset)
-        return {"FINISHED"}
 
 
 def give(obj: bpy.types.Object, preset: "Preset") -> None:

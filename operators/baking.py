@@ -9,18 +9,15 @@ import contextlib
 import os
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
-import numpy as np
 
 from ..core.base import DimpleError
 from ..core.crowd import step_all
 from ..core.messages import Message, about
 from ..core.recording import PointCache
-from ..core.session import Session
 from ..core.steps import Parts, as_share, beside
 from . import (
     bridge,
@@ -29,32 +26,25 @@ from . import (
     contact,
     final_mesh,
     live,
-    planning,
     props,
     recorder,
     shape_keys,
     stack,
     timeline,
     tuning,
-    unfinished_folder,
 )  # fmt: skip
-from .settings import settings_of
+from .object_body import ObjectBody
 from .working import READY
 
 if TYPE_CHECKING:
-    from .bridge import ObjectLink, Singles
-    from .settings import Settings
+    from .bridge import Singles
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Baked:
+class Baked(ObjectBody):
     """One object of a bake.
 
-    link: the object at rest.
-    session: what moves it.
-    settings: what it has of the panels, which may be keyframed.
-    matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
-    offsets: (N, 3) from its shape at rest in the last frame, and what they were made of: of what sleeps the very same.
+    last: its offsets (N, 3) in the last frame, and what they were made of: of what sleeps the very same.
     path: where the PC2 file goes.
     part: where it is until it is whole.
     cache: the PC2 file under way, None for shape keys.
@@ -62,16 +52,11 @@ class Baked:
     shapes: frame and offsets (N, 3) of each shape key from the shape at rest of that frame.
     """
 
-    link: ObjectLink
-    session: Session
-    settings: Settings
-    matrix: np.ndarray
-    rest: Singles
-    path: Path
-    part: Path
-    cache: PointCache | None
-    table: recorder.ForceTable
-    offsets: tuple[Singles, tuple[object, ...]] | None = None
+    last: tuple[Singles, tuple[object, ...]] | None = None
+    path: Path = field(init=False)
+    part: Path = field(init=False)
+    cache: PointCache | None = None
+    table: recorder.ForceTable = field(init=False)
     shapes: list[tuple[int, Singles]] = field(default_factory=list)
 
 
@@ -94,8 +79,18 @@ class BakePlan:
     folder: Path | None = None
 
 
+def plan_of(
+    scene: bpy.types.Scene, objects: Sequence[bpy.types.Object], first: int | None, last: int | None, target: str
+) -> BakePlan:
+    """Return a plan with the settings of a scene, and its frames where none are given."""
+    return BakePlan(
+        objects=objects, first=scene.frame_start if first is None else first,
+        last=scene.frame_end if last is None else last, target=target, step=scene.dimple.shape_key_step,
+    )  # fmt: skip
+
+
 def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Iterator[float]:
-    """Bake; yield the share that is done. Whoever stops asking cancels, and nothing has changed.
+    """Bake; yield the share that is done. Closing the generator cancels, and nothing has changed.
 
     Args:
         messages: gets sentences for the artist.
@@ -112,7 +107,7 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
 def simulate(
     context: bpy.types.Context, plan: BakePlan, messages: list[str]
 ) -> Generator[float, None, Sequence[Baked]]:
-    """Simulate and write the files; yield the share that is done, and return what was simulated.
+    """Simulate and write the files; yield the share that is done, and return the bodies.
 
     Raises:
         DimpleError: an object cannot be baked, the simulation blew up, or the disk refuses.
@@ -127,11 +122,11 @@ def simulate(
         for done, obj in enumerate(plan.objects):
             opening = beside(_opening(context, plan, obj, messages, files))
             bodies.append((yield from as_share(opening, done * each, each)))
-        together = {body.link.uid: (_object(body), body.session, body.link.scale) for body in bodies}
+        together = {body.link.uid: (body.obj, body.session, body.link.scale) for body in bodies}
         worlds = contact.worlds_of(context, together)
         for body in bodies:
             if note := body.session.contact_note:
-                messages.append(about(_object(body).name, note))
+                messages.append(about(body.name, note))
         poses: props.Poses = {}
         files.callback(props.put_back)
         _write(plan, bodies, plan.first)
@@ -197,46 +192,38 @@ def _opening(
     """Get an object ready to be baked, in parts; its files are closed, and deleted where they are, with `files`."""
     files.enter_context(final_mesh.unbaked(obj))
     files.enter_context(final_mesh.attached(context, obj))
-    link, model = yield from bridge.reading_body(context, obj)
-    if plan.target == "SHAPE_KEYS" and link.cuts:
+    body, notes = yield from Baked.opening(context, obj)
+    if plan.target == "SHAPE_KEYS" and body.link.cuts:
         raise DimpleError(
             '"{name}" is too coarse for shape keys. Subdivide it, bake to a Mesh Cache, or export.', name=obj.name
         )
-    proxy = yield from planning.planning_for(context.scene, obj, model)
-    session = yield 0.9, partial(Session, model, tick=timeline.tick_s(context.scene), proxy=proxy)
-    messages += [about(obj.name, note) for note in model.notes]
+    messages += notes
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
         messages.append(Message(
             '"{name}" shares its mesh with other objects: its shape keys go on a copy of its own.', name=obj.name
         ))  # fmt: skip
-    path, cache = cache_files.bake_path(context, obj, plan.folder), None
-    part = (plan.folder or files.enter_context(unfinished_folder.opened(path.parent))) / path.name
+    body.path = cache_files.bake_path(context, obj, plan.folder)
+    folder = plan.folder or files.enter_context(cache_files.unfinished_folder(body.path.parent))
+    body.part = folder / body.path.name
     if plan.target != "SHAPE_KEYS":
-        cache = PointCache(part, len(link.rest), plan.first)
-        files.callback(recorder.quietly, cache.close)
-    table = recorder.ForceTable(part.with_suffix(".csv"))
-    files.callback(recorder.quietly, table.close)
-    session.set_fingers(live.fingertips(context.scene, link.scale))
-    session.step(0.0)  # the first frame shows what touches already
-    return Baked(
-        link=link, session=session, settings=settings_of(context.scene, obj), matrix=link.matrix, rest=link.rest,
-        path=path, part=part, cache=cache, table=table,
-    )  # fmt: skip
+        body.cache = PointCache(body.part, len(body.link.rest), plan.first)
+        files.callback(recorder.quietly, body.cache.close)
+    body.table = recorder.ForceTable(body.part.with_suffix(".csv"))
+    files.callback(recorder.quietly, body.table.close)
+    body.session.set_fingers(live.fingertips(context.scene, body.link.scale))
+    body.session.step(0.0)  # the first frame shows what touches already
+    return body
 
 
-def _step(
-    context: bpy.types.Context, bodies: Sequence[Baked], worlds: Sequence[contact.LiveWorld], frame: int
-) -> None:
+def _step(context: bpy.types.Context, bodies: Sequence[Baked], worlds: Sequence[contact.LiveWorld], frame: int) -> None:
     """Bring every body from the frame before to this one."""
     scene = context.scene
     for look_s in timeline.looks(scene, frame):
         for body in bodies:
-            obj = _object(body)
+            obj = body.obj
             body.settings = tuning.follow_keyframes(scene, obj, body.session, body.link, body.settings)
             body.session.set_fingers(live.fingertips(scene, body.link.scale))
-            body.matrix, body.rest = final_mesh.lead(
-                context, obj, body.link, body.session, body.matrix, body.rest
-            )
+            body.follow(context, obj)
         for world in worlds:
             contact.lead_colliders(context, world)
             world.world.step(look_s)
@@ -257,19 +244,12 @@ def _show_props(worlds: Sequence[contact.LiveWorld], frame: int, poses: props.Po
         props.note(world, frame, poses)
 
 
-def _object(body: Baked) -> bpy.types.Object:
-    obj = bridge.find(body.link.uid, body.link.name)
-    if obj is None:
-        raise DimpleError('"{name}" is gone, so it cannot be baked.', name=body.link.name)
-    return obj
-
-
 def _write(plan: BakePlan, bodies: Sequence[Baked], frame: int) -> None:
     for body in bodies:
         now = body.matrix, body.rest, body.session.positions()
-        if body.offsets is None or any(a is not b for a, b in zip(now, body.offsets[1], strict=True)):
-            body.offsets = bridge.offsets_of(body.link, *now), now
-        offsets = body.offsets[0]
+        if body.last is None or any(a is not b for a, b in zip(now, body.last[1], strict=True)):
+            body.last = body.offsets(), now
+        offsets = body.last[0]
         if body.cache:
             body.cache.append(offsets)
         elif (frame - plan.first) % plan.step == 0 or frame == plan.last:

@@ -1,4 +1,4 @@
-"""The bridge between Blender's objects and the core: what is read of an object to press it.
+"""The bridge between Blender's objects and the core: an object becomes a model that can be pressed.
 
 With `object_link`, `bridge_model`, `bridge_write`, `final_mesh`, `rendered_mesh` and `offset` the only toucher of mesh
 arrays and scale.

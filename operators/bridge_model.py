@@ -58,7 +58,7 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
 
 
 def _made(*given: Any, **named: Any) -> Model:
-    """Build a model, with what the frame of a change to it would wait for."""
+    """Build a model, its slots of springs included, so that a later change needs no frame of its own for them."""
     from ..core.body.model import build_model
 
     model = build_model(*given, **named)

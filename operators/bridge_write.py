@@ -37,7 +37,7 @@ def is_intact(body: bpy.types.Object, link: ObjectLink) -> bool:
     mesh = body.data
     if body.mode not in ("OBJECT", PAINTING) or len(mesh.vertices) != len(link.own):
         return False
-    if link.shaped:  # its shape at rest is read anew at every step
+    if link.shaped:  # its shape at rest is read at every step
         return True
     return np.array_equal(get_points(mesh.attributes["position"].data, len(link.own), "vector"), link.own)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import os
+import tempfile
 import tomllib
 import zlib
 from collections.abc import Iterator
@@ -24,7 +25,7 @@ _PACKAGE = (__package__ or "").rpartition(".")[0]
 
 
 def take_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
-    """Return where the next recording of an object goes: a PC2 file of a number that is still free.
+    """Return the path of the next recording of an object: a PC2 file with a number that is still free.
 
     Raises:
         DimpleError: the folder cannot be made.
@@ -33,7 +34,7 @@ def take_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
 
 
 def bake_path(context: bpy.types.Context, obj: bpy.types.Object, folder: Path | None = None) -> Path:
-    """Return where the bake of an object goes: over its last one; in a file without a name only if it plays that.
+    """Return the path of the bake of an object: that of its last one, in an unsaved .blend only while it plays that.
 
     Args:
         folder: where it goes anyway, under the name of the object.
@@ -111,8 +112,19 @@ def _preferred_folder() -> Path:
 
 
 @contextlib.contextmanager
+def unfinished_folder(parent: Path) -> Iterator[Path]:
+    """Make a folder for unfinished files, on the disk where they go, and delete it in the end.
+
+    A Blender that is killed leaves it behind: its point caches can be read up to their last frame.
+    """
+    parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".dimple-", dir=parent, ignore_cleanup_errors=True) as folder:
+        yield Path(folder)
+
+
+@contextlib.contextmanager
 def plain_os_errors(doing: str, folder: str = "cache folder") -> Iterator[None]:
-    """Turn what the disk refuses into a sentence for the artist.
+    """Turn an error of the disk into a sentence for the artist.
 
     Args:
         folder: what it was to be written to.
@@ -181,7 +193,7 @@ def detach_cache(obj: bpy.types.Object) -> int:
 
 
 def _stored(path: str) -> str:
-    """Return a path as it goes into the file: relative where it can, so that a moved project still plays."""
+    """Return a path as the .blend stores it: relative if possible, so that a moved project still plays."""
     if not bpy.data.filepath:
         return path
     try:

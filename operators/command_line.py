@@ -92,7 +92,7 @@ def _formats(text: str) -> list[str]:
 
 def _open(options: argparse.Namespace) -> Any:
     from ..core.base import DimpleError
-    from . import exporting
+    from . import export_plan
 
     if not options.file.is_file():
         raise DimpleError(f"There is no file {options.file}.")
@@ -102,7 +102,7 @@ def _open(options: argparse.Namespace) -> Any:
         raise DimpleError(f"Blender cannot open {options.file}: {str(error).strip()}") from error
     scene = bpy.context.scene
     first, last = options.frames or (scene.frame_start, scene.frame_end)
-    return exporting.ExportPlan(
+    return export_plan.ExportPlan(
         objects=_bodies(scene, options.object),
         formats=options.format,
         folder=options.out.resolve(),
@@ -133,10 +133,10 @@ def _bodies(scene: bpy.types.Scene, names: Sequence[str] | None) -> list[bpy.typ
 
 
 def _export(plan: Any, messages: list[str], written: list[Path], *, quiet: bool) -> None:
-    from . import exporting
+    from . import export_plan
 
     shown = -1
-    for share in exporting.export(bpy.context, plan, messages, written):
+    for share in export_plan.export(bpy.context, plan, messages, written):
         if not quiet and int(20 * share) > shown:
             shown = int(20 * share)
             print(f"dimple: {share:.0%}", file=sys.stderr, flush=True)

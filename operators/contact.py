@@ -1,4 +1,4 @@
-"""What running bodies meet: objects with Dimple Collider ticked, each other, themselves.
+"""Contact of running bodies: with objects that have Dimple Collider ticked, with each other, and with themselves.
 
 Once an object of the scene is ticked, all running bodies meet it and each other, where they are of one scale; without
 one, bodies run alone and nothing of this is paid for.
@@ -16,7 +16,7 @@ from mathutils import Matrix
 
 from ..core.base import DimpleError
 from ..core.messages import in_a_row
-from . import bridge, bridge_model
+from . import bridge, bridge_model, sizing
 
 if TYPE_CHECKING:
     from ..core.base import Floats, Ints
@@ -47,7 +47,7 @@ class LiveWorld:
 
 
 def is_on(scene: bpy.types.Scene) -> bool:
-    """Tell whether anything in a scene is ticked: then bodies meet."""
+    """Tell whether contact is on: an object of the scene is a collider, or a body has self contact."""
     return any(obj.dimple.collider or (obj.dimple.enabled and obj.dimple.self_contact) for obj in scene.objects)
 
 
@@ -96,7 +96,7 @@ def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
         live.world.gravity, live.world.ground = _pull(context.scene)
     ends = []
     for i, name in enumerate(live.colliders):
-        if i in live.props:  # it goes where it falls
+        if i in live.props:  # the world moves it
             ends.append(None)
             continue
         obj = context.scene.objects.get(name)
@@ -116,7 +116,7 @@ def _is_collider(
         and obj.type == "MESH"
         and obj.session_uid not in bodies
         and obj.evaluated_get(graph).is_evaluated  # else it is disabled in viewports, and stands still
-        and obj not in [getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)]
+        and obj not in sizing.fingertips(scene)
     )
 
 
@@ -135,12 +135,12 @@ def _moving(sessions: Sequence[Session]) -> tuple[tuple[int, int], ...]:
 
 
 def _mass_of(obj: bpy.types.Object) -> float | None:
-    """Return the mass of an object that falls [kg], None where it is led."""
+    """Return the mass of a prop [kg], None for a collider that its object moves."""
     return obj.dimple.prop_mass_kg if obj.dimple.is_prop else None
 
 
 def _pull(scene: bpy.types.Scene) -> tuple[Floats, float | None]:
-    """Return the gravity (3,) [m/s2] and the height of the ground [m] of what falls, None where there is none."""
+    """Return the gravity (3,) [m/s2] and the height of the ground [m] for props, None without a ground."""
     return np.array(bridge_model.gravity(scene)), 0.0 if scene.dimple.use_ground else None
 
 

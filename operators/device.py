@@ -10,7 +10,7 @@ from .messages import say
 from .names import DEAD_MAN, Op
 from .translation import translated
 
-RENEW_S = 0.05  # between two renewals of the dead-man key; `safety.LEASE` covers a standstill of 0.2 s and one of them
+RENEW_S = 0.05  # between two renewals of the dead-man key; `limits.LEASE` covers a standstill of 0.2 s and one of them
 ANSWER_S = 1.0  # within which the device reports that it arms
 KEYS = "Hold Shift: force | Esc: disarm"
 
@@ -85,7 +85,7 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
         Every event carries which keys are down. Timers and the loss of the focus reach every modal operator, whatever
         events the one before it consumes; without either the lease expires.
         """
-        from ..core.haptics.safety import LEASE
+        from ..core.device.limits import LEASE
 
         connection = haptic.get()
         if connection is None or connection.watch is not self._watch or not self._is_armed(connection):

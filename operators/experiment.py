@@ -8,7 +8,7 @@ import bpy
 from bpy.props import IntProperty, StringProperty
 
 from ..core.messages import Message
-from . import modal_runs, polls, sessions
+from . import fingertip_objects, modal_runs, polls, sessions
 from .messages import report, say
 from .names import Op
 from .under_way import (
@@ -28,8 +28,8 @@ from .under_way import (
 from .under_way import get as get
 
 
-class DIMPLE_OT_open_experiment(bpy.types.Operator):
-    """Begin an experiment on the active object, or go on with it: answers are kept beside its file"""
+class DIMPLE_OT_open_experiment(polls.Declared, bpy.types.Operator):
+    """Start or resume an experiment on the active object. Answers are saved beside its file"""
 
     bl_idname = Op.OPEN_EXPERIMENT
     bl_label = "Open Experiment"
@@ -44,17 +44,14 @@ class DIMPLE_OT_open_experiment(bpy.types.Operator):
         name="Participant", description="A number or code, not a name", default="1", maxlen=40
     )
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a mesh of one's own, and nothing at work."""
-        return polls.needs_mesh(cls, context) and polls.is_own(cls, context.object) and polls.is_free(cls)
+    needs = polls.needs_mesh, polls.is_own, polls.is_free
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the file."""
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         """Read the plan and the answers so far."""
         from ..core.base import DimpleError
         from ..core.experiment.log import Log
@@ -63,16 +60,12 @@ class DIMPLE_OT_open_experiment(bpy.types.Operator):
 
         path = Path(bpy.path.abspath(self.filepath))
         participant = self.participant.strip()
-        try:
-            if not participant:
-                raise DimpleError("Give the participant a number or a code.")
-            plan = read_plan(path)
-            for task in plan.tasks:
-                source_of(task.object)
-            under_way = UnderWay(experiment=Experiment(plan, participant, Log(log_path(path, participant))))
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
-            return {"CANCELLED"}
+        if not participant:
+            raise DimpleError("Give the participant a number or a code.")
+        plan = read_plan(path)
+        for task in plan.tasks:
+            source_of(task.object)
+        under_way = UnderWay(experiment=Experiment(plan, participant, Log(log_path(path, participant))))
         close()
         under_way.obj = context.object.name, context.object.active_material
         experiments.append(under_way)
@@ -80,31 +73,29 @@ class DIMPLE_OT_open_experiment(bpy.types.Operator):
         say(
             self, {"INFO"}, Message("{done} trials are answered", done=done) if done else "Read the consent, then begin"
         )
-        return {"FINISHED"}
 
 
-class _UnderWay:
-    @classmethod
-    def poll(cls, _context: bpy.types.Context) -> bool:
-        """Need an experiment under way."""
-        return bool(experiments) or polls.refuse(cls, "Open an experiment first")
+_is_open = polls.need(lambda _: experiments, "Open an experiment first")
+_is_shown = polls.need(
+    lambda _: (shown := trial()) and experiments[0].shown >= len(shown.shown),
+    "Present the object first; in a comparison, both",
+)
 
 
-class DIMPLE_OT_agree_experiment(_UnderWay, bpy.types.Operator):
-    """The participant has read the text and agrees; stopping is possible at any time"""
+class DIMPLE_OT_agree_experiment(polls.Declared, bpy.types.Operator):
+    """Confirm that the participant has read the text and agrees. Stopping is possible at any time"""
 
     bl_idname = Op.AGREE_EXPERIMENT
     bl_label = "I Agree, Begin"
+    needs = (_is_open,)
 
-    def execute(self, _context: bpy.types.Context) -> set[str]:
-        """Begin."""
+    def run(self, _context: bpy.types.Context) -> None:
         experiments[0].agreed = True
         modal_runs.redraw()
-        return {"FINISHED"}
 
 
-class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
-    """Present the object of this trial: to be pressed with the device, or pressed for you where it is only seen"""
+class DIMPLE_OT_show_trial(polls.Declared, bpy.types.Operator):
+    """Present the object of this trial, to press with the device or to watch being pressed"""
 
     bl_idname = Op.SHOW_TRIAL
     bl_label = "Present"
@@ -112,14 +103,11 @@ class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
     interval: IntProperty(name="Interval", description="1 is the first, 2 the second", default=1, min=1, max=2)
     _steps: Iterator[float]
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a trial and the consent."""
-        if not super().poll(context):
-            return False
-        if not experiments[0].agreed:
-            return polls.refuse(cls, "Agree to the text first")
-        return trial() is not None or polls.refuse(cls, "All trials are answered")
+    needs = (
+        _is_open,
+        polls.need(lambda _: experiments[0].agreed, "Agree to the text first"),
+        polls.need(lambda _: trial(), "All trials are answered"),
+    )
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Present at once, frame by frame of the scene."""
@@ -133,7 +121,7 @@ class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
         return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Present by the clock until the press is over; what is felt, until an answer, the other interval or Esc."""
+        """Present in real time: a replayed press to its end, an object to feel until the answer or Esc."""
         if not self._begin(context):
             return {"CANCELLED"}
         self._run = modal_runs.open_run(context, "play", "Trial: answer in the panel, Esc ends it")
@@ -181,16 +169,11 @@ class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
                 raise DimpleError("The object of the experiment is gone. Open the experiment again.")
             interval = min(self.interval, len(shown.shown))
             dress(obj, shown.task.object, shown.shown[interval - 1])
-            context.view_layer.objects.active = obj
-            for each in context.selected_objects:
-                each.select_set(each == obj)
-            obj.select_set(True)
+            fingertip_objects.select(context, obj)
             live.start_all(context)
             self._seen, self._time, self._state = shown.task.condition == "seen", 0.0, None
             if self._seen:
-                self._state = seen_press(context)
-                bodies = sessions.sessions
-                self._event = press.aimed(bodies, None, (0.0, 0.0, 0.0))
+                self._state = press.pressed(sessions.sessions, seen_press(context), None, (0.0, 0.0, 0.0))
         except DimpleError as error:
             sessions.stop_all()
             say(self, {"ERROR"}, str(error))
@@ -207,8 +190,6 @@ class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
 
         pressed = None
         if self._seen:
-            if self._time == 0:
-                self._state, _ = on_event(self._state, self._event)
             if self._time <= PRESS_S + HOLD_S < self._time + dt:
                 self._state, _ = on_event(self._state, PokeEvent(kind=Kind.RELEASE))
             self._state, _ = on_event(self._state, PokeEvent(kind=Kind.TICK, amount=dt))
@@ -226,55 +207,40 @@ class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
         sessions.stop_all()
 
 
-class DIMPLE_OT_answer_trial(_UnderWay, bpy.types.Operator):
-    """Keep this answer and go on to the next trial"""
+class DIMPLE_OT_answer_trial(polls.Declared, bpy.types.Operator):
+    """Save this answer and go to the next trial"""
 
     bl_idname = Op.ANSWER_TRIAL
     bl_label = "Answer"
 
     choice: IntProperty(name="Choice", description="The step, or which of the two was stiffer", default=1, min=1, max=9)
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a trial whose objects were all presented."""
-        if not super().poll(context):
-            return False
-        shown = trial()
-        if shown is None or experiments[0].shown < len(shown.shown):
-            return polls.refuse(cls, "Present the object first; in a comparison, both")
-        return True
+    needs = _is_open, _is_shown
 
-    def execute(self, _context: bpy.types.Context) -> set[str]:
+    def run(self, _context: bpy.types.Context) -> None:
         """Keep the answer."""
-        from ..core.base import DimpleError
-
         sessions.stop_all()
         under_way = experiments[0]
-        try:
-            seconds = time.perf_counter() - under_way.began
-            under_way.experiment.answer(self.choice, seconds=seconds, samples=under_way.samples)
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
-            return {"CANCELLED"}
+        seconds = time.perf_counter() - under_way.began
+        under_way.experiment.answer(self.choice, seconds=seconds, samples=under_way.samples)
         under_way.shown, under_way.samples = 0, []
         modal_runs.redraw()
-        return {"FINISHED"}
 
 
-class DIMPLE_OT_stop_experiment(_UnderWay, bpy.types.Operator):
-    """Stop here; opened again with the same participant, it goes on at this trial"""
+class DIMPLE_OT_stop_experiment(polls.Declared, bpy.types.Operator):
+    """Stop the experiment. Opened again with the same participant, it resumes at this trial"""
 
     bl_idname = Op.STOP_EXPERIMENT
     bl_label = "Stop"
+    needs = (_is_open,)
 
-    def execute(self, _context: bpy.types.Context) -> set[str]:
-        """Stop, say what the answers come to, and put the object's own material back."""
+    def run(self, _context: bpy.types.Context) -> None:
+        """Stop, report the results, and restore the material of the object."""
         from ..core.experiment.results import sentences
 
         for sentence in sentences(experiments[0].experiment.log.rows):
             say(self, {"INFO"}, sentence)
         close()
-        return {"FINISHED"}
 
 
 CLASSES = [
@@ -290,13 +256,11 @@ def _on_load_pre(*_: object) -> None:
 
 
 def register() -> None:
-    """Register the operators."""
     _register_classes()
     bpy.app.handlers.load_pre.append(_on_load_pre)
 
 
 def unregister() -> None:
-    """End the experiment, and unregister."""
     close()
     bpy.app.handlers.load_pre.remove(_on_load_pre)
     _unregister_classes()

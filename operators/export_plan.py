@@ -1,23 +1,33 @@
-"""What is to be exported: checked before anything is written, and how large it will be."""
+"""Export animations: check the plan, simulate or take the bake, write each format, and describe the files in a JSON.
+
+Files are written in a temporary folder beside where they go, and go there when they are whole: whoever cancels keeps
+what is finished, and nothing half done stands under a final name.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import os
 import shutil
-from collections.abc import Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 
 from ..core.base import DimpleError
 from ..core.messages import Message, in_a_row
 from ..core.recording import open_point_cache
-from . import bridge, cache_files, exporters, offset, stack
+from ..core.steps import as_share
+from . import baking, bridge, cache_files, clips, formats, offset, sidecar, stack
+from .clips import Clip
 from .formats import FORMATS, Size
 from .messages import megabytes
 
+SIMULATED = 0.5  # share of the progress bar that a simulation gets
 SPARE = 1.05  # of the estimate: room that must be free on the disk
 
 
@@ -33,7 +43,7 @@ class ExportPlan:
     step: frames from one shape key to the next.
     key_error: how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for a shape key
         every `step` frames.
-    simulate: simulate anew also what plays a bake or a recording.
+    simulate: also objects that play a bake or a recording.
     overwrite: files that are there.
     normals: write how the surface is shaded.
     """
@@ -92,14 +102,15 @@ def played(obj: bpy.types.Object) -> Source | None:
                 _, points = open_point_cache(path)
             except OSError as error:
                 raise DimpleError(
-                    '"{name}" plays {path}, which cannot be read: {error}. Bake again, or export with Simulate Anew.',
+                    '"{name}" plays {path}, which cannot be read: {error}. Bake again, or export with Simulate '
+                    "Again.",
                     name=obj.name, path=path, error=error.strerror
                 ) from error  # fmt: skip
             graph = bpy.context.view_layer.depsgraph  # as it is: a panel that is being drawn evaluates nothing
             count = len(obj.evaluated_get(graph).data.vertices) if graph and obj.visible_get() else points.shape[1]
             if points.shape[1] != count:
                 raise DimpleError(
-                    '"{name}" has {count} vertices and its bake {baked}. Bake again, or export with Simulate Anew.',
+                    '"{name}" has {count} vertices and its bake {baked}. Bake again, or export with Simulate Again.',
                     name=obj.name, count=count, baked=points.shape[1]
                 )  # fmt: skip
             table = path.with_suffix(".csv")
@@ -113,7 +124,7 @@ def unplayed(plan: ExportPlan) -> list[bpy.types.Object]:
 
 
 def size_of(context: bpy.types.Context, obj: bpy.types.Object, normals: bool) -> Size:
-    """Return what the length of the files of an object depends on."""
+    """Return the numbers of an object on which the length of its files depends."""
     graph = context.view_layer.depsgraph
     mesh = obj.evaluated_get(graph).data if graph else obj.data
     corners = len(mesh.loops)
@@ -150,7 +161,7 @@ def check_choice(plan: ExportPlan) -> None:
     if not plan.formats:
         raise DimpleError("No format is chosen. Choose one or more.")
     for kind in (FORMATS[each] for each in plan.formats):
-        if kind.exporter and not exporters.is_there(kind.exporter):
+        if kind.exporter and not formats.is_there(kind.exporter):
             raise DimpleError(
                 "This Blender cannot write {label}: it was built without that exporter, or its add-on is switched "
                 "off. Choose another format.",
@@ -167,7 +178,7 @@ def check_choice(plan: ExportPlan) -> None:
 
 
 def check_space(context: bpy.types.Context, plan: ExportPlan) -> None:
-    """Check that the disk has room for what is estimated.
+    """Check that the disk has room for the estimated size.
 
     Raises:
         DimpleError: it has not.
@@ -179,3 +190,117 @@ def check_space(context: bpy.types.Context, plan: ExportPlan) -> None:
             "frames or fewer formats.",
             needed=megabytes(needed), folder=plan.folder, free=free / 1e6
         )  # fmt: skip
+
+
+def export(context: bpy.types.Context, plan: ExportPlan, messages: list[str], written: list[Path]) -> Iterator[float]:
+    """Export; yield the share that is done. Closing the generator cancels; finished files are kept.
+
+    Args:
+        messages: gets sentences for the artist.
+        written: gets the path of each file once it is whole.
+
+    Raises:
+        DimpleError: an object cannot be exported, files are there already, or the disk refuses.
+    """
+    with contextlib.ExitStack() as files, cache_files.plain_os_errors("The export", "folder"):
+        context.view_layer.update()
+        check(plan)
+        folder = files.enter_context(cache_files.unfinished_folder(plan.folder))
+        check_space(context, plan)
+        (folder / "simulated").mkdir()
+        done = SIMULATED if unplayed(plan) else 0.0
+        each_file = (0.99 - done) / (len(plan.objects) * len(plan.formats))  # the rest is for the end
+        sources = yield from _sources(context, plan, folder, messages)
+        for obj, source in zip(plan.objects, sources, strict=True):
+            clip = _clip(context, obj, source, plan, folder)
+            with clips.playing(context, obj, clip.plays):
+                described = sidecar.describe(context, obj, plan.first, plan.last, source.simulated)
+            stem = cache_files.file_name(obj.name)
+            if source.table:
+                sidecar.copy_table(source.table, folder / "table", plan.first, plan.last)
+                _commit(folder / "table", plan.folder / f"{stem}.csv", written)
+            for each in plan.formats:
+                yield done
+                final = plan.folder / f"{stem}{FORMATS[each].ending}"
+                part = folder / final.name
+                with _readable_errors(each, final):
+                    reserve(context, clip, each, folder)
+                    for written_share in FORMATS[each].write(context, clip, part):
+                        yield done + each_file * written_share
+                _commit(part, final, written)
+                described["files"][final.name] = sidecar.describe_file(final, each, clip)
+                sidecar.write(folder / "sidecar", described)
+                _commit(folder / "sidecar", plan.folder / f"{stem}.json", written)
+                done += each_file
+
+
+def _sources(
+    context: bpy.types.Context, plan: ExportPlan, folder: Path, messages: list[str]
+) -> Generator[float, None, list[Source]]:
+    """Return what each object plays, after simulating those that play nothing."""
+    found = {obj.session_uid: None if plan.simulate else played(obj) for obj in plan.objects}
+    if missing := unplayed(plan):
+        begin = plan.first if plan.begin is None else plan.begin
+        bake = baking.BakePlan(  # which needs two frames
+            objects=missing, first=begin, last=max(plan.last, begin + 1), target="FILES",
+            folder=folder / "simulated",
+        )
+        for body in (yield from as_share(baking.simulate(context, bake, messages), 0.0, SIMULATED)):
+            found[body.link.uid] = Source(
+                plays=(body.path, begin, body.link.cuts), table=body.path.with_suffix(".csv"),
+                simulated=sidecar.describe_session(body.session),
+            )  # fmt: skip
+    return [source for obj in plan.objects if (source := found[obj.session_uid])]
+
+
+def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> None:
+    """Make sure that there is room for a file: where there is none, Blender's Alembic exporter ends Blender.
+
+    Raises:
+        OSError: there is not.
+    """
+    with clips.playing(context, clip.obj, clip.plays):
+        some = size_of(context, clip.obj, clip.normals)
+    size = (clip.last - clip.first + 1) * FORMATS[each].bytes_of(some) + 64 * some.corners + 2e5
+    if hasattr(os, "posix_fallocate"):
+        with (folder / "room").open("wb") as file:
+            os.posix_fallocate(file.fileno(), 0, int(1.1 * size))
+        (folder / "room").unlink()
+    elif shutil.disk_usage(folder).free < 1.1 * size:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
+
+
+def _clip(context: bpy.types.Context, obj: bpy.types.Object, source: Source, plan: ExportPlan, folder: Path) -> Clip:
+    samples = np.empty((0, 0, 3), np.float32)
+    if not all(FORMATS[each].played for each in plan.formats):
+        path = folder / "seen.pc2"
+        try:
+            samples = clips.seen(context, obj, source.plays, plan.first, plan.last, path)
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, error.filename or str(path)) from error
+    return Clip(
+        obj=obj, plays=source.plays, samples=samples, first=plan.first, last=plan.last, step=plan.step,
+        key_error=plan.key_error, normals=plan.normals,
+    )  # fmt: skip
+
+
+def _commit(part: Path, final: Path, written: list[Path]) -> None:
+    """Give a finished file its final name. A folder replaces the one that is there as a whole."""
+    if final.is_dir() and not final.is_symlink():
+        os.replace(final, part.with_name(f"{part.name}.old"))  # deleted with the temporary folder
+    os.replace(part, final)
+    if final not in written:
+        written.append(final)
+
+
+@contextlib.contextmanager
+def _readable_errors(each: str, final: Path) -> Iterator[None]:
+    """Let an error say which format could not be written, and where."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename:
+            raise
+        raise OSError(error.errno, error.strerror, str(final)) from error
+    except DimpleError as error:
+        raise DimpleError("{label}: {error}", label=FORMATS[each].label, error=error) from error

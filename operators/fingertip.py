@@ -28,7 +28,7 @@ def settings_of(scene: bpy.types.Scene) -> Settings:
 
 
 def taken(state: PokeState, before: Settings, now: Settings) -> PokeState:
-    """Return a state with what was changed in the panels since; another finger only between presses."""
+    """Return a state with the settings that changed in the panels; the finger changes only between presses."""
     changed = {name: value for name, value in now.items() if value != before[name]}
     active = int(changed.pop("active", state.active))
     if changed:
@@ -37,7 +37,7 @@ def taken(state: PokeState, before: Settings, now: Settings) -> PokeState:
 
 
 def help_text(state: PokeState) -> str:
-    """Return what the keys do now, for the status bar."""
+    """Return the help on the keys for the status bar."""
     if state.by_force:
         amount, text = f"{state.force:.3g} N", polls.tip_("Left drag: press with {} | F: radius {} | Ctrl F: force")
     else:

@@ -1,4 +1,4 @@
-"""Fingertips as objects of the scene: made, selected, and what they press."""
+"""Fingertips as objects of the scene: made, selected, and joined to the body that they press."""
 
 from __future__ import annotations
 
@@ -8,14 +8,12 @@ import bpy
 from bpy_extras.object_utils import object_data_add
 from mathutils import Matrix, Vector
 
-from . import modal_runs, sessions
-
-NUMBERS = (1, 2, 3)
+from . import modal_runs, sessions, sizing
 
 
 def free(scene: bpy.types.Scene) -> list[int]:
     """Return the numbers of the fingertips that no object is."""
-    return [number for number in NUMBERS if not getattr(scene.dimple, f"finger_{number}")]
+    return [number for number, tip in zip(sizing.NUMBERS, sizing.fingertips(scene), strict=True) if tip is None]
 
 
 def body_of(obj: bpy.types.Object | None, scene: bpy.types.Scene) -> bpy.types.Object | None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import operator
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,10 +17,10 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
+from ..core.base import DimpleError
 from ..core.recording import PointCache
-from . import stage, timeline
-from .clip import Clip
-from .exporters import ask
+from . import clips, timeline
+from .clips import Clip
 
 
 class Size(NamedTuple):
@@ -59,6 +60,61 @@ class Format:
     keyed: bool = False
     played: bool = False
     exporter: str = ""
+
+
+def is_there(name: str) -> bool:
+    """Tell whether this Blender has an exporter: it may be built without, or the add-on be switched off."""
+    place, _, verb = name.partition(".")
+    return verb in dir(getattr(bpy.ops, place))
+
+
+def ask(name: str, *, filepath: str, **options: object) -> None:
+    """Ask an exporter of Blender's by the name of its operator, with the options that this Blender has.
+
+    Raises:
+        DimpleError: it refused, or wrote nothing.
+    """
+    export = operator.attrgetter(name)(bpy.ops)
+    known = export.get_rna_type().properties.keys()
+    try:
+        result = export(filepath=filepath, **{name: value for name, value in options.items() if name in known})
+    except RuntimeError as error:
+        raise DimpleError(
+            "Blender's exporter failed at {filepath}: {why}", filepath=filepath, why=_last_line(str(error))
+        ) from error
+    if "FINISHED" not in result or not is_whole(Path(filepath)):
+        raise DimpleError(
+            "Blender's exporter could not finish {filepath}. Is the disk full, or the folder read-only?",
+            filepath=filepath,
+        )
+
+
+def _last_line(text: str) -> str:
+    """Return what an error says, without where in Blender it was raised."""
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith((" ", "Location:"))]
+    return lines[-1].removeprefix("Error: ") if lines else text
+
+
+def is_whole(path: Path) -> bool:
+    """Tell whether a file ends where it says it does; some exporters do not notice that a disk is full."""
+    if not path.is_file():
+        return False
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        head = file.read(4096)
+    if path.suffix == ".abc":  # set when an Ogawa archive is closed
+        return head[:6] == b"Ogawa\xff"
+    if path.suffix == ".usdc":  # the table of contents is written last
+        return len(head) >= 24 and 24 <= int.from_bytes(head[16:24], "little") < size
+    if path.suffix == ".glb":
+        return int.from_bytes(head[8:12], "little") == size
+    if path.suffix == ".stl":
+        return size == 84 + 50 * int.from_bytes(head[80:84], "little")
+    if path.suffix == ".ply":
+        text, _, _ = head.partition(b"end_header\n")
+        vertices, triangles = (int(text.split(b"element " + each)[1].split()[0]) for each in (b"vertex", b"face"))
+        return size == len(text) + 11 + 4 * text.count(b"property float") * vertices + 13 * triangles
+    return size > 0
 
 
 def _pc2(_context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
@@ -139,9 +195,7 @@ def _ply(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     )  # fmt: skip
 
 
-def _sequence(
-    context: bpy.types.Context, clip: Clip, path: Path, exporter: str, **options: object
-) -> Iterator[float]:
+def _sequence(context: bpy.types.Context, clip: Clip, path: Path, exporter: str, **options: object) -> Iterator[float]:
     """Write a file a frame into a folder, whose name ends in that of the format."""
     stem, ending = path.name.rsplit("_", 1)
     path.mkdir()
@@ -169,7 +223,7 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
     yield 0.4
     least, most = vertex_texture.write_png(path / "offsets.png", picture)
     yield 0.8
-    with stage.mapped(context, clip.obj, clip.plays, clip.samples[0], vertex_texture.uv(vertices, where)):
+    with clips.mapped(context, clip.obj, clip.plays, clip.samples[0], vertex_texture.uv(vertices, where)):
         ask(
             "export_scene.gltf", filepath=str(path / "mesh.glb"), check_existing=False, export_format="GLB",
             use_selection=True, export_animations=False, export_apply=False, export_skins=False, export_yup=True,
@@ -178,7 +232,7 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
     words = {
         "about": vertex_texture.__doc__, "width": where.width, "height": where.height, "rows": where.rows,
         "vertices": vertices, "frames": frames, "frame_rate": 1 / timeline.frame_s(context.scene),
-        "uv_map": stage.UV_MAP, "least": least, "most": most,
+        "uv_map": clips.UV_MAP, "least": least, "most": most,
     }  # fmt: skip
     (path / "layout.json").write_text(json.dumps(words, indent=1) + "\n", encoding="utf-8")
     yield 1.0
@@ -186,15 +240,15 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
 
 @contextlib.contextmanager
 def _playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
-    with stage.ranged(context.scene, clip.first, clip.last):
-        with stage.playing(context, clip.obj, clip.plays):
+    with clips.ranged(context.scene, clip.first, clip.last):
+        with clips.playing(context, clip.obj, clip.plays):
             yield
 
 
 @contextlib.contextmanager
 def _keyed(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
-    with stage.ranged(context.scene, clip.first, clip.last):
-        with stage.keyed(context, clip.obj, clip.plays, clip.samples[0], clip.keys().shapes):
+    with clips.ranged(context.scene, clip.first, clip.last):
+        with clips.keyed(context, clip.obj, clip.plays, clip.samples[0], clip.keys().shapes):
             yield
 
 

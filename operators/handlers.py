@@ -49,7 +49,7 @@ def _on_save_post(*_: object) -> None:
 
 @bpy.app.handlers.persistent
 def _on_undo_pre(*_: object) -> None:
-    """Take away what shows the sessions: no undo step knows of it, and it would leave objects with a modifier's data
+    """Remove the modifiers that show the sessions: an undo step does not know them, and would leave modifier data
     that is gone, which ends Blender.
     """
     if sessions.sessions:

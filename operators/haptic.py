@@ -18,15 +18,13 @@ from ..core.messages import Message, in_a_row
 from . import modal_runs, sessions
 
 if TYPE_CHECKING:
-    from ..core.haptics.contact_model import Contact
-    from ..core.haptics.contact_rendering import Workspace
-    from ..core.haptics.device import Device
-    from ..core.haptics.servo_messages import ServoReport
+    from ..core.device.device import Device
+    from ..core.device.orders import ServoReport
+    from ..core.device.workspace import Workspace
     from ..core.session import Finger
     from .sessions import LiveBody
 
-EMULATED = "emulated"  # instead of a port: try it without a device
-SLOW_S = 0.25  # between two frames of Blender: slower, and the dead-man key lapses between them (safety.LEASE)
+SLOW_S = 0.25  # between two frames of Blender: slower, and the dead-man key lapses between them (limits.LEASE)
 LOOK_S = 0.1  # between two looks at the device while nothing runs
 
 
@@ -74,19 +72,14 @@ def connect(scene: bpy.types.Scene) -> Connection:
         DimpleError: it cannot be started, with the reason and what to do.
     """
     from ..core.base import DimpleError
-    from ..core.haptics.device import Emulated, HapticMaster
-    from ..core.haptics.emulated_hand import poking_hand
+    from ..core.device.device import HapticMaster
 
     disconnect()
     port = scene.dimple.device_port.strip()
     if not port:
-        way_out = [Message('"{emulated}" is a device to try.', emulated=EMULATED)] if Emulated.is_supported() else []
-        raise DimpleError(in_a_row(["Choose a port, or type its path.", *way_out]))
+        raise DimpleError("Choose a port, or type its path.")
     file = Path(bpy.path.abspath(scene.dimple.device_file)) if scene.dimple.device_file else None
-    if port.lower() == EMULATED:
-        device: Device = Emulated(hand=poking_hand(), spec_path=file)
-    else:
-        device = HapticMaster(bpy.path.abspath(port), spec_path=file)
+    device = HapticMaster(bpy.path.abspath(port), spec_path=file)
     device.open()
     connection = Connection(device=device, report=device.read())
     connections.append(connection)
@@ -110,8 +103,8 @@ def hold(seconds: float) -> None:
 
 def read() -> list[str]:
     """Read the device; return sentences for the artist."""
-    from ..core.haptics.safety import Arming
-    from ..core.haptics.servo_messages import LinkState
+    from ..core.device.orders import LinkState
+    from ..core.device.safety import Arming
 
     connection = get()
     if connection is None:
@@ -137,7 +130,7 @@ def read() -> list[str]:
 
 def workspace(scene: bpy.types.Scene, scale: float) -> Workspace:
     """Return the place of the device in a session of a physical scale [m per scene unit]."""
-    from ..core.haptics.contact_rendering import Workspace
+    from ..core.device.workspace import Workspace
 
     settings = scene.dimple
     enlarged = settings.device_scale
@@ -150,8 +143,8 @@ def workspace(scene: bpy.types.Scene, scale: float) -> Workspace:
 
 def fingertips(scene: bpy.types.Scene, body: LiveBody) -> list[Finger | None]:
     """Return the device's fingertips in a session's space; none where no device is ready."""
-    from ..core.haptics.contact_rendering import fingers
-    from ..core.haptics.servo_messages import LinkState
+    from ..core.device.orders import LinkState
+    from ..core.device.workspace import fingers
 
     connection = get()
     if connection is None or connection.report.link is not LinkState.READY:
@@ -160,39 +153,36 @@ def fingertips(scene: bpy.types.Scene, body: LiveBody) -> list[Finger | None]:
 
 
 def write(scene: bpy.types.Scene) -> None:
-    """Render the nearest contact of each fingertip.
+    """Send the surface under each fingertip, of the body in which it is deepest.
 
     A body that is suddenly under a fingertip, by a new session, another place of the device, another radius or the end
     of a poke, must not push, as when the device is armed: else it is disarmed.
     """
-    from ..core.haptics.contact_rendering import contact_of
-    from ..core.haptics.safety import QUIET_FORCE
-    from ..core.haptics.servo_messages import TIPS, LinkState
+    from ..core.device.limits import QUIET_FORCE
+    from ..core.device.orders import TIPS, LinkState
+    from ..core.device.workspace import surfaces_of
 
     connection = get()
     if connection is None or connection.report.link is not LinkState.READY:
         return
     now, radius, known, kicks = time.perf_counter(), scene.dimple.finger_radius_mm, set(), False
-    nearest: list[Contact | None] = [None] * TIPS
+    deepest, surfaces = [-math.inf] * TIPS, [None] * TIPS
     for body in sessions.sessions.values():
-        where = workspace(scene, body.link.scale)
-        for i, touch in enumerate(body.frame.touches):
+        where, touches = workspace(scene, body.link.scale), body.frame.touches
+        for i, surface in enumerate(surfaces_of(body.session, touches, where, now)):
             if i in body.poked:
                 continue
             known.add(which := (body, i, where, radius))
-            if contact := contact_of(touch, where, connection.report.cap, now):
-                kicks |= math.hypot(*contact.force) >= QUIET_FORCE and which not in connection.known
-                nearest[i] = min(filter(None, (nearest[i], contact)), key=_distance)
+            if surface is None:
+                continue
+            kicks |= math.hypot(*touches[i].force) >= QUIET_FORCE * where.scale and which not in connection.known
+            if touches[i].depth > deepest[i]:
+                deepest[i], surfaces[i] = touches[i].depth, surface
     if kicks and connection.report.arming.name != "OFF":
         connection.device.disarm()
         connection.note = "What is under a fingertip has changed. Lift it and arm the device again."
     connection.known = known
-    connection.device.write(nearest)
-
-
-def _distance(contact: Contact) -> tuple[float, float]:
-    """Return the gap of a contact, and less than nothing where it presses."""
-    return contact.gap, -sum(c * c for c in contact.force)
+    connection.device.write(surfaces)
 
 
 def set_origin(scene: bpy.types.Scene) -> None:
@@ -229,13 +219,11 @@ def _look() -> float | None:
 
 
 def ports() -> list[tuple[str, str]]:
-    """Return what can be connected, as paths and descriptions; the emulated device only where it can run."""
-    from ..core.haptics.device import Emulated
-    from ..core.haptics.serial_link import ports
-    from ..core.haptics.udp_line import EXAMPLE
+    """Return what can be connected, as paths and descriptions."""
+    from ..core.device.serial_line import ports
+    from ..core.device.udp_line import EXAMPLE
 
-    found = [*ports(), (EXAMPLE, "Network")]
-    return [*found, (EMULATED, "")] if Emulated.is_supported() else found
+    return [*ports(), (EXAMPLE, "Network")]
 
 
 @bpy.app.handlers.persistent

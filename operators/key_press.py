@@ -10,35 +10,33 @@ from .names import Op
 STRAIGHT_M = 5e-5  # how far the ways between keyframes may lead past the press, at the body's physical size
 
 
-class DIMPLE_OT_key_press(bpy.types.Operator):
+class DIMPLE_OT_key_press(polls.Declared, bpy.types.Operator):
     """Keyframe a fingertip by the last press."""
 
     bl_idname = Op.KEY_PRESS
     bl_label = "Key This Press"
     bl_description = (
-        "Turn the last press by mouse, pen or haptic device into a keyframed fingertip, from the current frame on. "
-        "Baked, it gives the motion that was seen"
+        "Turn the last press by mouse, pen or haptic device into a keyframed fingertip, from the current frame on. A "
+        "bake then repeats the motion that you saw"
     )
     bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need Object Mode, a press by hand, and a free slot for each of its fingertips."""
-        if context.mode != "OBJECT":
-            return polls.refuse(cls, "Go back to Object Mode first")
-        press = _wanted(context)
-        if press is None:
-            return polls.refuse(cls, "Press a body first: there is nothing to keyframe")
-        return polls.has_free_fingertips(cls, context.scene, len(press.ways)) and polls.is_free(cls)
+    needs = (
+        polls.in_object_mode,
+        polls.need(lambda context: _wanted(context), "Press a body first: there is nothing to keyframe"),
+        lambda operator, context: polls.has_free_fingertips(operator, context.scene, len(_wanted(context).ways)),
+        polls.is_free,
+    )
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         """Add a fingertip for each that pressed."""
+        from ..core.errors import DimpleError
         from . import bridge
 
         press, scene = _wanted(context), context.scene
-        body = press and bridge.find(press.uid, press.name)
+        body = bridge.find(press.uid, press.name)
         if body is None:
-            return {"CANCELLED"}
+            raise DimpleError('"{name}" is gone.', name=press.name)
         report(self, fingertip_objects.leave_poke())
         first, last = key(context, press, body)
         said = Message(
@@ -49,14 +47,12 @@ class DIMPLE_OT_key_press(bpy.types.Operator):
             report(self, [in_a_row([said, end])])
         else:
             report(self, [Note(said)])
-        return {"FINISHED"}
 
 
 def key(context: bpy.types.Context, press: live_press.LivePress, body: bpy.types.Object) -> tuple[int, int]:
     """Add fingertips that repeat a press, and return its first and last frame."""
     from ..core.stroke import keys
-    from . import timeline
-    from .shape_keys import curve_bags
+    from . import keyframes, timeline
 
     scene = context.scene
     frame, frame_s = scene.frame_current if press.frame is None else press.frame, timeline.frame_s(scene)
@@ -72,10 +68,9 @@ def key(context: bpy.types.Context, press: live_press.LivePress, body: bpy.types
             if resized:
                 tip.scale = [place[3] / places[0, 3]] * 3
                 tip.keyframe_insert("scale", frame=at)
-        for bag in curve_bags(tip):
+        for bag in keyframes.curve_bags(tip):
             for curve in bag.fcurves:
-                for point in curve.keyframe_points:
-                    point.interpolation = "LINEAR"
+                keyframes.straighten(curve)
         tips.append(tip)
         shown += [int(frames[0]), int(frames[-1])]
     for tip in tips:

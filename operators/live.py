@@ -16,7 +16,6 @@ from ..core.steps import Parts, at_once
 from . import (
     bridge,
     contact,
-    final_mesh,
     fingertip_objects,
     haptic,
     live_press,
@@ -167,8 +166,7 @@ def _meet(context: bpy.types.Context) -> list[str]:
 
 
 def _groups() -> list[tuple[list[LiveBody], World | None]]:
-    """Return the running bodies in groups that are stepped together, each with its world, None where they do not meet.
-    """
+    """Return the running bodies in groups that are stepped together, each with its world, None without contact."""
     together = [([sessions.sessions[uid] for uid in each.uids], each.world) for each in sessions.worlds]
     met = {uid for each in sessions.worlds for uid in each.uids}
     return [*together, ([body for uid, body in sessions.sessions.items() if uid not in met], None)]
@@ -203,7 +201,7 @@ def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger
     if body.link is not link:
         pressed = ()  # those were in metres of another size
         sessions.disarm()  # which may put it under a fingertip of the haptic device at once
-    follow(context, obj, body)
+    body.follow(context, obj)
     device = haptic.fingertips(context.scene, body)
     fingers = merged(device or pressing(context.scene, body), pressed)
     body.held = {i: finger for i, finger in enumerate(merged(device, pressed)) if finger}
@@ -222,16 +220,11 @@ def finish(body: LiveBody) -> list[str]:
     showing.show(_object(body), body)
     if body.recorder:
         try:
-            body.recorder.append(frame.time, showing.offsets_of(body), body.session)
+            body.recorder.append(frame.time, body.offsets(), body.session)
         except OSError as error:
             ended = body.recorder.cut_short(body.name, error)
             messages += [ended, *(each for each in sessions.end_recording(body) if not isinstance(each, Note))]
     return messages
-
-
-def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> None:
-    """Let what is pinned of a body go where its object has gone, and its shape at rest be what its rig makes of it."""
-    body.matrix, body.rest = final_mesh.lead(context, obj, body.link, body.session, body.matrix, body.rest)
 
 
 def pressing(scene: bpy.types.Scene, body: LiveBody) -> Sequence[Finger | None]:
@@ -247,8 +240,7 @@ def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:
         place = tuple(scale * c for c in obj.matrix_world.translation)
         return Finger(place, sizing.radius_of(obj, scene, scale))
 
-    objects = (getattr(scene.dimple, f"finger_{number}") for number in fingertip_objects.NUMBERS)
-    return [finger(obj) if obj else None for obj in objects]
+    return [finger(obj) if obj else None for obj in sizing.fingertips(scene)]
 
 
 def merged(fingers: Sequence[Finger | None], pressed: Sequence[Finger | None]) -> tuple[Finger | None, ...]:
@@ -267,6 +259,6 @@ def ask(scene: bpy.types.Scene, run: ModalRun, wall: float) -> tuple[float, floa
 
 
 def adapt(run: ModalRun, asked: float) -> None:
-    """Set the size of the next step by what the slowest session has just managed."""
+    """Set the size of the next step by the progress of the slowest session."""
     done = min((body.done for body in sessions.sessions.values()), default=asked)
     run.step_s = min(max(2 * done, SHORTEST_S), LONGEST_S)

@@ -35,7 +35,7 @@ presses: dict[int, LivePress] = {}  # by the session_uid of the body; the last t
 
 
 def note(context: bpy.types.Context, body: LiveBody) -> None:
-    """Take in what the fingertips of a hand have done to a body in its last step."""
+    """Record the motion of hand-moved fingertips on a body in its last step."""
     from . import timeline
 
     clock, touches, held = body.session.clock, body.frame.touches, {}

@@ -1,24 +1,34 @@
 """Make Soft: everything that a bare mesh needs to be pressed, in one click; the mesh itself stays as it is."""
 
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ..core.messages import Message, about
 from . import polls, sessions
-from .mesh_faults import Faults, repair
 from .messages import gathered, report, say
 from .names import Op
 from .sizing import fit, settle_size
 from .start import LARGE
 
-PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
+if TYPE_CHECKING:
+    import bmesh
+
+PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # other types than meshes are converted
 TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
-
-
+SAME = 1e-6  # of the size: vertices that are no farther apart are one
 FIRST = "object_2_vinyl_air"  # number 0 of the list, and so its default
 Item = tuple[str, str, str, str, int]
 _items: list[Item] = []  # Blender does not keep the strings of a list that a function returns
+
+
+class Faults(NamedTuple):
+    """How many vertices are doubled or loose, and how many faces look inward."""
+
+    doubled: int = 0
+    loose: int = 0
+    inward: int = 0
 
 
 def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[Item]:
@@ -31,8 +41,8 @@ def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[
     return _items
 
 
-class DIMPLE_OT_make_soft(bpy.types.Operator):
-    """Make the selected meshes soft bodies, ready to be pressed: material, real size, pins, and what is simulated"""
+class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
+    """Make the selected meshes soft and ready to press, with a material, a real size and pins"""
 
     bl_idname = Op.MAKE_SOFT
     bl_label = "Make Soft"
@@ -40,22 +50,19 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
 
     preset: EnumProperty(
         name="Material",
-        description="Object whose constants the material gets; unchosen, only a mesh without one gets it",
+        description="Material for the meshes. Unless you choose one, only meshes without a material get it",
         items=presets, default=0, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
     )  # fmt: skip
     repair: BoolProperty(
         name="Repair", options={"SKIP_SAVE"},
-        description="Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself",
+        description="Repair the mesh itself: weld doubled vertices, delete loose ones and turn faces outward",
     )  # fmt: skip
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need Object Mode and a mesh of this file."""
-        if context.mode != "OBJECT":
-            return polls.refuse(cls, "Go back to Object Mode first")
-        if context.object is None or context.object.type not in PRESSABLE:
-            return polls.refuse(cls, "Select a mesh first")
-        return polls.is_own(cls, context.object) and polls.is_free(cls)
+    needs = (
+        polls.in_object_mode,
+        polls.need(lambda context: context.object and context.object.type in PRESSABLE, "Select a mesh first"),
+        polls.is_own, polls.is_free,
+    )  # fmt: skip
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set up every selected mesh; one that cannot be pressed is said and left as it was."""
@@ -106,10 +113,8 @@ def is_shared(obj: bpy.types.Object) -> bool:
     return bool(obj.data.shape_keys) or obj.data.users > 1
 
 
-def make_soft(
-    context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool
-) -> tuple[str, list[str]]:
-    """Make a mesh a soft body; return a sentence on what it is now, and notes on what was found.
+def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool) -> tuple[str, list[str]]:
+    """Make a mesh a soft body; return a sentence on the result, and notes on the mesh.
 
     A large one is prepared when it is pressed first, with its progress shown.
 
@@ -120,7 +125,8 @@ def make_soft(
         DimpleError: it cannot be pressed; only its material and settings may have been set.
     """
     from ..core.base import DimpleError
-    from . import bridge, planning
+    from . import bridge
+    from .object_body import ObjectBody
 
     bridge.check(obj)
     bridge.check_writable(obj)
@@ -140,8 +146,7 @@ def make_soft(
             name=obj.name,
             material=obj.active_material.name,
         ), []
-    _, model = bridge.read_body(context, obj)
-    planning.proxy_for(context.scene, obj, model)  # so that the first press begins at once
+    model = ObjectBody.from_object(obj).session.model  # planned now, so that the first press begins at once
     size, notes = f"{1e3 * model.mesh.size:.3g} mm", [about(obj.name, note) for note in model.notes]
     said = Message(
         '"{name}" is soft: "{material}", {size} across. Press it with the left mouse button.',
@@ -179,6 +184,42 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.type
     made.name = name
     what = '"{name}" was given a depth and converted to a mesh.' if deepened else '"{name}" was converted to a mesh.'
     return made, Message(what, name=made.name)
+
+
+def repair(obj: bpy.types.Object) -> Faults:
+    """Weld doubled vertices, delete loose ones and turn faces outward; return the repaired faults."""
+    import bmesh
+
+    mesh = bmesh.new()
+    try:
+        mesh.from_mesh(obj.data)
+        size = max(obj.dimensions) / max(*map(abs, obj.matrix_world.to_scale()), 1e-30)
+        pairs = bmesh.ops.find_doubles(mesh, verts=mesh.verts, dist=SAME * size)["targetmap"]
+        bmesh.ops.weld_verts(mesh, targetmap=pairs)
+        loose = [vertex for vertex in mesh.verts if not vertex.link_faces]
+        found = Faults(len(pairs), len(loose), _turn_outward(mesh))
+        bmesh.ops.delete(mesh, geom=loose, context="VERTS")
+        mesh.to_mesh(obj.data)
+        obj.data.update()
+        return found
+    finally:
+        mesh.free()
+
+
+def _turn_outward(mesh: "bmesh.types.BMesh") -> int:
+    """Turn faces outward; return how many. Which side of an open mesh is outward nobody knows: most faces decide."""
+    import bmesh
+
+    mesh.normal_update()
+    before = [face.normal.copy() for face in mesh.faces]
+    bmesh.ops.recalc_face_normals(mesh, faces=mesh.faces)
+    mesh.normal_update()
+    turned = [face for face, normal in zip(mesh.faces, before, strict=True) if face.normal.dot(normal) < 0]
+    is_open = any(edge.is_boundary for edge in mesh.edges)
+    if is_open and 2 * len(turned) > len(before):
+        bmesh.ops.reverse_faces(mesh, faces=mesh.faces)
+        return len(before) - len(turned)
+    return len(turned)
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_make_soft])

@@ -1,5 +1,6 @@
 """Sentences for the artist, and how an operator says them."""
 
+import logging
 import re
 from collections.abc import Iterable
 
@@ -8,6 +9,7 @@ import bpy
 from ..core.messages import ABOUT, Message, about, in_a_row
 from .translation import translated
 
+LOG = logging.getLogger("dimple")
 # what stays on one line in Japanese: a character or a Latin word, with what opens before it and closes after it
 _PIECE = re.compile(r"[「『（]*(?:[!-~]+|.)[、。」』）！？：・ー〜々ぁぃぅぇぉっゃゅょァィゥェォッャュョ]* ?")
 
@@ -17,8 +19,10 @@ class Note(Message):
 
 
 def say(operator: bpy.types.Operator, kind: set[str], *messages: str) -> None:
-    """Report messages in a row in the language of the interface; kind: as `Operator.report` takes it."""
-    operator.report(kind, translated(in_a_row(messages)))
+    """Log messages, and report them in a row in the language of the interface; kind: as `Operator.report` takes it."""
+    said = in_a_row(messages)
+    LOG.log(logging.WARNING if kind & {"WARNING", "ERROR"} else logging.INFO, said)
+    operator.report(kind, translated(said))
 
 
 def report(operator: bpy.types.Operator, messages: Iterable[str]) -> None:

@@ -21,7 +21,7 @@ PAUSED_POKE = "Paused: Space or Play goes on, Esc ends and puts the rest shape b
 class ModalRun:
     """A modal operator that drives the sessions.
 
-    kind: "start", "poke", "play", "bake" or "measure".
+    kind: "poke", "play", or another of what nothing may disturb.
     timer: what wakes it.
     state: what it does, for the panel.
     status: for the status bar.
@@ -112,7 +112,7 @@ def close_run(run: ModalRun) -> None:
 
 
 def redraw() -> None:
-    """Ask every viewport to draw itself anew."""
+    """Ask every viewport to redraw."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":

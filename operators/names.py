@@ -6,19 +6,19 @@ from enum import StrEnum
 # that hold their offsets; Blender hides those with a leading dot
 OURS = ".Dimple "
 PRESS, KEPT_PRESS, BAKED_PRESS, CARRIER = ".Dimple Press", ".Dimple Kept", ".Dimple Bake", ".Dimple Carrier"
-REST = ".dimple_rest"  # attribute of what is evaluated: the shape at rest of this frame
+REST = ".dimple_rest"  # attribute of the evaluated mesh: its shape at rest in this frame
 KEPT = "Pressed"  # name of the modifier that keeps a press
 BAKED_KEY = "Dimple Frame "  # begins the names of a bake's shape keys, before the number of the frame
 CACHE = "Dimple"  # name of the modifier that plays a bake
 CACHES_OFF = "dimple_caches_off"  # custom property of an object: its bakes that are switched off while it is live
-PAINTING = "WEIGHT_PAINT"  # the mode in which what plays goes on, with the weights that are being painted
+PAINTING = "WEIGHT_PAINT"  # the mode in which a simulation continues, with the weights that are being painted
 POKE_TOOL = "dimple.poke_tool"  # in the toolbar
 DEAD_MAN = "LEFT_SHIFT"  # the haptic device has force only while this key is held
 
 # the tip that measured a material: the identifiers of the core, in capitals
 TIPS = (
     ("POINT", "Point", "Something small that touches at a point, as in the paper"),
-    ("PUNCH", "Flat Punch", "A flat, round face that goes in as one"),
+    ("PUNCH", "Flat Punch", "A flat, round face"),
     ("SPHERE", "Ball", "A round tip, like a fingertip"),
 )
 # what an animation is exported to; `formats` writes them
@@ -34,7 +34,7 @@ EXPORTS = (
     ("PLY", "PLY Sequence", "A folder with a file for each frame, for scanning tools and numpy", 128),
     ("VAT", "Vertex Animation Texture", "EXR and 16-bit PNG for shaders, and the mesh with its second UV map", 256),
 )
-# what can be painted on a body: its vertex group, and what that is of
+# properties that can be painted on a body: the label of the vertex group, and the meaning of its weights
 MAPS = (
     ("softness", "Softness Group", "softness: 0.5 is as measured, 1 four times softer, 0 four times stiffer"),
     ("knee", "Knee Group", "how deep the soft part reaches: 0.5 is x0, 1 twice and 0.25 half of it"),
@@ -50,6 +50,7 @@ PLACES = (
 class Op(StrEnum):
     """Every `bpy.ops` name of the extension that acts on a body."""
 
+    COPY_REPORT = "dimple.copy_report"
     MAKE_SOFT = "dimple.make_soft"
     START = "dimple.start"
     POKE = "dimple.poke"

@@ -41,7 +41,7 @@ class Choice(NamedTuple):
 
 
 _choices: dict[str, Choice] = {}
-_moving: list[tuple[Mesh, Proxy | None]] = []  # what was chosen for the last meshes, whatever their materials are
+_moving: list[tuple[Mesh, Proxy | None]] = []  # the choices for the last meshes, whatever their materials
 
 
 def proxy_for(
@@ -59,9 +59,7 @@ def proxy_for(
     return found
 
 
-def planning_for(
-    scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None
-) -> Parts:
+def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None) -> Parts:
     """Plan an object in parts; see `proxy_for`."""
     settings, now = obj.dimple, key(scene, obj, model)
     build = partial(_proxy, moving)
@@ -155,13 +153,13 @@ class Around(NamedTuple):
 
 
 def around(scene: bpy.types.Scene, obj: bpy.types.Object) -> Around:
-    """Return what the plan of an object depends on besides its model."""
+    """Return the inputs of a plan besides the model."""
     budget = budget_of(scene, obj)
     return Around(scene.dimple.finger_radius_mm, budget, contact.is_on(scene), obj.dimple.self_contact)
 
 
 def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
-    """Return a checksum of what the plan depends on: body, materials, fingertips and budget."""
+    """Return a checksum of the inputs of a plan: body, materials, fingertips and budget."""
     law, number = model.matching, 0
     for array in (
         law.rest, model.mesh.triangles, model.mass, model.pinned, law.k1, law.k2, law.d0, law.damping, law.tension,

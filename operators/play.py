@@ -11,8 +11,8 @@ from .messages import gathered, report, say
 from .names import Op
 
 
-class DIMPLE_OT_play(bpy.types.Operator):
-    """Run or pause the selected bodies; fingertip objects press them. Esc ends and restores"""
+class DIMPLE_OT_play(polls.Declared, bpy.types.Operator):
+    """Run or pause the selected bodies, which fingertip objects press. Esc ends it and restores the shapes"""
 
     bl_idname = Op.PLAY
     bl_label = "Play"
@@ -22,29 +22,19 @@ class DIMPLE_OT_play(bpy.types.Operator):
     )
     frames: IntProperty(
         name="Frames",
-        description="From a script: go on by so many frames of the timeline as a bake does, instead of the seconds",
+        description="From a script: run this many frames of the timeline, as a bake does, instead of the seconds",
         default=0,
         min=0,
     )
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need Object Mode and no bake."""
-        if context.mode != "OBJECT":
-            return polls.refuse(cls, "Go back to Object Mode to play")
-        return polls.is_free(cls)
+    needs = polls.in_object_mode, polls.is_free
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         """Run for some seconds or along the timeline at once, frame by frame of the scene."""
-        from ..core.base import DimpleError
         from . import live, timeline
 
-        try:
-            polls.check_numbers(self, "seconds")
-            self._report(live.start_all(context))
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
-            return {"CANCELLED"}
+        polls.check_numbers(self, "seconds")
+        self._report(live.start_all(context))
         scene = context.scene
         now, count = scene.frame_current, max(round(self.seconds / timeline.frame_s(scene)), 1)
         steps = [self.seconds / count] * count
@@ -54,7 +44,6 @@ class DIMPLE_OT_play(bpy.types.Operator):
         with sessions.ending_on_error():
             for step_s in steps:
                 report(self, live.advance(context, step_s))
-        return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Start, pause or go on."""
@@ -68,7 +57,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         try:
             if start.takes_long(context):
                 bpy.ops.dimple.start("INVOKE_DEFAULT", then="play")
-                return {"CANCELLED"}  # it is started anew when they are ready
+                return {"CANCELLED"}  # it starts again once they are ready
             self._report(live.start_all(context))
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
@@ -118,7 +107,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
     def _follow(self, context: bpy.types.Context) -> list[str]:
         """Go on with the timeline by one frame, as a bake does.
 
-        Wound back, it begins anew at rest.
+        Once the timeline is wound back, the bodies begin again at rest.
         """
         from . import live, props, timeline
 
@@ -148,23 +137,17 @@ def _at_rest() -> bool:
     return not any(body.frame.time for body in sessions.sessions.values())
 
 
-class DIMPLE_OT_reset(bpy.types.Operator):
-    """End every session and put the rest shapes back exactly"""
+class DIMPLE_OT_reset(polls.Declared, bpy.types.Operator):
+    """Stop pressing, and put every shape back exactly as it was"""
 
     bl_idname = Op.RESET
     bl_label = "Reset"
 
-    @classmethod
-    def poll(cls, _context: bpy.types.Context) -> bool:
-        """Need something that runs."""
-        if not (sessions.sessions or modal_runs.runs):
-            return polls.refuse(cls, "Nothing is being pressed")
-        return True
+    needs = (polls.need(lambda _: sessions.sessions or modal_runs.runs, "Nothing is being pressed"),)
 
-    def execute(self, _context: bpy.types.Context) -> set[str]:
+    def run(self, _context: bpy.types.Context) -> None:
         """Put everything back."""
         report(self, sessions.stop_all())
-        return {"FINISHED"}
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_play, DIMPLE_OT_reset])

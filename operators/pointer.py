@@ -1,4 +1,4 @@
-"""Mouse, tablet and keys become events of the poke: what the pointer is on, and which key means what."""
+"""Mouse, tablet and keys become events of the poke: the surface under the pointer, and the meaning of each key."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def passes(event: bpy.types.Event, view: View | None, *, pressing: bool, undo: b
     if view is None or event.type in PASSING or event.type.startswith(("NDOF", "NUMPAD", "TIMER", "WINDOW")):
         return True
     if event.type == SAVE and (event.ctrl or event.oskey) and not event.alt:
-        return True  # what is saved is at rest
+        return True  # Dimple saves bodies at rest
     if event.type in SIDES:
         return not (event.ctrl or event.shift or event.alt or event.oskey)
     if event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE", SIZING}:
@@ -123,7 +123,7 @@ def choose_tool(context: bpy.types.Context) -> None:
 
 
 def under(context: bpy.types.Context, view: View) -> Under | None:
-    """Return what the pointer is on that a click with the tool presses: a selected mesh, or a soft body."""
+    """Return the mesh under the pointer that a click with the tool presses: a selected one, or a soft body."""
     origin, direction = _ray(view)
     graph = context.evaluated_depsgraph_get()
     _, at, normal, _, found, _ = context.scene.ray_cast(graph, origin, direction)
@@ -162,7 +162,7 @@ def fingertip_under(context: bpy.types.Context, view: View) -> bpy.types.Object 
 
 
 def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, LiveBody], shapes: Shapes) -> Hit | None:
-    """Return what a ray in the scene meets first, in the space of the body it belongs to."""
+    """Return the first hit of a ray in the scene, in the space of the body that it hits."""
     best, found = np.inf, None
     for uid, body in bodies.items():
         scale = body.link.scale

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
 
-from . import modal_runs, polls, sessions, showing
+from . import fingertip_objects, modal_runs, polls, sessions, showing
 from .messages import gathered, report, say
 from .names import Op
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _CONTACT = ("collider", "collider_friction", "is_prop", "prop_mass_kg", "self_contact")
 
 
-class DIMPLE_OT_poke(bpy.types.Operator):
+class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
     """Press the selected meshes with a fingertip: live with the mouse, or from a script at a given place"""
 
     bl_idname = Op.POKE
@@ -45,26 +45,26 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         default=0.25, min=0.0, soft_max=5.0,
     )  # fmt: skip
     radius_mm: FloatProperty(
-        name="Radius (mm)", description="Radius of the fingertip; 0 is the scene's", default=0.0, min=0.0
+        name="Radius (mm)", description="Radius of the fingertip; 0 uses that of the scene", default=0.0, min=0.0
     )
-    finger: IntProperty(name="Finger", description="1, 2 or 3; 0 is the scene's", default=0, min=0, max=3)
+    finger: IntProperty(
+        name="Finger", description="Fingertip to press with: 1, 2 or 3; 0 uses that of the scene", default=0, min=0,
+        max=3,
+    )  # fmt: skip
     keep: BoolProperty(name="Keep", description="Keep the dent at the end instead of putting the rest shape back")
     record: BoolProperty(name="Record", description="Record the press and let the object play it")
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need Object Mode, and no other poke or bake."""
-        if context.mode != "OBJECT":
-            return polls.refuse(cls, "Go back to Object Mode to press")
-        if any(run.kind == "poke" for run in modal_runs.runs):
-            return polls.refuse(cls, "A poke is running; Esc leaves it")
-        return polls.is_free(cls)
+    needs = (
+        polls.in_object_mode,
+        polls.need(lambda _: all(run.kind != "poke" for run in modal_runs.runs), "A poke is running; Esc leaves it"),
+        polls.is_free,
+    )
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         """Press once, as the properties say, without a window."""
         from . import press
 
-        return press.press_once(self, context)
+        press.press_once(self, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Start to press live."""
@@ -80,11 +80,11 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         if clicked and found is None:
             return {"PASS_THROUGH"}  # it selects
         if found and not found.obj.select_get():
-            _select(context, found.obj)
+            fingertip_objects.select(context, found.obj)
         try:
             if start.takes_long(context):
                 bpy.ops.dimple.start("INVOKE_DEFAULT", then="poke")
-                return {"CANCELLED"}  # it is started anew when they are ready
+                return {"CANCELLED"}  # it starts again once they are ready
             sizing.fit(context.scene, found.obj if found else live.candidates(context)[0])
             self._tool = fingertip.settings_of(context.scene)
             self._state = PokeState(**self._tool)
@@ -109,7 +109,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Hand every event to the state machine; whatever goes wrong, leave nothing behind."""
+        """Pass every event to the state machine; after an error, everything ends and is restored."""
         if self._run.closed:
             return {"CANCELLED"}
         with sessions.ending_on_error():
@@ -139,12 +139,12 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         if view and meant.kind is Kind.PRESS and meant.hit is None:
             meant = self._joined(context, event, view)
             if meant is None:
-                return {"PASS_THROUGH"}  # a click beside what is pressed selects
+                return {"PASS_THROUGH"}  # a click beside the bodies selects
         return self._take(context, meant)
 
     def _chosen(self, context: bpy.types.Context, view: "View") -> bool:
-        """Select the fingertip object that is clicked, and leave the poke: what it is moved with is Blender's own."""
-        from . import bridge_write, fingertip_objects, pointer
+        """Select the fingertip object that is clicked, and leave the poke: Blender's own tools move it."""
+        from . import bridge_write, pointer
 
         tip = pointer.fingertip_under(context, view)
         if tip is None:
@@ -179,7 +179,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
 
     def _take(self, context: bpy.types.Context, event: "PokeEvent") -> set[str]:
-        """Let an event change the state, and do what it asks for."""
+        """Update the state by an event, and carry out its effects."""
         from ..core.poke import Kind, on_event
 
         was_pressing = self._state.pressing
@@ -198,7 +198,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def _do(self, context: bpy.types.Context, effect: "Effect", amount: float) -> set[str] | None:
-        """Do what the state machine asks for; return how the operator ends, None when it goes on."""
+        """Carry out an effect of the state machine; return the result of the operator, None while it continues."""
         from ..core.poke import Effect, fingers, lifted
         from . import bridge, live, sizing
 
@@ -246,7 +246,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         return bool(changed) and not self._state.pressing
 
     def _help(self, context: bpy.types.Context) -> str:
-        """Return what the keys do now, for the status bar."""
+        """Return the help on the keys for the status bar."""
         from . import fingertip
 
         if context.mode != "OBJECT":
@@ -262,16 +262,8 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         return {"CANCELLED"}
 
 
-def _select(context: bpy.types.Context, obj: bpy.types.Object) -> None:
-    """Select an object alone, as a click does."""
-    for other in context.selected_objects:
-        other.select_set(False)
-    obj.select_set(True)
-    context.view_layer.objects.active = obj
-
-
 def _contacts(context: bpy.types.Context) -> dict[int, tuple[float, ...]]:
-    """Return what the objects of a scene say of their contact."""
+    """Return the contact settings of the objects of a scene."""
     return {
         obj.session_uid: tuple(getattr(obj.dimple, name) for name in _CONTACT) for obj in context.scene.objects
     }  # fmt: skip

@@ -1,8 +1,9 @@
-"""One press from a script: the poke's state machine fed with what a person would do, without a window."""
+"""A press from a script: its aim, and its course frame by frame without a window."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import bpy
@@ -12,38 +13,30 @@ from mathutils.bvhtree import BVHTree
 from ..core.base import DimpleError
 from ..core.messages import Message
 from ..core.poke import Hit, Kind, PokeEvent, PokeState, Vector, along, fingers, on_event
-from . import bridge, live, pointer, polls, record, sessions
+from . import bridge, live, pointer, polls, record, sessions, timeline
 from .messages import report, say
-from .sessions import LiveBody
+from .object_body import ObjectBody
 
 FORCE_N = 5.0  # of a press by force where none is given
 DOWN: Vector = (0.0, 0.0, -1.0)
 
 
-def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> set[str]:
+def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> None:
     """Press, hold and release as the operator's properties say; show and record every frame of it."""
-    try:
-        polls.check_numbers(operator, "location", "direction", "hold_s")
-        # a direction that is given is meant, whatever the scene's setting for the mouse
-        state = replace(new_state(context, operator), along_normal=not any(operator.direction))
-        with sessions.ending_on_error():
-            _, messages, wrong = live.start_all(context)
-            bodies = sessions.sessions
-            place = tuple(operator.location) if operator.properties.is_property_set("location") else None
-            event = aimed(bodies, place, tuple(operator.direction))
-            check_depth(state, event, bodies)
-            if operator.record:
-                record.begin(context)
-            deepest, strongest = run(context, state, event, operator.hold_s, messages)
-            messages += sessions.stop_all(restore=not operator.keep)
-    except DimpleError as error:
-        say(operator, {"ERROR"}, str(error))
-        return {"CANCELLED"}
+    polls.check_numbers(operator, "location", "direction", "hold_s")
+    state = new_state(context, operator)
+    with sessions.ending_on_error():
+        _, messages, wrong = live.start_all(context)
+        place = operator.location if operator.properties.is_property_set("location") else None
+        state = pressed(sessions.sessions, state, place, operator.direction)
+        if operator.record:
+            record.begin(context)
+        deepest, strongest = run(context, state, operator.hold_s, messages)
+        messages += sessions.stop_all(restore=not operator.keep)
     report(operator, [*wrong, *messages])
     say(operator, {"INFO"}, Message(
         "Pressed {deepest:.1f} mm deep with up to {strongest:.2f} N", deepest=deepest * 1e3, strongest=strongest
     ))  # fmt: skip
-    return {"FINISHED"}
 
 
 def new_state(context: bpy.types.Context, operator: bpy.types.Operator) -> PokeState:
@@ -64,8 +57,22 @@ def new_state(context: bpy.types.Context, operator: bpy.types.Operator) -> PokeS
     )
 
 
-def check_depth(state: PokeState, event: PokeEvent, bodies: dict[int, LiveBody]) -> None:
-    """Raise a DimpleError where a press would go through the whole body."""
+def pressed(
+    bodies: Mapping[int, ObjectBody], state: PokeState, place: Sequence[float] | None, direction: Sequence[float]
+) -> PokeState:
+    """Return a state whose active fingertip begins to press at a place of the scene.
+
+    Args:
+        place: [scene units]; the surface nearest to it along the direction is pressed. None is the middle of the
+            highest points of the first body.
+        direction: in which the fingertip moves; 0 is straight into the surface nearest to the place.
+
+    Raises:
+        DimpleError: no surface lies along that direction, or a body is thinner than the press is deep.
+    """
+    # a direction that is given is meant, whatever the scene's setting for the mouse
+    state = replace(state, along_normal=not any(direction))
+    event = aimed(bodies, None if place is None else tuple(place), tuple(direction))
     assert event.hit
     body = bodies[event.hit.body]
     size = body.session.model.mesh.size
@@ -74,18 +81,11 @@ def check_depth(state: PokeState, event: PokeEvent, bodies: dict[int, LiveBody])
             '"{name}" is {size:.4g} mm across, so a press of {depth:.4g} mm would go through it. Press less deep.',
             name=body.name, size=1e3 * size, depth=1e3 * state.depth
         )  # fmt: skip
+    return on_event(state, event)[0]
 
 
-def aimed(bodies: dict[int, LiveBody], place: Vector | None, direction: Vector) -> PokeEvent:
-    """Return the press at a place of the scene: at the surface nearest to it along the direction.
-
-    Args:
-        place: [scene units]; None is the middle of the highest points of the first body.
-        direction: into the surface; 0 is straight into the surface nearest to the place.
-
-    Raises:
-        DimpleError: no surface lies along that direction.
-    """
+def aimed(bodies: Mapping[int, ObjectBody], place: Vector | None, direction: Vector) -> PokeEvent:
+    """Return the press at the surface nearest to a place along a direction; see `pressed`."""
     length = math.hypot(*direction)
     if not length and place is not None:
         return PokeEvent(kind=Kind.PRESS, hit=_nearest(bodies, place), view=DOWN)
@@ -97,24 +97,23 @@ def aimed(bodies: dict[int, LiveBody], place: Vector | None, direction: Vector) 
         size = body.session.model.mesh.size / body.link.scale
         away = 2 * size + math.dist(place, body.to_world(tuple(map(float, body.session.positions().mean(axis=0)))))
         # from outside the body, and from close by: a place inside a hollow means the wall beside it
-        starts = [_before(place, inward, share * away) for share in (1.0, 1e-3, 1e-5)]
+        starts = [along(place, inward, -share * away) for share in (1.0, 1e-3, 1e-5)]
         found += [pointer.nearest(start, inward, {uid: body}, {}) for start in starts]
     hits = [(math.dist(bodies[hit.body].to_world(hit.point), place), i, hit) for i, hit in enumerate(found) if hit]
     if not hits:
         at = ", ".join(f"{c:.3g}" for c in place)
         raise DimpleError("No surface lies along the direction of the press at ({at}). Choose another location.", at=at)
-    hit = min(hits)[2]
-    return PokeEvent(kind=Kind.PRESS, hit=hit, view=inward)
+    return PokeEvent(kind=Kind.PRESS, hit=min(hits)[2], view=inward)
 
 
-def _top(body: LiveBody) -> Vector:
+def _top(body: ObjectBody) -> Vector:
     used = body.session.positions()[np.unique(body.triangles)].astype(np.float64)
     high = used[used[:, 2] >= used[:, 2].max() - bridge.LEVEL * np.ptp(used, axis=0).max()]
     middle = body.to_world(tuple(high.mean(axis=0).tolist()))  # where a ring has no surface
     return body.to_world(_nearest({body.link.uid: body}, middle).point)
 
 
-def _nearest(bodies: dict[int, LiveBody], place: Vector) -> Hit:
+def _nearest(bodies: Mapping[int, ObjectBody], place: Vector) -> Hit:
     """Return the point of the bodies' surfaces at rest that is nearest to a place of the scene, outside up."""
     found = []
     for uid, body in bodies.items():
@@ -126,29 +125,20 @@ def _nearest(bodies: dict[int, LiveBody], place: Vector) -> Hit:
     return min(found, key=lambda each: each[0])[1]
 
 
-def _before(place: Vector, direction: Vector, by: float) -> Vector:
-    return along(place, direction, -by)
-
-
-def run(
-    context: bpy.types.Context, state: PokeState, event: PokeEvent, hold_s: float, messages: list[str]
-) -> tuple[float, float]:
-    """Run a press frame by frame of the scene; return the greatest depth [m] and force [N]."""
-    render = context.scene.render
-    dt = render.fps_base / render.fps
-    state, _ = on_event(state, event)
-    body = sessions.sessions[event.hit.body] if event.hit else None
+def run(context: bpy.types.Context, state: PokeState, hold_s: float, messages: list[str]) -> tuple[float, float]:
+    """Run a press that has begun, frame by frame of the scene; return the greatest depth [m] and force [N]."""
     active, deepest, strongest = state.active, 0.0, 0.0
-    phases = [(state.press_s + hold_s, None)]
-    if state.release_s > 0:
-        phases.append((state.release_s, PokeEvent(kind=Kind.RELEASE)))
-    for seconds, begins in phases:
-        if begins:
+    tip = state.tips[active]
+    assert tip
+    body = sessions.sessions[tip.body]
+    for seconds, begins in ((state.press_s + hold_s, None), (state.release_s, PokeEvent(kind=Kind.RELEASE))):
+        if begins and seconds > 0:  # else it stays in
             state, _ = on_event(state, begins)
-        for step_s in _steps(seconds, dt):
-            state, _ = on_event(state, PokeEvent(kind=Kind.TICK, amount=step_s))
-            messages += live.advance(context, step_s, pressed={uid: fingers(state, uid) for uid in sessions.sessions})
-            if body is None or body.link.uid not in sessions.sessions or body.frame.note:
+        for step_s, now in frames(context.scene, state, seconds):
+            state = now
+            pressing = {uid: fingers(state, uid) for uid in sessions.sessions}
+            messages += live.advance(context, step_s, pressed=pressing)
+            if body.link.uid not in sessions.sessions or body.frame.note:
                 raise DimpleError(messages[-1])
             if len(body.frame.depths):
                 deepest = max(deepest, float(body.frame.depths[active]))
@@ -156,8 +146,11 @@ def run(
     return deepest, strongest
 
 
-def _steps(seconds: float, dt: float) -> list[float]:
-    """Return whole frames, and what is left over."""
+def frames(scene: bpy.types.Scene, state: PokeState | None, seconds: float) -> Iterator[tuple[float, PokeState | None]]:
+    """Yield the time [s] and the fingertips of each frame of a time; a last one may be shorter."""
+    dt = timeline.frame_s(scene)
     whole = math.floor(seconds / dt + 1e-9)
     left = seconds - whole * dt
-    return [dt] * whole + ([left] if left > 1e-9 else [])
+    for step_s in [dt] * whole + ([left] if left > 1e-9 else []):
+        state = state and on_event(state, PokeEvent(kind=Kind.TICK, amount=step_s))[0]
+        yield step_s, state

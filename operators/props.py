@@ -8,7 +8,7 @@ import bpy
 from mathutils import Matrix
 
 from . import bridge
-from .shape_keys import curve_bags
+from .keyframes import curve_bags
 
 if TYPE_CHECKING:
     from .contact import LiveWorld

@@ -1,10 +1,10 @@
-"""Record what is pressed live, at the frame rate of the scene; when the session ends the object plays it."""
+"""Record live presses at the frame rate of the scene; the object plays the recording once its session has ended."""
 
 import bpy
 
 from ..core.errors import DimpleError
 from . import polls, sessions
-from .messages import Note, report, say
+from .messages import Note, report
 from .names import Op
 
 
@@ -14,9 +14,10 @@ def begin(context: bpy.types.Context) -> None:
     Raises:
         DimpleError: a file cannot be written; nothing is recorded.
     """
-    from . import bridge, cache_files, recorder, showing
+    from . import bridge, cache_files, recorder
 
     render = context.scene.render
+    fps = render.fps / render.fps_base
     begun: list[tuple[sessions.LiveBody, recorder.Recorder]] = []
     try:
         for uid, body in sessions.sessions.items():
@@ -24,10 +25,8 @@ def begin(context: bpy.types.Context) -> None:
             if obj is None or body.recorder:
                 continue
             path = cache_files.take_path(context, obj)
-            offsets = showing.offsets_of(body)
             with cache_files.plain_os_errors("Recording"):
-                fps = render.fps / render.fps_base
-                each = recorder.Recorder(path, context.scene.frame_current, fps, body.frame.time, offsets, body.session)
+                each = recorder.Recorder(path, context.scene.frame_current, fps, body)
             begun.append((body, each))
     except DimpleError:
         for _, each in begun:
@@ -54,27 +53,17 @@ def switch(context: bpy.types.Context) -> list[str]:
     return [Note("Recording")]
 
 
-class DIMPLE_OT_record(bpy.types.Operator):
-    """Record what is being pressed, or stop; the object plays it once its session has ended"""
+class DIMPLE_OT_record(polls.Declared, bpy.types.Operator):
+    """Record the live press, or stop recording. The object plays the recording once the press has ended"""
 
     bl_idname = Op.RECORD
     bl_label = "Record"
 
-    @classmethod
-    def poll(cls, _context: bpy.types.Context) -> bool:
-        """Need a session."""
-        if not sessions.sessions:
-            return polls.refuse(cls, "Poke or play first: there is nothing to record")
-        return True
+    needs = (polls.need(lambda _: sessions.sessions, "Poke or play first: there is nothing to record"),)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         """Start or stop."""
-        try:
-            report(self, switch(context))
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+        report(self, switch(context))
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_record])

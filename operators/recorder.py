@@ -1,4 +1,4 @@
-"""What a session writes while it runs: a table of forces, and the recording of what it shows."""
+"""The files of a running session: its table of forces, and its recording."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from ..core.recording import PointCache
 if TYPE_CHECKING:
     from ..core.session import Session
     from .bridge import Singles
+    from .object_body import ObjectBody
 
 FINGERS = 3
 
@@ -67,20 +68,17 @@ class Recorder:
         path: the PC2 file; the table of forces goes beside it.
         start_frame: the frame of the animation that is now.
         fps: frames per second.
-        time: of the session now [s].
-        offsets: (N, 3) from the shape at rest that show now.
+        body: what is recorded.
     """
 
-    def __init__(
-        self, path: Path, start_frame: int, fps: float, time: float, offsets: Singles, session: Session
-    ) -> None:
+    def __init__(self, path: Path, start_frame: int, fps: float, body: ObjectBody) -> None:
         self._path, self._start_frame, self._fps = path, start_frame, fps
-        self._began = self._time = time
-        self._offsets = offsets
+        self._began = self._time = body.frame.time
+        self._offsets = offsets = body.offsets()
         with contextlib.ExitStack() as self._files:
             self._cache = open_file(self._files, path, lambda name: PointCache(name, len(offsets), start_frame))
             self._table = open_file(self._files, path.with_suffix(".csv"), ForceTable)
-            self.append(time, offsets, session)
+            self.append(self._time, offsets, body.session)
             self._files = self._files.pop_all()
 
     @property
@@ -89,12 +87,12 @@ class Recorder:
         return str(self._path), self._start_frame
 
     def append(self, time: float, offsets: Singles, session: Session) -> None:
-        """Take in the state of a session at a time [s]; what falls on frames in between is interpolated.
+        """Take in the state of a session at a time [s]; frames in between are interpolated.
 
         Raises:
             OSError: the disk refuses; what was written before is kept.
         """
-        if time < self._time:  # the session was put back to rest: its clock began anew
+        if time < self._time:  # the session was put back to rest: its clock began again
             self._began -= self._time - time
             self._time = time
         span = time - self._time

@@ -2,7 +2,7 @@
 
 Source: Blender's issue 77825. The copy is written when Blender would have written its own, to the same file, so File >
 Recover > Auto Save finds it. The handlers put every mesh at rest for it. It has the path of the copy: after a recovery
-the file must be saved anew.
+the file must be saved again.
 """
 
 import os

@@ -9,43 +9,39 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import partial
 from typing import TYPE_CHECKING
 
 import bpy
 
-from ..core.messages import about
-from .messages import Note
+from .messages import LOG, Note
 from .modal_runs import close_run, runs
+from .object_body import ObjectBody
 
 if TYPE_CHECKING:
-    import numpy as np
-
-    from ..core.session import Finger, Frame, Session
+    from ..core.session import Finger
     from ..core.steps import Parts
     from ..core.stroke import Hand
-    from .bridge import ObjectLink, Singles
     from .contact import LiveWorld
     from .planning import Around
     from .recorder import Recorder
     from .settings import Settings
 
 
+def _hand() -> Hand:
+    from ..core.stroke import Hand
+
+    return Hand()
+
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class LiveBody:
-    """One object that is being pressed: its session, and what joins that to Blender.
+class LiveBody(ObjectBody):
+    """One object that is being pressed live.
 
-    link: the object at rest.
-    session: what moves it.
-    settings: what the session was read from.
     seen: the settings it had when they were looked at last; the session may have refused them.
     refused: "" or why.
     change: of a large body to other settings, under way in a thread.
     changed_at: when they were changed last, None where they were planned for [s].
     around: what it was planned for besides its settings, None before its first step.
-    matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
-    triangles: (t, 3) of the vertices of the final mesh, outward.
     painted_at: when weights that are painted were read last [s].
     fingers: the fingertips to be drawn, in the session's space.
     poked: which fingertips are the poke's.
@@ -59,14 +55,8 @@ class LiveBody:
     objects: how many there were in the file when duplicates were looked for last.
     """
 
-    link: ObjectLink
-    session: Session
-    settings: Settings
-    seen: Settings
-    matrix: np.ndarray
-    rest: Singles
-    triangles: np.ndarray
-    hand: Hand
+    seen: Settings | None = None
+    hand: Hand = field(default_factory=_hand)
     refused: str = ""
     change: Generator[float, None, list[str]] | None = None
     changed_at: float | None = None
@@ -83,16 +73,6 @@ class LiveBody:
     objects: int = 0
 
     @property
-    def name(self) -> str:
-        """Return the name of the object."""
-        return self.link.name
-
-    @property
-    def frame(self) -> Frame:
-        """Return what the session showed last."""
-        return self.session.frame
-
-    @property
     def running(self) -> bool:
         """Tell whether time runs."""
         return any(not run.paused for run in runs)
@@ -101,11 +81,6 @@ class LiveBody:
     def recording(self) -> bool:
         """Tell whether frames are being recorded."""
         return self.recorder is not None
-
-    def to_world(self, point: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Return a point of the session [m] in the scene."""
-        x, y, z = (float(c) / self.link.scale for c in point)
-        return x, y, z
 
 
 sessions: dict[int, LiveBody] = {}
@@ -120,7 +95,9 @@ def get(obj: bpy.types.Object | None) -> LiveBody | None:
 
 def fingertip_objects(scene: bpy.types.Scene) -> set[bpy.types.Object | None]:
     """Return the objects that are fingertips; they press and are not pressed."""
-    return {getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)}
+    from .sizing import fingertips
+
+    return set(fingertips(scene))
 
 
 def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, list[str]]:
@@ -139,11 +116,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     """Start the session of an object in parts; see `start`. Closed, nothing was changed."""
     if body := get(obj):
         return body, []
-    from ..core.mesh.surface import input_vertices
-    from ..core.session import Session
-    from ..core.stroke import Hand
-    from . import bridge, bridge_write, final_mesh, planning, sizing, timeline
-    from .settings import settings_of
+    from . import bridge, bridge_write, final_mesh, sizing
 
     bridge.check(obj)
     bridge.check_writable(obj)
@@ -151,23 +124,15 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     size = sizing.settle_size(context.scene, obj)
     try:
         final_mesh.attach(context, obj)
-        link, model = yield from bridge.reading_body(context, obj)
-        proxy = yield from planning.planning_for(context.scene, obj, model)
-        session = yield 0.9, partial(Session, model, proxy=proxy, tick=timeline.tick_s(context.scene))
+        body, messages = yield from LiveBody.opening(context, obj)
     except BaseException:
         final_mesh.detach(obj)
         if size:
             obj.dimple.property_unset("size_mode")
         raise
-    messages = [*filter(None, [size]), *(about(obj.name, note) for note in model.notes)]
-    first = input_vertices(model.mesh)
-    settings = settings_of(context.scene, obj)
-    body = sessions[link.uid] = LiveBody(
-        link=link, session=session, settings=settings, seen=settings,
-        matrix=link.matrix, rest=link.rest, triangles=first[model.mesh.triangles], hand=Hand(),
-    )  # fmt: skip
+    body.seen, sessions[body.link.uid] = body.settings, body
     obj.dimple.enabled = True
-    return body, messages
+    return body, [*([size] if size else []), *messages]
 
 
 def set_worlds(now: Sequence[LiveWorld]) -> None:
@@ -201,8 +166,7 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
         props.fallen.clear()
     obj = bridge.find(uid, body.name)
     if obj and not restore and bridge_write.is_intact(obj, body.link):
-        local = bridge.offsets_of(body.link, body.matrix, body.rest, body.session.positions())
-        bridge_write.keep(bpy.context, obj, body.link, local)
+        bridge_write.keep(bpy.context, obj, body.link, body.offsets())
     if obj:
         final_mesh.detach(obj)
     bridge_write.rescue(sessions)
@@ -255,9 +219,10 @@ def disarm() -> None:
 
 @contextmanager
 def ending_on_error() -> Iterator[None]:
-    """End everything when something unforeseen is raised: no timer, no pressed mesh may stay behind it."""
+    """End everything when something unforeseen is raised, and log it: no timer, no pressed mesh may stay behind."""
     try:
         yield
-    except BaseException:
+    except BaseException as error:
+        LOG.exception("%s: everything was ended", type(error).__name__)
         stop_all()
         raise

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import bpy
 
-from . import bridge_write
+from . import bridge_write, keyframes
 from .bridge import Singles
 from .names import BAKED_KEY
 
@@ -30,9 +30,9 @@ def add(obj: bpy.types.Object, shapes: Sequence[tuple[int, Singles]]) -> None:
             key.keyframe_insert("value", frame=other)
     if made_basis:
         obj.data.shape_keys[MADE_BASIS] = True
-    for _, curve in _curves(obj.data.shape_keys):
-        for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
+    for bag in keyframes.curve_bags(obj.data.shape_keys):
+        for curve in filter(lambda each: _is_ours(each.data_path), bag.fcurves):
+            keyframes.straighten(curve)
 
 
 def remove(obj: bpy.types.Object) -> int:
@@ -41,14 +41,7 @@ def remove(obj: bpy.types.Object) -> int:
     baked = [key.name for key in keys.key_blocks if key.name.startswith(BAKED_KEY)] if keys else []
     if not baked:
         return 0
-    for bag, curve in list(_curves(keys)):
-        bag.fcurves.remove(curve)
-    animation = keys.animation_data
-    if animation and animation.action and not any(curve_bags(keys)) and not (animation.drivers or animation.nla_tracks):
-        action = animation.action
-        keys.animation_data_clear()
-        if not action.users:
-            bpy.data.actions.remove(action)
+    keyframes.remove(keys, _is_ours)
     active = obj.active_shape_key_index
     for name in baked:
         obj.shape_key_remove(obj.data.shape_keys.key_blocks[name])
@@ -63,18 +56,5 @@ def remove(obj: bpy.types.Object) -> int:
     return len(baked)
 
 
-def curve_bags(owner: bpy.types.ID) -> Iterator[bpy.types.ActionChannelbag]:
-    """Yield what holds the curves of an object or of a mesh's keys, where there are any."""
-    animation = owner.animation_data
-    for layer in animation.action.layers if animation and animation.action else ():
-        for strip in layer.strips:
-            bag = strip.channelbag(animation.action_slot) if animation.action_slot else None
-            if bag and len(bag.fcurves):
-                yield bag
-
-
-def _curves(keys: bpy.types.Key) -> Iterator[tuple[bpy.types.ActionChannelbag, bpy.types.FCurve]]:
-    for bag in curve_bags(keys):
-        for curve in bag.fcurves:
-            if curve.data_path.startswith(f'key_blocks["{BAKED_KEY}'):
-                yield bag, curve
+def _is_ours(path: str) -> bool:
+    return path.startswith(f'key_blocks["{BAKED_KEY}')

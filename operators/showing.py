@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import bpy
 
 from ..core.messages import Message
 from . import sessions
-
-if TYPE_CHECKING:
-    from .bridge import Singles
 
 
 def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
@@ -62,15 +57,8 @@ def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
         body.shown = now
 
 
-def offsets_of(body: sessions.LiveBody) -> Singles:
-    """Return how far (N, 3) the vertices of a session are from the shape at rest, in the space of its object."""
-    from . import bridge
-
-    return bridge.offsets_of(body.link, body.matrix, body.rest, body.session.positions())
-
-
 def rest_all() -> None:
-    """Take away what shows the sessions, before Blender saves or undoes; they go on."""
+    """Hide the sessions before Blender saves or undoes; they continue."""
     from . import bridge_write, props
 
     end_changed()

@@ -1,7 +1,8 @@
-"""The JSON beside an exported animation: what is in the files, in which units, and how it was simulated."""
+"""The tables beside an exported animation: its forces, and a JSON on the files and the simulation."""
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import json
 import os
@@ -14,7 +15,7 @@ import bpy
 import numpy as np
 
 from . import bridge, cache_files
-from .clip import Clip
+from .clips import Clip
 from .formats import FORMATS
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ VERSION = 1  # of the layout of this JSON
 def describe(
     context: bpy.types.Context, obj: bpy.types.Object, first: int, last: int, simulated: dict[str, Any] | None
 ) -> dict[str, Any]:
-    """Return what is the same for all files of an object, which plays; `files` is still empty."""
+    """Return the description that all files of an object share, which plays; `files` is still empty."""
     render, mesh = context.scene.render, obj.evaluated_get(context.evaluated_depsgraph_get()).data
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
@@ -67,7 +68,7 @@ def describe_session(session: Session) -> dict[str, Any]:
 
 
 def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
-    """Return what is in a file, or in the files of a folder, with its size and checksum."""
+    """Return the contents, size and checksum of a file, or of the files in a folder."""
     kind = FORMATS[each]
     keys = clip.keys() if kind.keyed else None
     files = sorted(path.iterdir()) if path.is_dir() else [path]
@@ -97,6 +98,15 @@ def write(path: Path, described: dict[str, Any]) -> None:
         file.write("\n")
         file.flush()
         os.fsync(file.fileno())
+
+
+def copy_table(table: Path, path: Path, first: int, last: int) -> None:
+    """Write the lines of a table of forces that are within some frames."""
+    with table.open(newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    kept = [row for row in rows if row and first <= float(row[0]) <= last]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([head, *kept])
 
 
 def _plain(params: dict[str, Any]) -> dict[str, Any]:

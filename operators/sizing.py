@@ -10,6 +10,12 @@ from .messages import Note
 SMALLEST_M, LARGEST_M = 0.01, 1.0  # across: what is modelled outside of that stands for a thing that was measured
 SHARES = {"finger_radius_mm": 10 / 165, "press_depth_mm": 15 / 165}  # of a body's size, until they are typed
 LEAST_MM = 0.01  # of either
+NUMBERS = (1, 2, 3)  # of the fingertips
+
+
+def fingertips(scene: bpy.types.Scene) -> list[bpy.types.Object | None]:
+    """Return the fingertip object in each slot of a scene, None where one is empty."""
+    return [getattr(scene.dimple, f"finger_{number}") for number in NUMBERS]
 
 
 def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> Message | None:
@@ -50,8 +56,7 @@ def fit(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
     sphere presses as the scene's fingertip.
     """
     settings, size = scene.dimple, 1e3 * metres_per_unit(scene, obj) * max(obj.dimensions)
-    tips = filter(None, (settings.finger_1, settings.finger_2, settings.finger_3))
-    if size <= 0 or not all(map(is_sphere, tips)):
+    if size <= 0 or not all(map(is_sphere, filter(None, fingertips(scene)))):
         return
     following = [name for name in SHARES if follows(settings, name)]
     settings.fitted_mm = size
@@ -75,7 +80,7 @@ def is_sphere(obj: bpy.types.Object) -> bool:
 
 
 def radius_of(obj: bpy.types.Object, scene: bpy.types.Scene, scale: float) -> float:
-    """Return the radius of a fingertip [m]: of the sphere that is drawn; of what is no sphere, the scene's.
+    """Return the radius of a fingertip [m]: that of its drawn sphere, else that of the scene.
 
     Args:
         scale: physical metres per scene unit.

@@ -31,7 +31,7 @@ class DIMPLE_OT_softness_from_pokes(bpy.types.Operator):
         """Need Object Mode and a mesh of this file."""
         if context.mode != "OBJECT":
             return polls.refuse(cls, "Go back to Object Mode first")
-        return polls.needs_mesh(cls, context) and polls.is_own(cls, context.object) and polls.is_free(cls)
+        return polls.needs_mesh(cls, context) and polls.is_own(cls, context) and polls.is_free(cls)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the file."""

@@ -6,7 +6,7 @@ import bpy
 
 from .names import BAKED_PRESS, PRESS
 
-# where these move the surface they hold it too: the body goes where they go
+# a rig: it holds the surface that it moves, so the body follows it
 CARRYING = frozenset({"ARMATURE", "LATTICE", "CURVE", "MESH_DEFORM", "SURFACE_DEFORM", "HOOK"})
 # these move vertices and leave them as many as they are
 _DEFORMING = CARRYING | {
@@ -37,5 +37,5 @@ def is_deformed(body: bpy.types.Object) -> bool:
 
 
 def is_carried(body: bpy.types.Object) -> bool:
-    """Tell whether a rig holds an object: then it goes where that goes, pinned or not."""
+    """Tell whether a rig holds an object: then the body follows it, pinned or not."""
     return any(each.type in CARRYING and each.show_viewport for each in body.modifiers)

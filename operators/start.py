@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import StringProperty
 
-from . import modal_runs, sessions
+from . import sessions
 from .messages import report
 from .names import Op
 from .working import Working
@@ -17,13 +17,11 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
     bl_idname = Op.START
     bl_label = "Get Ready"
     bl_options = {"INTERNAL"}
+    running = "Getting ready: Esc cancels"
     verb, stopped = "Getting ready", "Nothing was started"
     ready = 1.0  # how long the parts take is not known
 
     then: StringProperty(name="Then", description="The operator that follows", options={"HIDDEN", "SKIP_SAVE"})
-
-    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
-        return modal_runs.open_run(context, "start", "Getting ready: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
         from ..core.steps import beside

@@ -1,4 +1,4 @@
-"""The clock that a live body and a bake share, so that a bake shows what the preview has shown.
+"""The clock that a live body and a bake share, so that a bake repeats its preview.
 
 The scene is looked at 120 times a second of animation or more often, so that a keyframed fingertip presses the same
 at 24 and at 120 frames a second; between two looks everything moves in a straight line.

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 PAINTED_S = 0.2  # simulated time between two looks at weights that are being painted
 LARGE = 12_000  # vertices: to change more takes several frames
 WAIT_S = 0.008  # that a frame waits for the change of fewer, so that it is shown in it or soon after
-UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned anew
+UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned again
 
 
 def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
@@ -87,7 +87,7 @@ def _changing(
     try:
         yield from _change(context, obj, body, now)
     except DimpleError as error:
-        body.refused = in_a_row([str(error), "Until then it goes on as it was."])
+        body.refused = in_a_row([str(error), "Until then the body keeps its old settings."])
         return [] if refused_before else [body.refused]
     gone = any(had and not has for had, has in zip(body.settings.materials, now.materials, strict=False))
     body.settings, body.changed_at = now, body.frame.time
@@ -141,7 +141,7 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
 
 
 def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
-    """Plan anew for constants that were tuned, once nothing presses: a proxy takes a while to make."""
+    """Plan again for constants that were tuned, once nothing presses: a proxy takes a while to make."""
     if body.changed_at is None:
         return []
     session, before, around = body.session, body.around, planning.around(context.scene, obj)

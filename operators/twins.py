@@ -1,4 +1,4 @@
-"""Twins: two objects of one shape and two materials, which one press presses both."""
+"""Twins: two objects of one shape and two materials, to compare them: one press presses both."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING
 import bpy
 from mathutils import Matrix, Vector
 
-from . import sessions
+from ..core.messages import Message
+from . import modal_runs, polls, sessions
+from .messages import report, say
+from .names import Op
 
 if TYPE_CHECKING:
     from ..core.session import Finger
@@ -19,7 +22,7 @@ Fingers = Sequence["Finger | None"]
 
 
 def other(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
-    """Return the twin of an object in a scene: the one it is a copy of, or the one that is a copy of it."""
+    """Return the twin of an object in a scene: its original, or its copy."""
     found = obj.dimple.twin
     if found is None:
         found = next((each for each in scene.objects if each.dimple.twin == obj), None)
@@ -37,7 +40,7 @@ def joined(bodies: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> list[b
 
 
 def shared(pressed: Mapping[int, Fingers], scene: bpy.types.Scene) -> dict[int, Fingers]:
-    """Return what presses each body, where what presses one twin presses the other in the same place."""
+    """Return the fingertips on each body, with those on one twin pressing the other at the same place too."""
     result = dict(pressed)
     for uid, fingers in pressed.items():
         pair = _pair(uid, scene) if any(fingers) else None
@@ -73,3 +76,98 @@ def _pair(uid: int, scene: bpy.types.Scene) -> tuple[LiveBody, LiveBody] | None:
     obj = bpy.data.objects.get(body.name) if body else None
     twin = sessions.get(other(obj, scene)) if obj else None
     return (body, twin) if body and twin else None
+
+
+class DIMPLE_OT_compare_materials(polls.Declared, bpy.types.Operator):
+    """Compare two materials: put a copy of the object, with a material of its own, beside it. One press presses both"""
+
+    bl_idname = Op.COMPARE_MATERIALS
+    bl_label = "Compare Materials"
+    bl_options = {"REGISTER", "UNDO"}
+
+    needs = (
+        polls.in_object_mode, polls.needs_mesh, polls.is_own,
+        polls.need(
+            lambda context: context.object.dimple.enabled and context.object.active_material,
+            "Make the object soft first",
+        ),
+        polls.need(
+            lambda context: not other(context.object, context.scene),
+            "The object has a twin already: use one of the two materials first",
+        ),
+        polls.need(
+            lambda _: not (sessions.sessions or modal_runs.runs),
+            "Something is being pressed: end that first, with Esc or Reset",
+        ),
+    )  # fmt: skip
+
+    def run(self, context: bpy.types.Context) -> None:
+        """Copy object, mesh and materials."""
+        obj = context.object
+        twin = obj.copy()
+        twin.data, twin.name = obj.data.copy(), f"{obj.name} B"
+        twin.animation_data_clear()
+        twin.constraints.clear()
+        twin.parent = None
+        copies = {slot.material: slot.material.copy() for slot in obj.material_slots if slot.material}
+        for slot in twin.material_slots:
+            if slot.material:
+                copy = copies[slot.material]
+                copy.name, slot.material = f"{slot.material.name} B", copy
+        for collection in obj.users_collection:
+            collection.objects.link(twin)
+        twin.matrix_world = Matrix.Translation(_to_the_right(context, obj)) @ obj.matrix_world
+        twin.dimple.twin = obj
+        twin.select_set(False)
+        said = Message('"{name}" is its twin: select it and change its material', name=twin.name)
+        say(self, {"INFO"}, said)
+
+
+class DIMPLE_OT_use_material(polls.Declared, bpy.types.Operator):
+    """Decide between two compared materials: keep that of the selected object, and remove the copy"""
+
+    bl_idname = Op.USE_MATERIAL
+    bl_label = "Use This Material"
+    bl_options = {"REGISTER", "UNDO"}
+
+    needs = (
+        polls.in_object_mode,
+        polls.need(
+            lambda context: context.object and other(context.object, context.scene),
+            "The object has no twin: Compare Materials makes one",
+        ),
+        polls.is_free,
+    )
+
+    def run(self, context: bpy.types.Context) -> None:
+        """Give the original the materials that were chosen, and remove its copy."""
+        chosen, left_out = context.object, other(context.object, context.scene)
+        original, copy = (left_out, chosen) if chosen.dimple.twin == left_out else (chosen, left_out)
+        report(self, sessions.stop_all())
+        left = {slot.material for slot in left_out.material_slots} - {slot.material for slot in chosen.material_slots}
+        if chosen == copy:
+            for theirs, ours in zip(copy.material_slots, original.material_slots, strict=False):
+                ours.material = theirs.material
+        mesh = copy.data
+        bpy.data.objects.remove(copy)
+        for data, users in ((bpy.data.meshes, [mesh]), (bpy.data.materials, left - {None})):
+            for each in users:
+                if not each.users:
+                    data.remove(each)
+        context.view_layer.objects.active = original
+        original.select_set(True)
+
+
+def _to_the_right(context: bpy.types.Context, obj: bpy.types.Object) -> Vector:
+    """Return the way from an object to its twin in the scene: to the right as it is seen, level."""
+    view = context.region_data if context.area and context.area.type == "VIEW_3D" else None
+    right = Vector((1.0, 0.0, 0.0))
+    if view:
+        right = view.view_rotation @ right
+        right.z = 0.0
+        right = right.normalized() if right.length > 1e-3 else Vector((1.0, 0.0, 0.0))
+    corners = [(obj.matrix_world @ Vector(corner)) @ right for corner in obj.bound_box]
+    return right * max(APART * (max(corners) - min(corners)), 1e-6)
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_compare_materials, DIMPLE_OT_use_material])

@@ -92,7 +92,7 @@ def source_of(name: str) -> object:
 
 
 def dress(obj: bpy.types.Object, name: str, level: float) -> None:
-    """Give an object the material of a task, so many times as stiff."""
+    """Give an object the material of a task, with its stiffness scaled."""
     from .apply_preset import apply
 
     source = source_of(name)

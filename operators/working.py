@@ -3,10 +3,11 @@
 import time
 
 import bpy
+from bpy.props import IntProperty
 
 from ..core.messages import Message
 from . import modal_runs, sessions
-from .messages import duration, say
+from .messages import conclude, duration, say
 from .translation import translated
 
 SLICE_S = 0.1  # between two looks at the keyboard
@@ -19,15 +20,33 @@ def show_share(context: bpy.types.Context, verb: str, share: float) -> None:
     context.workspace.status_text_set(translated(said))
 
 
+class FrameRange:
+    """Give an operator a first and a last frame."""
+
+    frame_start: IntProperty(
+        name="First Frame", description="First frame of the animation. By default that of the scene", default=1
+    )
+    frame_end: IntProperty(
+        name="Last Frame", description="Last frame of the animation. By default that of the scene", default=250
+    )
+
+    def _frames(self, scene: bpy.types.Scene) -> tuple[int, int]:
+        given = self.properties.is_property_set
+        return (
+            self.frame_start if given("frame_start") else scene.frame_start,
+            self.frame_end if given("frame_end") else scene.frame_end,
+        )
+
+
 class Working:
     """Give an operator its `execute`, `invoke`, `modal` and `cancel`.
 
     The operator brings:
 
     _begin(context): the steps, a generator of the share that is done; closing it undoes what is half done.
-    _open(context): the ModalRun.
     _finished(context): what follows the last step.
     verb: what the status bar says it does.
+    running: what the panel says meanwhile.
     stopped: the message after Esc.
     ready: the share after which the time left is known.
     """
@@ -93,6 +112,13 @@ class Working:
         """Leave when Blender ends the operator: the window closes, another file is loaded."""
         if self._run is not None:
             modal_runs.close_run(self._run)
+
+    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
+        return modal_runs.open_run(context, "work", self.running, interval=0.01)
+
+    def _done(self, sentence: str, messages: list[str]) -> set[str]:
+        conclude(self, sentence, messages)
+        return {"FINISHED"}
 
     def _work(self) -> float:
         """Work for a moment; return the share that is done, 1 when all is."""

@@ -15,7 +15,7 @@ COMMANDS = {
     "contact": ("judge twelve scenes in which nothing may pass through anything", ".contact", "add_contact"),
     "meeting": ("let bodies meet by their proxies and in full", ".meeting", "add_meeting"),
     "machines": ("compute what a graphics processor or many machines would bring", ".machines", "add_machines"),
-    "emulator": ("run an emulated haptic device, with faults on demand", ".emulator", "add_emulator"),
+    "emulator": ("run an emulated haptic device, with faults on demand", ".bench.command", "add_emulator"),
     "haptics": ("press with an emulated device and print what it rendered", ".haptics", "add_haptics"),
     "grasp": ("lift a cube with three emulated fingertips and put it down", ".grasp", "add_grasp"),
     "experiment": ("simulate or analyse the sensory comparison of chapter 5", ".experiment", "add_experiment"),

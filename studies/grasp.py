@@ -15,17 +15,18 @@ import numpy as np
 
 from core.base import DimpleError
 from core.body.model import build_model
-from core.haptics.contact_rendering import Workspace, contact_of, fingers
-from core.haptics.emulated_hand import EmulatedHand, Keyframe
-from core.haptics.emulator import Emulator
-from core.haptics.safety import LEASE, Arming
-from core.haptics.servo import Servo
-from core.haptics.servo_messages import LinkState, ServoReport
-from core.haptics.spec import Spec, load_spec
+from core.device.limits import LEASE
+from core.device.orders import LinkState, ServoReport
+from core.device.safety import Arming
+from core.device.servo import Servo
+from core.device.workspace import Workspace, fingers, surfaces_of
 from core.material import PRESETS
 from core.session import Session
 from core.vectors import Vector
 
+from .bench.emulator import Emulator
+from .bench.hand import EmulatedHand, Keyframe
+from .bench.numbers import EmulatedSpec, load_emulated
 from .scenes import cube
 
 PRESET = PRESETS[0]  # nylon and air: a light cube of 50 mm
@@ -84,9 +85,9 @@ def _way(side: float, y: float) -> tuple[Keyframe, ...]:
     return tuple((time, x, y, z) for time, x, z in way)
 
 
-def run(session: Session, *, spec: Spec | None = None, seconds: float = END) -> Iterator[Moment]:
+def run(session: Session, *, spec: EmulatedSpec | None = None, seconds: float = END) -> Iterator[Moment]:
     """Grasp; yield each frame once there is force."""
-    spec = spec or load_spec()
+    spec = spec or load_emulated()
     emulator, servo = Emulator(spec, hand=hand()), Servo(spec)
     workspace = Workspace()
     now, next_frame, began, to_device = 0.0, 0.0, None, b""
@@ -99,8 +100,8 @@ def run(session: Session, *, spec: Spec | None = None, seconds: float = END) -> 
         report = servo.report()
         session.set_fingers(fingers(report, workspace, RADIUS))
         frame = session.step(FRAME)
-        contacts = tuple([contact_of(touch, workspace, report.cap, now) for touch in frame.touches])
-        servo.order = replace(servo.order, arm=1, held_until=now + LEASE, contacts=contacts)
+        surfaces = tuple(surfaces_of(session, frame.touches, workspace, now))
+        servo.order = replace(servo.order, arm=1, held_until=now + LEASE, surfaces=surfaces)
         if began is None and report.arming is Arming.RAMP:
             began = now
         if began is not None:

@@ -20,14 +20,14 @@ import numpy as np
 
 from core.base import DimpleError
 from core.body.model import build_model
-from core.haptics.contact_rendering import contact_of, fingers
-from core.haptics.safety import Arming
-from core.haptics.servo_messages import LinkState, ServoReport
+from core.device.orders import LinkState, ServoReport
+from core.device.safety import Arming
+from core.device.workspace import fingers, surfaces_of
 from core.mesh.surface import base_vertices
 from core.session import Session
 
+from .bench.processes import EmulatedDevice
 from .machine_lateness import machine_lateness
-from .processes import InstrumentedDevice
 from .scenes import cube
 from .scripted_press import CYCLE, PRESET, RADIUS, READY_AFTER, SHORTEST, WORKSPACE, PressRecord, judge, way
 
@@ -97,7 +97,7 @@ def press(
         raise DimpleError(f"A press takes {SHORTEST:.2f} s: give --seconds at least that.")
     with tempfile.TemporaryDirectory(prefix="dimple-") as folder:
         trace, measured, log = (Path(folder) / name for name in ("trace.csv", "device.json", "log.csv"))
-        device = InstrumentedDevice(
+        device = EmulatedDevice(
             hand=json.dumps({"tips": [way(i, cycles) for i in range(3)]}),
             held_until=math.inf,
             udp=udp,
@@ -127,7 +127,7 @@ def press(
 
 
 def _drive(
-    device: InstrumentedDevice, session: Session, seconds: float, busy: bool, frames: list[tuple[float, float]]
+    device: EmulatedDevice, session: Session, seconds: float, busy: bool, frames: list[tuple[float, float]]
 ) -> ServoReport:
     """Step session and device together, as Blender does: 60 times a second."""
     armed = 0.0
@@ -140,7 +140,7 @@ def _drive(
         if report.link is LinkState.READY:
             session.set_fingers(fingers(report, WORKSPACE, RADIUS))
             touches, shown = session.step(min(now - last, 2 * FRAME)).touches, time.perf_counter()
-            device.write([contact_of(touch, WORKSPACE, report.cap, shown) for touch in touches])
+            device.write(surfaces_of(session, touches, WORKSPACE, shown))
             if report.arming is Arming.OFF and not armed:
                 device.arm()
             armed = armed or (now if report.arming in (Arming.RAMP, Arming.ON) else 0.0)

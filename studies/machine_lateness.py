@@ -11,8 +11,9 @@ import sys
 import time
 from typing import Final
 
-from core.haptics import scheduling
-from core.haptics.watch import percentiles
+from core.device import priority
+
+from .bench.round_trips import percentiles
 
 TICK: Final = 1e-3  # [s]
 
@@ -26,8 +27,8 @@ def machine_lateness(seconds: float = 2.0) -> dict[str, float]:
 
 
 def _wait(seconds: float) -> dict[str, float]:
-    scheduling.request_priority()
-    scheduling.keep_processors_awake()
+    priority.request_priority()
+    priority.keep_processors_awake()
     late, due = [], time.perf_counter()
     for _ in range(round(seconds / TICK)):
         due += TICK

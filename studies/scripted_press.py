@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.base import DimpleError, Floats
-from core.haptics.contact_rendering import Workspace
-from core.haptics.emulated_hand import Keyframe
-from core.haptics.servo_messages import ServoReport
-from core.haptics.wire import RAMP
+from core.device.orders import ServoReport
+from core.device.wire import RAMP
+from core.device.workspace import Workspace
 from core.material import PRESETS, Material
+
+from .bench.hand import Keyframe
 
 PRESET = PRESETS[1]  # vinyl and air: K1 = 610 N/m
 RADIUS = 0.010  # [m] of the fingertips

@@ -74,11 +74,11 @@ def of_body(
     Args:
         reserve: times as stiff as at rest the fill is taken to be.
     """
-    if fill.fill != "none" and fill.rest_pressure:
+    if fill.kind and fill.rest_pressure:
         at_vertices = at_vertices + abs(fill.rest_pressure) / 3 * _edges_round(mesh)
         fill = replace(fill, rest_pressure=max(fill.rest_pressure, 0.0))  # a body that shrinks gets as stiff again
     skin = of_edges(mesh, constants, at_vertices, inverse_mass)
-    if fill.fill == "none":
+    if not fill.kind:
         return skin
     volume, gradient = volume_and_gradient(fill, mesh.rest_positions.T)
     root = np.sqrt(inverse_mass)

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import Floats
+from ..fills import FILLS
 from ..material import HERTZ, Indenter, Material
 
 POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point
@@ -144,7 +145,7 @@ def estimate(material: Material, size: float) -> ModelConstants:
 def _bed(material: Material, size: float, spread: float) -> tuple[float, float]:
     """Return the stiffness of the bed up to the knee [N/m3] and the radius of contact there [m]."""
     area, radius = bed_area(material.indenter, size, spread, material.x0)
-    if material.fill == "solid":
+    if FILLS[material.fill].elastic:
         area = solid_area(material.indenter, size, spread, material.x0, _solid_skin(material))
     return material.law(material.x0) / material.x0 / area, radius
 
@@ -157,7 +158,7 @@ def skin_compliance(material: Material, constants: ModelConstants) -> float:
     What hardens more than an elastic solid has a harder skin, or the skin would give all the depth beyond the knee.
     Source: Kerr, On the formal development of elastic foundation models, 1984.
     """
-    if material.fill != "solid":
+    if not FILLS[material.fill].elastic:
         return 0.0
     return 1 / (_solid_skin(material) * constants.kappa1)
 

@@ -31,7 +31,7 @@ class Shape(NamedTuple):
 def shape_of(model: Model, x: Floats) -> Shape:
     """Return the shape of a body at positions (3, n) [m]."""
     arms = springs.around(model.mesh.rings, x)
-    filled = model.pressure.fill != "none"
+    filled = model.pressure.kind
     return Shape(arms, pressure.volume_and_gradient(model.pressure, x, arms) if filled else None)
 
 
@@ -52,7 +52,7 @@ def law_forces(
     """
     arms, enclosed = shape or shape_of(model, x)
     f, volume, inner = springs.force(model.springs, x, v, arms), 0.0, 0.0
-    if model.pressure.fill != "none":
+    if model.pressure.kind:
         volume, gradient = enclosed or pressure.volume_and_gradient(model.pressure, x, arms)
         inner = pressure.pressure_at(model.pressure, volume)
         f += inner * gradient

@@ -21,6 +21,7 @@ from ..base import (
     mean_of_pairs,
     sums_at,
 )
+from ..fills import FILLS
 from ..material import Material
 from ..mesh.surface import Mesh, spans_a_plane
 from ..messages import Message
@@ -35,8 +36,6 @@ from .springs import Springs
 _ALL_PINS = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
 SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
-# times as stiff as at rest a fill becomes in a body pressed flat
-STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0, "solid": 2.0}
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
@@ -232,7 +231,7 @@ def assemble(
         friction=friction, compliance=compliance, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
         omega_squared=bound.of_body(
-            mesh, stiffness + tension, np.maximum(k1, k2), inverse_mass, inside, STIFFENS[inside.fill]
+            mesh, stiffness + tension, np.maximum(k1, k2), inverse_mass, inside, FILLS[inside.fill].reserve
         ),
         decay=bound.of_edges(mesh, dashpots, shape.damping, inverse_mass),
         notes=mesh.notes + notes + ((_ALL_PINS,) if pinned.all() else ()),

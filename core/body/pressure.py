@@ -3,7 +3,7 @@
     f = p dV/dx,   V = sum over faces of x_0 . (x_1 x x_2) / 6
 
 dV/dx_i is a sixth of the sum of x_j x x_k round vertex i, so it sums to no net force and no net torque on any
-closed surface. air: p = (p_a + p_0) (V_0/V)^gamma - p_a.   liquid, solid: p = p_0 + kappa (V_0 - V) / V_0.
+closed surface. Of a gas p = (p_a + p_0) (V_0/V)^gamma - p_a, of a liquid or a solid p = p_0 + kappa (V_0 - V) / V_0.
 p_0, the pressure at rest, is that of the shape at rest: with it the body swells until its skin holds it.
 """
 
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import AIR_EXPONENT, AIR_PRESSURE, LIQUID_BULK_MODULUS, Floats, Ints, row_parts, sums_at
-from ..material import KEEP_VOLUME
+from ..fills import FILLS, PressureLaw
 from ..mesh.rings import Rings
 from ..mesh.surface import Mesh, cap_centres
 from .springs import around
@@ -24,7 +24,7 @@ from .springs import around
 class Pressure:
     """The fill of a body.
 
-    fill: "air", "liquid", "solid" or "none".
+    fill: a key of `fills.FILLS`.
     rest_volume: [m3].
     rest_pressure: above that outside, at that volume [Pa].
     rings: of the mesh.
@@ -37,6 +37,11 @@ class Pressure:
     rings: Rings
     cap_edges: Ints
     cap_loop: Ints
+
+    @property
+    def kind(self) -> PressureLaw:
+        """Return the law of its pressure."""
+        return FILLS[self.fill].law
 
 
 def build_pressure(mesh: Mesh, fill: str, rest_pressure: float = 0.0) -> Pressure:
@@ -69,32 +74,32 @@ def volume(law: Pressure, x: Floats) -> float:
 
 def pressure_at(law: Pressure, volume: float) -> float:
     """Return the pressure [Pa] above that outside, at a volume [m3]."""
-    if law.fill == "air":
+    if law.kind is PressureLaw.GAS:
         # a body turned inside out has no volume left: hold it at a hundredth
         squeeze = (law.rest_volume / max(volume, 0.01 * law.rest_volume)) ** AIR_EXPONENT
         return float(AIR_PRESSURE * (squeeze - 1) + law.rest_pressure * squeeze)
-    if law.fill in KEEP_VOLUME:
+    if law.kind is PressureLaw.BULK:
         return LIQUID_BULK_MODULUS * (law.rest_volume - volume) / law.rest_volume + law.rest_pressure
     return 0.0
 
 
 def pressure_slope(law: Pressure, volume: float) -> float:
     """Return -dp/dV [Pa/m3] at a volume."""
-    if law.fill == "air":
+    if law.kind is PressureLaw.GAS:
         squeeze = law.rest_volume / max(volume, 0.01 * law.rest_volume)
         whole = AIR_PRESSURE + law.rest_pressure
         return float(AIR_EXPONENT * whole * squeeze ** (AIR_EXPONENT + 1) / law.rest_volume)
-    return LIQUID_BULK_MODULUS / law.rest_volume if law.fill in KEEP_VOLUME else 0.0
+    return LIQUID_BULK_MODULUS / law.rest_volume if law.kind is PressureLaw.BULK else 0.0
 
 
 def energy(law: Pressure, x: Floats) -> float:
     """Return the work [J] stored in the fill, counted from the volume at rest."""
     volume, _ = volume_and_gradient(law, x)
-    if law.fill == "air":
+    if law.kind is PressureLaw.GAS:
         g, v0 = AIR_EXPONENT, law.rest_volume
         squeezed = v0 * ((v0 / volume) ** (g - 1) - 1) / (g - 1)
         return AIR_PRESSURE * (squeezed - (v0 - volume)) + law.rest_pressure * squeezed
-    if law.fill in KEEP_VOLUME:
+    if law.kind is PressureLaw.BULK:
         less = law.rest_volume - volume
         return (LIQUID_BULK_MODULUS * less / (2 * law.rest_volume) + law.rest_pressure) * less
     return 0.0

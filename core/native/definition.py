@@ -10,8 +10,6 @@ import numpy as np
 
 from ..body.model import Model
 
-FILLS = {"none": 0, "air": 1, "liquid": 2, "solid": 2}
-
 _TYPES: dict[str, Any] = {"p": c_void_p, "n": c_int64, "i": c_int32, "d": c_double}
 
 
@@ -112,6 +110,6 @@ def constants(model: Model, surface: Model, arrays: Arrays) -> Constants:
         laws=arrays.double(surface.laws), materials=len(surface.materials),
         painted=arrays.double(surface.maps and np.column_stack([surface.maps.stiffer, surface.maps.deeper])),
         gravity=(c_double * 3)(*model.gravity), ground=-np.inf if model.ground is None else model.ground,
-        fill=FILLS[model.pressure.fill], free=model.free,
+        fill=model.pressure.kind, free=model.free,
         rigged=model.rigged, rest_pressure=model.pressure.rest_pressure,
     )  # fmt: skip

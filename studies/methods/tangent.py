@@ -174,7 +174,7 @@ def _relative(law: ShapeMatching, x: Floats) -> tuple[Product, Product]:
 def _fill(model: Model, state: State, h: float) -> tuple[Product, Floats, float]:
     """Return the product of the fill, its gradient g (3, n) and the weight of g g^T."""
     law, x = model.pressure, state.positions
-    if law.fill == "none":
+    if not law.kind:
         return np.zeros_like, np.zeros_like(x), 0.0
     volume, g = pressure.volume_and_gradient(law, x)
     p, weight = pressure.pressure_at(law, volume), h * h * pressure.pressure_slope(law, volume)

@@ -179,7 +179,7 @@ def correct_pressure(model: Model, state: State, inverse: Floats) -> Floats:
     """Make pressure and volume consistent with each other, in place; return dV/dx (3, n) [m2]."""
     law = model.pressure
     volume, g = pressure.volume_and_gradient(law, state.positions)
-    if law.fill != "none":
+    if law.kind:
         # (D + s g g^T) dx = (p - p_held) g, s = -dp/dV: Sherman and Morrison
         eased = times(inverse, g)
         more = pressure.pressure_at(law, volume) - state.pressure

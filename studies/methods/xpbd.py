@@ -138,7 +138,7 @@ def move_by_tension(edges: Edges, x: Floats, rotation: Floats, h: float) -> None
 def move_by_pressure(model: Model, state: State, h: float) -> None:
     """Move the vertices by the pressure of the fill, in place: p at the end of the substep, to first order."""
     law = model.pressure
-    if law.fill == "none":
+    if not law.kind:
         return
     volume, g = pressure.volume_and_gradient(law, state.positions)
     per_pressure = h * h * model.inverse_mass * g

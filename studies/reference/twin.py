@@ -355,7 +355,7 @@ class Twin:
         return np.array([reaches(used, start, end, radius) for start, end, radius in ways], bool)
 
     def _volume(self, ticks: int) -> float:
-        known = self.model.pressure.fill != "none" and ticks
+        known = bool(self.model.pressure.kind) and ticks
         return self._state.volume if known else pressure.volume(self.model.pressure, self._state.positions)
 
     def _pose(self) -> Pose:

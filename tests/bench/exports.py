@@ -51,20 +51,20 @@ class Table:
     def __init__(self) -> None:
         self.rows: list[dict[str, str]] = []
 
-    def add(self, what: str, seconds: float, size: int, expected: tuple[float, float] | None) -> None:
-        said = {"estimate_s": f"{expected[0]:.1f}", "estimate_MB": f"{expected[1] / 1e6:.1f}"} if expected else {}
+    def add(self, what: str, seconds: float, size: int, expected: float | None) -> None:
+        said = {"estimate_MB": f"{expected / 1e6:.1f}"} if expected else {}
         each = f"{size / VERTICES / FRAMES:.1f}"
         row = {"what": what, "seconds": f"{seconds:.1f}", "MB": f"{size / 1e6:.1f}", "bytes_a_vertex_a_frame": each}
         self.rows.append(row | said)
         print(f"ROW {what:44} {seconds:8.1f} s {size / 1e6:8.1f} MB {said}", flush=True)
 
     def measure(
-        self, what: str, folder: Path, action: Callable[[Path], object], expected: tuple[float, float] | None = None
+        self, what: str, folder: Path, action: Callable[[Path], object], expected: float | None = None
     ) -> None:
         """Measure once, in a folder that is deleted.
 
         Args:
-            expected: what the dialog said before, [s] and [bytes].
+            expected: what the dialog said before [bytes].
         """
         folder.mkdir()
         started = time.perf_counter()
@@ -79,15 +79,13 @@ def exported(kind: str, normals: bool, key_error: float = 0.0) -> Callable[[Path
     )
 
 
-def estimated(kind: str, normals: bool) -> tuple[float, float]:
-    """Return the time [s] and size [bytes] that the export dialog says."""
-    operators = importlib.import_module("bl_ext.user_default.dimple.operators.export_time")
+def estimated(kind: str, normals: bool) -> float:
+    """Return the size [bytes] that the export dialog says."""
     plans = importlib.import_module("bl_ext.user_default.dimple.operators.export_plan")
     plan = plans.ExportPlan(
         objects=[bpy.context.object], formats=[kind], folder=Path(), first=1, last=FRAMES, normals=normals
     )
-    operators.measure(bpy.context, plan)
-    return operators.seconds(plan), plans.estimate(bpy.context, plan)
+    return plans.estimate(bpy.context, plan)
 
 
 def main() -> None:
@@ -119,7 +117,7 @@ def main() -> None:
         table.measure(f"Dimple {kind}, key error 0.05 %", work / "a", exported(kind, True, 0.05))
     shutil.rmtree(work)
     with (options.out / "exports.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, [*table.rows[0], "estimate_s", "estimate_MB"])
+        writer = csv.DictWriter(file, [*table.rows[0], "estimate_MB"])
         writer.writeheader()
         writer.writerows(table.rows)
 

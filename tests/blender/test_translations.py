@@ -15,6 +15,8 @@ BASES = ("Panel", "Menu", "Operator", "PropertyGroup", "AddonPreferences")
 # whatever Blender gives to a class of ours is translated by Blender: the name of a preset operator's preset
 BLENDERS_OWN = {"rna_type", "name", "remove_name", "remove_active"}
 
+STATES = ("PAUSED", "PAUSED_POKE", "running")  # the names of what the panel says while something runs
+
 
 def classes(bpy: ModuleType) -> Iterator[type]:
     def below(base: type) -> Iterator[type]:
@@ -77,8 +79,9 @@ def drawn_texts() -> Iterator[str]:
     root = Path(dimple.__file__).parent
     for path in [*root.glob("addon/*.py"), *root.glob("operators/**/*.py")]:
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") in ("PAUSED", "PAUSED_POKE"):
-                yield from (part.value for part in ast.walk(node.value) if isinstance(part, ast.Constant))
+            if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") in STATES:
+                constants = (part for part in ast.walk(node.value) if isinstance(part, ast.Constant))
+                yield from (part.value for part in constants if isinstance(part.value, str))
             if not isinstance(node, ast.Call):
                 continue
             written = [each.value for each in node.keywords if each.arg in ("text", "heading")]
@@ -89,8 +92,8 @@ def drawn_texts() -> Iterator[str]:
             name = getattr(node.func, "attr", getattr(node.func, "id", ""))
             if name == "open_run":
                 written += node.args[2:]
-            if name in ("refuse", "tip_"):
-                written += node.args
+            if name in ("refuse", "tip_", "need"):
+                written += node.args[-1:]
             for expression in written:
                 yield from (
                     part.value

@@ -2,24 +2,24 @@
 
 from dataclasses import dataclass, field, replace
 
-from core.haptics import kinematics, wire
-from core.haptics.contact_model import Contact
-from core.haptics.safety import LEASE
-from core.haptics.servo import Servo
-from core.haptics.servo_messages import pack_order, unpack_order
-from core.haptics.spec import Spec, info, load_spec
+from core.device import kinematics, wire
+from core.device.limits import LEASE
+from core.device.orders import pack_order, unpack_order
+from core.device.servo import Servo
+from core.device.spec import Spec, info, load_spec
+from core.device.surface import Law, Surface
 from core.vectors import ZERO, Vector, length
+from studies.bench import linkage
 from tests.haptics.converters import adc_words
 
 SESSION = 7
 TICK = 1e-3
 
 
-def wall(now: float = 0.0, *, k: float = 600.0, force: float = 0.0, gap: float = 0.0) -> Contact:
-    """Return a contact whose surface is z = 0, body below it."""
-    return Contact(
-        force=(0.0, 0.0, force), at=ZERO, normal=(0.0, 0.0, 1.0), k_n=k, k_t=0.0, gap=gap, friction=0.5, stamp=now
-    )
+def wall(now: float = 0.0, *, k: float = 600.0, force: float = 0.0) -> Surface:
+    """Return a smooth wall of a stiffness [N/m] whose body is below z = 0; force: raised until that acts there [N]."""
+    at = (0.0, 0.0, force / k)
+    return Surface(place=at, normal=(0.0, 0.0, 1.0), anchor=None, law=Law(k, k, 1.0, 1.0), friction=0.0, stamp=now)
 
 
 @dataclass
@@ -38,7 +38,7 @@ class BenchDevice:
     buttons: int = 0
     obedient: bool = True
     adc: tuple[int, ...] | None = None  # instead of what the places give
-    fresh: bool = True  # the simulation posts its contacts anew, 60 times a second
+    fresh: bool = True  # the simulation posts its surfaces again, 60 times a second
     held: bool = True  # and the dead-man key with them
     looks: int = 0  # Blender renews the key between them too, once in so many ticks
     forces: list[Vector] = field(default_factory=lambda: [ZERO] * 3)
@@ -69,7 +69,7 @@ class BenchDevice:
         """Return the STATE of now."""
         self.seq = (self.seq + 1) & 0xFFFF
         adc = self.adc or sum(
-            (adc_words(self.spec, kinematics.inverse(b, p)) for b, p in zip(self.blocks, self.at, strict=True)),
+            (adc_words(self.spec, linkage.inverse(b, p)) for b, p in zip(self.blocks, self.at, strict=True)),
             (),
         )
         status = self.mode | self.masked
@@ -83,7 +83,7 @@ class BenchDevice:
                 self.hold()
             if self.fresh and self.seq % 16 == 0:
                 self.hold()
-                self.set_contacts(*(c and replace(c, stamp=self.now) for c in self.servo.order.contacts))
+                self.set_surfaces(*(c and replace(c, stamp=self.now) for c in self.servo.order.surfaces))
             self.exchange(wire.encode(self.state()))
 
     def pause(self, seconds: float) -> None:
@@ -92,16 +92,16 @@ class BenchDevice:
             self.now += TICK
             self.exchange(b"")
 
-    def set_contacts(self, *contacts: Contact | None) -> None:
-        """Give the servo contacts."""
-        self.servo.order = replace(self.servo.order, contacts=tuple(contacts))
+    def set_surfaces(self, *surfaces: Surface | None) -> None:
+        """Give the servo surfaces."""
+        self.servo.order = replace(self.servo.order, surfaces=tuple(surfaces))
 
     def arm(self) -> None:
         """Ask the servo to arm."""
         self.servo.order = replace(self.servo.order, arm=self.servo.order.arm + 1)
 
     def hold(self) -> None:
-        """Send an order with the dead-man key, as a message: its contacts equal those before, and are other objects."""
+        """Send an order with the dead-man key, as a message: its surfaces equal those before, and are other objects."""
         order = replace(self.servo.order, held_until=self.now + LEASE if self.held else 0.0)
         self.servo.order = unpack_order(pack_order(order))
 
@@ -114,7 +114,7 @@ class BenchDevice:
 
     def pressing(self, depth: float = 0.005, k: float = 600.0) -> "BenchDevice":
         """Press the first fingertip into a wall, armed."""
-        self.set_contacts(wall(self.now, k=k))
+        self.set_surfaces(wall(self.now, k=k))
         self.armed()
         for i in range(101):
             self.at[0] = (0.0, 0.0, 0.01 - i / 100 * (0.01 + depth))
@@ -130,13 +130,13 @@ class BenchDevice:
     def _force(self, i: int, command: wire.Command) -> Vector:
         if not command.flags & wire.ENABLE or not command.flags & wire.DEADMAN:
             return ZERO
-        torque = kinematics.word_torques(self.spec, command.torque[3 * i : 3 * i + 3])
+        torque = linkage.word_torques(self.spec, command.torque[3 * i : 3 * i + 3])
         words = self.state_words(i)
-        return kinematics.force(self.blocks[i], kinematics.adc_angles(self.spec, words), torque)
+        return linkage.force(self.blocks[i], kinematics.adc_angles(self.spec, words), torque)
 
     def state_words(self, i: int) -> tuple[int, int, int]:
         """Return the readings of a finger."""
-        return adc_words(self.spec, kinematics.inverse(self.blocks[i], self.at[i]))
+        return adc_words(self.spec, linkage.inverse(self.blocks[i], self.at[i]))
 
 
 def note(device: BenchDevice) -> str:

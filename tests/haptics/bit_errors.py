@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 
-from core.haptics import wire
+from core.device import wire
 
 RATES = {1e-6: 0.4, 1e-5: 0.2, 1e-4: 0.2, 1e-3: 0.2}  # more where few are lost
 BATCH = 20_000  # frames; fewer than sequence numbers, so that each is known by its own

@@ -2,7 +2,7 @@
 
 import math
 
-from core.haptics.spec import Spec
+from core.device.spec import Spec
 from core.vectors import Vector
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from core.haptics import kinematics, wire
-from core.haptics.emulated_hand import EmulatedHand
-from core.haptics.spec import load_spec
+from core.device import kinematics, wire
 from core.vectors import ZERO, Vector
-from studies.faults import parse_fault
-from studies.faulty_emulator import FaultyEmulator, TraceRow
+from studies.bench.faults import parse_fault
+from studies.bench.faulty_emulator import FaultyEmulator, TraceRow
+from studies.bench.hand import EmulatedHand
+from studies.bench.numbers import load_emulated
 
-SPEC = load_spec()
+SPEC = load_emulated()
 BLOCKS = kinematics.blocks(SPEC)
 HELD = wire.ENABLE | wire.DEADMAN
 

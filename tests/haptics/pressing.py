@@ -11,18 +11,18 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from core.haptics import wire
-from core.haptics.device import HapticMaster
-from core.haptics.process import end
-from core.haptics.safety import Arming
-from core.haptics.servo_messages import LinkState, ServoReport
+from core.device import wire
+from core.device.device import HapticMaster
+from core.device.orders import LinkState, ServoReport
+from core.device.process import end
+from core.device.safety import Arming
 from core.vectors import length
-from studies.processes import start_emulator
+from studies.bench.processes import start_emulator
 from tests.haptics.bench_device import wall
 from tests.haptics.host import SPEC
 from tests.haptics.machine import UNABLE, unable
@@ -111,8 +111,7 @@ def drive(
             asked = now
             device.hold(math.inf)
             device.arm()
-        contact = replace(wall(now, k=k), friction=0.0)
-        device.write([contact if report.arming in (Arming.RAMP, Arming.ON) else None] * 3)
+        device.write([wall(now, k=k) if report.arming in (Arming.RAMP, Arming.ON) else None] * 3)
         time.sleep(1 / 60)
     if report.lost > BUSY * report.states:
         unable(f"this machine cannot run a loop of 1 kHz: {report.lost} of {report.states} positions were lost")

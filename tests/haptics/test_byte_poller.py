@@ -6,13 +6,13 @@ import tty
 
 import pytest
 
-from core.haptics.byte_poller import EDGE_TRIGGERED, Poller
+from core.device.serial_line import EDGE_TRIGGERED, Poller
 
 
 @pytest.mark.parametrize("edges", [EDGE_TRIGGERED, False], ids=["epoll", "select"])
 def test_each_end_is_named_when_something_came_there(edges: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """On Linux, and where the system has no epoll."""
-    monkeypatch.setattr("core.haptics.byte_poller.EDGE_TRIGGERED", edges)
+    monkeypatch.setattr("core.device.serial_line.EDGE_TRIGGERED", edges)
     (here, there), (here2, there2) = os.pipe(), os.pipe()
     arrivals = Poller(here, here2)
     assert arrivals.wait(0.0) == []

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from core.haptics.device import HapticMaster
-from core.haptics.mailbox import TO_SERVO, Mailbox
-from core.haptics.safety import LEASE
-from core.haptics.servo_messages import ORDER_SIZE, Order, unpack_order
+from core.device.device import HapticMaster
+from core.device.limits import LEASE
+from core.device.mailbox import TO_SERVO, Mailbox
+from core.device.orders import ORDER_SIZE, Order, unpack_order
 from tests.haptics.bench_device import TICK, BenchDevice, wall
 
 RENEW = 0.05  # [s] between two looks of Blender at the key
@@ -31,7 +31,7 @@ def lift(device: BenchDevice, seconds: float = 0.7) -> None:
 
 def post(device: BenchDevice, *, renew: bool) -> None:
     """Let Blender post a contact of now, and look at the key."""
-    device.set_contacts(wall(device.now))
+    device.set_surfaces(wall(device.now))
     if renew:
         device.hold()
 
@@ -116,7 +116,7 @@ def test_after_a_pause_a_finger_that_sank_in_has_no_force_until_it_lets_go(butto
 def test_arming_over_a_simulation_that_stands_still_waits_for_it_and_then_for_the_quiet() -> None:
     """The finger is 10 mm deep: contacts that have faded are no quiet, and those that come at last are none either."""
     device = BenchDevice(at=[(0.0, 0.0, -0.01)] * 3, fresh=False)
-    device.set_contacts(*[wall(device.now)] * 3)
+    device.set_surfaces(*[wall(device.now)] * 3)
     device.tick(150)
     device.arm()
     for fresh in (False, True):
@@ -134,7 +134,7 @@ def test_a_simulation_of_4_frames_a_second_arms_where_there_is_no_force_and_nowh
         device.arm()
         for i in range(3000):
             if i % 250 == 0:
-                device.set_contacts(*[wall(device.now)] * 3)
+                device.set_surfaces(*[wall(device.now)] * 3)
             device.hold()
             device.tick()
             assert device.strongest == 0.0
@@ -145,7 +145,7 @@ def test_a_simulation_of_4_frames_a_second_arms_where_there_is_no_force_and_nowh
 def test_a_contact_of_no_time_of_this_clock_lets_the_key_go(stamp: float) -> None:
     device = BenchDevice().pressing()
     device.fresh = False
-    device.set_contacts(replace(wall(device.now), stamp=stamp))
+    device.set_surfaces(replace(wall(device.now), stamp=stamp))
     device.tick()
     assert device.strongest == 0.0 and arming(device) == "WAITING"
 

@@ -10,22 +10,25 @@ from typing import Any
 import pytest
 
 from core.base import DimpleError
-from core.haptics import device as devices
-from core.haptics import process as processes
-from core.haptics import pseudo_terminal
-from core.haptics.device import Emulated, HapticMaster
-from core.haptics.mailbox import Mailbox
-from core.haptics.process import python
-from core.haptics.servo_messages import LinkState
-from core.haptics.spec import HAPTIC_MASTER
-from studies import logged_servo
+from core.device import device as devices
+from core.device import process as processes
+from core.device.device import HapticMaster
+from core.device.mailbox import Mailbox
+from core.device.orders import LinkState
+from core.device.process import python
+from core.device.spec import HAPTIC_MASTER
+from studies.bench import logged_servo
+from studies.bench import processes as bench_processes
+from studies.bench.processes import EmulatedDevice
 from tests.haptics.machine import NEEDS_PTY
 from tests.haptics.pressing import drive, gone, ready
 
 pytestmark = NEEDS_PTY
 
 
-@pytest.mark.parametrize(("device", "which"), [(HapticMaster("/dev/null"), 0), (Emulated(), 0), (Emulated(), 1)])
+@pytest.mark.parametrize(
+    ("device", "which"), [(HapticMaster("/dev/null"), 0), (EmulatedDevice(), 0), (EmulatedDevice(), 1)]
+)
 def test_a_device_that_cannot_be_opened_leaves_nothing_behind(
     device: HapticMaster, which: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -34,13 +37,14 @@ def test_a_device_that_cannot_be_opened_leaves_nothing_behind(
     monkeypatch.setattr(devices, "Mailbox", lambda: boxes.append(Mailbox()) or boxes[-1])
     monkeypatch.setattr(devices.tempfile, "mkdtemp", lambda **how: folders.append(mkdtemp(**how)) or folders[-1])
 
-    def fails(words: list[str], errors: Any) -> Any:
+    def fails(words: list[str], errors: Any, **how: Any) -> Any:
         if len(started) == which:
             raise OSError(12, "Cannot allocate memory")
-        started.append(processes.start(words, errors))
+        started.append(processes.start(words, errors, **how))
         return started[-1]
 
     monkeypatch.setattr(devices, "start", fails)
+    monkeypatch.setattr(bench_processes, "start", fails)
     with pytest.raises(DimpleError, match="cannot be opened: .*Cannot allocate"):
         device.open()
     assert len(started) == which and all(gone(process.pid) for process in started)
@@ -75,19 +79,16 @@ def test_a_port_that_is_not_there_is_reported(tmp_path: Path) -> None:
     device.close()
 
 
-def test_a_system_without_pseudo_terminals_has_no_emulated_device(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Windows."""
-    monkeypatch.setattr(pseudo_terminal, "SUPPORTED", False)
-    monkeypatch.setattr(devices, "start", lambda *_: pytest.fail("no process may be started"))
-    assert not Emulated.is_supported()
-    with pytest.raises(DimpleError, match="runs on Linux and macOS"):
-        Emulated().open()
+def test_a_port_is_no_option_whatever_its_name() -> None:
+    device = HapticMaster("-h")
+    device.open()
+    report = drive(device, ready)
+    assert report.link is LinkState.REFUSED and "no port -h" in report.note
+    device.close()
 
 
 def test_an_emulated_device_opens_moves_and_leaves_nothing_behind() -> None:
-    device = Emulated()
+    device = EmulatedDevice()
     device.open()
     assert device.process and device.emulator
     pids = device.process.pid, device.emulator.pid

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
+from core.device import kinematics, wire
 from core.errors import DimpleError
-from core.haptics import kinematics, wire
-from core.haptics.emulated_hand import EmulatedHand, Keyframe, load_hand
-from core.haptics.emulated_line import EmulatedLine
-from core.haptics.emulated_tip import EmulatedTip
 from core.vectors import ZERO, Vector
-from studies.faults import InjectedFault
-from studies.faulty_emulator import FaultyEmulator, FaultyLine, TraceRow
+from studies.bench.faults import InjectedFault
+from studies.bench.faulty_emulator import FaultyEmulator, FaultyLine, TraceRow
+from studies.bench.hand import EmulatedHand, Keyframe, load_hand
+from studies.bench.line import EmulatedLine
+from studies.bench.tip import EmulatedTip
 from tests.haptics.host import BLOCKS, SPEC, Host
 
 FREE = EmulatedHand(stiffness=0.0, damping=0.0)

@@ -12,17 +12,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.haptics import wire
-from core.haptics.contact_model import Contact, stiffness_cap
-from core.haptics.emulated_hand import EmulatedHand, Keyframe
-from core.haptics.passivity import STORE_TIME
-from core.haptics.safety import LEASE
-from core.haptics.servo import Servo
-from core.haptics.servo_messages import LinkState
-from core.haptics.spec import Spec
+from core.device import wire
+from core.device.limits import LEASE, QUIET_TIME
+from core.device.orders import LinkState
+from core.device.servo import Servo
+from core.device.spec import Spec
+from core.device.surface import Law, Surface, stiffness_cap
 from core.vectors import length
-from studies.faults import parse_fault
-from studies.faulty_emulator import FaultyEmulator, TraceRow
+from studies.bench.faults import parse_fault
+from studies.bench.faulty_emulator import FaultyEmulator, TraceRow
+from studies.bench.hand import EmulatedHand, Keyframe
 from tests.haptics.bench_device import wall
 from tests.haptics.host import SPEC
 from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS
@@ -38,14 +37,14 @@ NEAR = 0.002  # [m] a place farther from the truth is a wrong one: converters er
 class Press:
     """Let a hand press three fingertips into a wall of 300 N/m; 1.7 N act on each, at 5.7 mm.
 
-    contact: what the simulation posts at a time, None where it posts nothing.  places: the largest error of a place
+    surface: what the simulation posts at a time, None where it posts nothing.  places: the largest error of a place
     that the servo trusted [m].
     """
 
     def __init__(
         self,
         *faults: str,
-        contact: Callable[[float], Contact | None] = lambda now: wall(now, k=300.0),
+        surface: Callable[[float], Surface | None] = lambda now: wall(now, k=300.0),
         spec: Spec = SPEC,
         way: tuple[Keyframe, ...] = WAY,
         baud: int | None = None,
@@ -53,7 +52,7 @@ class Press:
         self.trace: list[TraceRow] = []
         hand, spoiled = EmulatedHand(tips=(way,) * 3), [parse_fault(text) for text in faults]
         self.device = FaultyEmulator(spec, hand=hand, faults=spoiled, seed=3, trace=self.trace, baud=baud)
-        self.servo, self.contact = Servo(spec), contact
+        self.servo, self.surface = Servo(spec), surface
         self.now = self.next_frame = self.places = 0.0
         self.host_runs, self.line_runs, self.to_device, self.to_host = True, True, b"", b""
 
@@ -66,10 +65,10 @@ class Press:
             self.to_device = self.servo.step(self.now, heard) if self.host_runs else b""
             if self.servo.link is LinkState.READY and self.now >= self.next_frame:
                 self.next_frame = self.now + FRAME
-                contact = self.contact(self.now)
-                contacts = (replace(contact, friction=0.0),) * 3 if contact else self.servo.order.contacts
+                surface = self.surface(self.now)
+                surfaces = (surface,) * 3 if surface else self.servo.order.surfaces
                 order, held = self.servo.order, self.now + LEASE
-                self.servo.order = replace(order, arm=max(order.arm, 1), held_until=held, contacts=contacts)
+                self.servo.order = replace(order, arm=max(order.arm, 1), held_until=held, surfaces=surfaces)
             for tip, finger in zip(self.device.tips, self.servo._fingers, strict=True):
                 if finger.angles and not self.device.unplugged:
                     self.places = max(self.places, math.dist(tip.position, finger.at))
@@ -159,7 +158,7 @@ def test_wrong_baud_rate() -> None:
 def test_duplicated_reordered_and_stale_frames(fault: str) -> None:
     length_of = "+0.02" if fault == "stale=1" else ""  # longer than 100 ms is an unplugged line
     press = Press(f"{fault}@{AT}{length_of}").run(AT + 1.0)
-    watch = press.device.firmware.watch
+    watch = press.device.firmware.link
     assert press.presses() and watch and watch.stale > 0  # answers that came twice, late, or to States long gone
     assert press.servo.report().stale > 0 or fault == "stale=1"  # which come in order, if late
     assert max(press.forces(AT)) < 1.9 + CONVERTERS
@@ -203,13 +202,13 @@ def test_a_force_that_comes_back_after_a_stall_gives_the_hand_no_more_than_it_to
 
     The force yields until the fingertip has left the wall; the next press meets the whole of it.
     """
-    press = Press(contact=lambda now: wall(now, k=1000.0), way=TWICE, baud=0).run(AT)
+    press = Press(surface=lambda now: wall(now, k=1000.0), way=TWICE, baud=0).run(AT)
     press.host_runs, press.line_runs = what != "host", what != "line"
     press.run(AT + stall)
     press.host_runs = press.line_runs = True
     press.run(AT + 0.7)
     assert press.arming == "ON" and press.energy() > -1e-3
-    if stall < STORE_TIME:  # without force for so long, a wall has nothing left to give
+    if stall < QUIET_TIME:  # without force for so long, a wall has nothing left to give
         assert press.forces(press.now - 0.02)[-1] > 0.2
     press.run(3.6)
     assert press.energy() > -1e-3 and min(tip.least_energy for tip in press.servo.report().tips) > -1e-3
@@ -225,7 +224,7 @@ def test_a_wall_that_comes_back_after_the_simulation_stood_still_hardly_gives_th
     It may get what is allowed, 0.5 mJ, and a piece of the path, 0.4 mm, at 2 N; the next press meets the whole wall.
     """
     press = Press(
-        contact=lambda now: None if AT < now < AT + stall else wall(now, k=1000.0), way=TWICE, baud=0
+        surface=lambda now: None if AT < now < AT + stall else wall(now, k=1000.0), way=TWICE, baud=0
     ).run(3.6)
     assert press.arming == "ON" and press.energy() > -1.3e-3
     assert press.forces(press.now - 0.02)[-1] == pytest.approx(leant(press.servo.cap, 1000.0), abs=0.2)
@@ -241,23 +240,25 @@ def test_a_sensor_that_lies(fault: str) -> None:
     assert max(finger[known + 1 :]) == 0.0
 
 
-@pytest.mark.parametrize("bad", [{"force": (0.0, math.nan, 0.0)}, {"k_n": math.inf}, {"force": (0.0, 0.0, 1e9)}])
+@pytest.mark.parametrize(
+    "bad", [{"place": (0.0, math.nan, 0.0)}, {"law": Law(math.inf, 1.0, 1.0, 1.0)}, {"place": (0.0, 0.0, 1e9)}]
+)
 def test_models_that_are_no_numbers(bad: dict[str, object]) -> None:
-    press = Press(contact=lambda now: replace(wall(now, k=300.0), **(bad if now >= AT else {}))).run(AT + 0.3)
+    press = Press(surface=lambda now: replace(wall(now, k=300.0), **(bad if now >= AT else {}))).run(AT + 0.3)
     assert press.let_go() and "not numbers" in press.note
     assert max(press.forces(AT)) < 1.9 + CONVERTERS
 
 
 def test_a_huge_model() -> None:
     """Its 500 N are cut to 10 N, 1 N a millisecond; what the device cannot bear for long it folds back."""
-    press = Press(contact=lambda now: wall(now, k=300.0, force=500.0 if now >= AT else 0.0)).run(AT + 0.3)
+    press = Press(surface=lambda now: wall(now, k=300.0, force=500.0 if now >= AT else 0.0)).run(AT + 0.3)
     forces = press.forces(AT - 0.01)
     assert 5.0 < max(forces) <= SPEC.peak_force + CONVERTERS
     assert max(b - a for a, b in zip(forces, forces[1:], strict=False)) <= 1.0 + 2 * CONVERTERS
 
 
 def test_a_frozen_simulation() -> None:
-    press = Press(contact=lambda now: wall(now, k=300.0) if now < AT else None).run(AT + 0.09)
+    press = Press(surface=lambda now: wall(now, k=300.0) if now < AT else None).run(AT + 0.09)
     assert press.presses()
     assert 0.3 < press.run(AT + 0.15).forces(AT + 0.14)[-1] < 1.5
     assert max(press.run(AT + 0.26).forces(AT + 0.25)) == 0.0 and press.arming == "ON"

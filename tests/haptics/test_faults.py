@@ -6,12 +6,12 @@ import math
 
 import pytest
 
+from core.device import wire
 from core.errors import DimpleError
-from core.haptics import wire
-from core.haptics.spec import load_spec
-from studies.emulator import measured
-from studies.faults import FAULTS, FOREVER, InjectedFault, parse_fault
-from studies.faulty_emulator import FaultyEmulator
+from studies.bench.command import measured
+from studies.bench.faults import FAULTS, FOREVER, InjectedFault, parse_fault
+from studies.bench.faulty_emulator import FaultyEmulator
+from studies.bench.numbers import load_emulated
 from tests.haptics.bit_errors import lost_share
 from tests.haptics.host import Table
 from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS, sizes, up
@@ -26,7 +26,7 @@ def taken(table: Table) -> wire.Command:
 
 def lost(table: Table) -> tuple[int, int]:
     """Return how many Commands the device missed, and how many it took."""
-    watch = table.device.firmware.watch
+    watch = table.device.firmware.link
     assert watch is not None
     return watch.lost, watch.taken
 
@@ -43,8 +43,8 @@ def test_flipped_bits_never_make_a_torque_or_a_place(rate: float) -> None:
     expected = -math.expm1(8 * wire.size(wire.Command) * math.log1p(-rate))
     sigma = math.sqrt(expected * (1 - expected) / (missed + took))
     assert missed / (missed + took) == pytest.approx(expected, rel=0.10, abs=3 * sigma)
-    watch = table.device.firmware.watch
-    assert watch is not None and table.host.decoder.counts.frames < watch.ticks
+    watch = table.device.firmware.link
+    assert watch is not None and len(table.host.states) < watch.ticks
     arrived = len(table.host.states) / watch.ticks
     assert 1 - arrived == pytest.approx(lost_share(rate), rel=0.10, abs=3 * sigma)
     assert max(sizes(table)) <= 3.0 + BRAKE_NOISE
@@ -63,8 +63,7 @@ def test_after_garbage_the_next_zero_is_a_new_beginning(name: str) -> None:
     """Each spoils the frame it meets, and at most the next."""
     table = Table(up(3.0), f"{name}=0.05@0.1").run(3.0)
     missed, took = lost(table)
-    counts = table.device.decoder.counts
-    assert counts.refused > 50
+    assert table.device.decoder.refused > 50
     assert 0 < missed <= 2 * 1.3 * 0.05 * (missed + took)  # 1.3: three sigma of 145 hits
     assert table.device.mode == wire.ARMED and taken(table) == table.host.sent[taken(table).seq]
 
@@ -80,7 +79,7 @@ def test_at_a_wrong_baud_rate_nothing_answers_and_no_torque_acts() -> None:
 
 def test_a_duplicate_is_dropped_and_counted() -> None:
     table = Table(up(3.0), "duplicate-in=1@0.7").run(1.7)
-    watch = table.device.firmware.watch
+    watch = table.device.firmware.link
     assert watch is not None and watch.stale == pytest.approx(1000, abs=5)
     assert (watch.lost, table.device.mode) == (0, wire.ARMED)
     assert sizes(table)[-1] == pytest.approx(3.0, abs=0.1)
@@ -88,7 +87,7 @@ def test_a_duplicate_is_dropped_and_counted() -> None:
 
 def test_a_reordered_command_is_dropped_and_counted_and_the_newest_acts() -> None:
     table = Table(up(3.0), "reorder-in=0.2@0.7").run(0.7)
-    watch, newest = table.device.firmware.watch, 0
+    watch, newest = table.device.firmware.link, 0
     while table.now < 2.0:
         table.run(0.002)
         assert not wire.seq_newer(newest, taken(table).seq)  # never back
@@ -104,7 +103,7 @@ def test_of_a_stale_queue_only_what_answers_a_young_state_acts() -> None:
     the last 5 / (1 - 0.347) = 8 answer States no older than 5 ticks.
     """
     table = Table(up(3.0), "stale-in@0.8+0.06").run(0.8)
-    watch = table.device.firmware.watch
+    watch = table.device.firmware.link
     assert watch is not None
     before = watch.stale
     table.run(0.2)
@@ -122,7 +121,7 @@ def test_answers_older_than_5_ticks_are_no_answers() -> None:
     assert [fault.code for fault in table.host.faults][:1] == [wire.FAULT_WATCHDOG]
     late = Table(up(3.0), "slow-host=0.002@0.7").run(1.0)
     assert late.device.mode == wire.ARMED and sizes(late)[-1] == pytest.approx(3.0, abs=0.1)
-    watch = late.device.firmware.watch
+    watch = late.device.firmware.link
     assert watch is not None and watch.rtts[-1] == pytest.approx(2e-3 + 738e-6, abs=3e-4)
     assert watch.answered - watch.in_time > 250  # counted as late
 
@@ -152,7 +151,7 @@ def test_a_signal_amid_a_tick_still_ends_the_device() -> None:
             device.unplugged = True
             return False
 
-    device = FaultyEmulator(load_spec(), faults=[Signal("unplug", 1.0)])
+    device = FaultyEmulator(load_emulated(), faults=[Signal("unplug", 1.0)])
     device.step(0.0, b"")
     assert device.unplugged
 
@@ -220,5 +219,4 @@ def test_faults_are_parsed_as_documented() -> None:
 def test_a_reader_that_begins_in_the_middle_gets_all_but_the_first() -> None:
     """The emulator's line cuts frames wherever time does."""
     table = Table(arms=False).run(0.1)
-    counts = table.host.decoder.counts
-    assert counts.refused == 0 and counts.frames == pytest.approx(100, abs=3)
+    assert table.host.decoder.refused == 0 and len(table.host.states) == pytest.approx(100, abs=3)

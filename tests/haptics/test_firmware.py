@@ -7,10 +7,10 @@ import random
 
 import pytest
 
-from core.haptics import wire
-from core.haptics.emulated_hand import EmulatedHand
-from core.haptics.watch import Watch
+from core.device import wire
 from core.vectors import ZERO
+from studies.bench.hand import EmulatedHand
+from studies.bench.round_trips import RoundTrips
 from tests.haptics.host import HELD, SPEC, Host, Table
 from tests.haptics.test_motors import hottest
 
@@ -275,7 +275,7 @@ def test_the_round_trip_is_measured_on_the_device_s_clock() -> None:
 
 def test_a_state_that_was_passed_over_has_waited_for_the_answer_to_the_next() -> None:
     """The host was kept from running for 2.4 ms, then answered the newest of three: an old force acted."""
-    watch = Watch(SPEC, 1)
+    watch = RoundTrips(SPEC, 1)
     seqs = [watch.send(1e-3 * i) for i in range(3)]
     assert watch.take(wire.Command(1, 1, seqs[-1], wire.NO_TORQUE, 0, 5), 2.4e-3)
     assert list(watch.rtts) == pytest.approx([2.4e-3, 1.4e-3, 0.4e-3])

@@ -7,9 +7,9 @@ import random
 
 import pytest
 
-from core.haptics import wire
+from core.device import wire
 from core.vectors import ZERO
-from studies.faulty_emulator import FaultyEmulator
+from studies.bench.faulty_emulator import FaultyEmulator
 from tests.haptics.host import SPEC
 from tests.haptics.test_firmware import CONVERTERS
 

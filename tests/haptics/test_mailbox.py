@@ -9,9 +9,10 @@ from dataclasses import replace
 
 import pytest
 
-from core.haptics.mailbox import FROM_SERVO, TO_SERVO, Mailbox
-from core.haptics.safety import Arming
-from core.haptics.servo_messages import (
+from core import other_tip
+from core.device.mailbox import FROM_SERVO, TO_SERVO, Mailbox
+from core.device.orders import (
+    FACTORS,
     ORDER_SIZE,
     REPORT_SIZE,
     LinkState,
@@ -23,6 +24,8 @@ from core.haptics.servo_messages import (
     unpack_order,
     unpack_report,
 )
+from core.device.safety import Arming
+from core.device.surface import Law
 from tests.haptics.bench_device import wall
 from tools.environment import ROOT
 
@@ -30,7 +33,7 @@ WRITER = """
 import sys
 sys.path.append(sys.argv[1])
 from pathlib import Path
-from core.haptics.mailbox import TO_SERVO, Mailbox
+from core.device.mailbox import TO_SERVO, Mailbox
 box = Mailbox(Path(sys.argv[2]))
 i = 0
 while True:
@@ -40,8 +43,10 @@ while True:
 
 
 def test_an_order_and_a_report_arrive_as_they_were_sent() -> None:
+    factors = tuple(1.0 + k / 7 for k in range(FACTORS))
+    other = replace(wall(2.5), anchor=(1.0, -2.0, 3.0), law=Law(1.0, 2.0, 3.0, 1.5, factors, 0.1))
     order = Order(
-        arm=3, disarm=2, held_until=4.5, contacts=(None, wall(1.5), replace(wall(2.5), force=(1.0, -2.0, 3.0)))
+        arm=3, disarm=2, held_until=4.5, surfaces=(None, wall(1.5), other)
     )
     assert unpack_order(pack_order(order)) == order
     report = ServoReport(
@@ -51,11 +56,12 @@ def test_an_order_and_a_report_arrive_as_they_were_sent() -> None:
     )  # fmt: skip
     assert unpack_report(pack_report(report)) == report
     assert (len(pack_order(order)), len(pack_report(report))) == (ORDER_SIZE, REPORT_SIZE)
+    assert FACTORS == other_tip.COUNT
 
 
 def test_not_a_number_arrives_as_such_for_the_servo_to_refuse() -> None:
-    order = unpack_order(pack_order(Order(contacts=(replace(wall(), k_n=math.nan),))))
-    assert order.contacts[0] and math.isnan(order.contacts[0].k_n)
+    order = unpack_order(pack_order(Order(surfaces=(replace(wall(), friction=math.nan),))))
+    assert order.surfaces[0] and math.isnan(order.surfaces[0].friction)
 
 
 def test_a_message_is_read_once_and_the_newest_replaces_the_one_before() -> None:

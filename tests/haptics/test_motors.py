@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from core.haptics.motors import Motors
 from core.vectors import ZERO, Vector
+from studies.bench.motors import Motors
 from tests.haptics.host import SPEC
 
 

@@ -16,11 +16,11 @@ from pathlib import Path
 import pytest
 
 from core.base import DimpleError
-from core.haptics import wire
-from core.haptics.device import HapticMaster
-from core.haptics.safety import Arming
-from core.haptics.servo_messages import LinkState, ServoReport
-from core.haptics.servo_notes import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS_SILENT
+from core.device import wire
+from core.device.device import HapticMaster
+from core.device.notes import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS_SILENT
+from core.device.orders import LinkState, ServoReport
+from core.device.safety import Arming
 from core.vectors import length
 from studies import haptics
 from tests.haptics.machine import NEEDS_PTY, unable

@@ -9,7 +9,7 @@ from pathlib import Path
 from tools.environment import ROOT
 
 WATCHED = [
-    *sorted((ROOT / "core" / "haptics").glob("*.py")),
+    *sorted((ROOT / "core" / "device").glob("*.py")),
     *(ROOT / "operators" / f"{name}.py" for name in ("haptic", "device", "sessions", "live")),
 ]
 NAMES = {path: ".".join(path.relative_to(ROOT).with_suffix("").parts) for path in WATCHED}
@@ -28,7 +28,8 @@ def imported(path: Path) -> set[str]:
 
 def test_no_module_of_the_device_imports_itself_through_another() -> None:
     above = {NAMES[path]: imported(path) for path in WATCHED}
-    assert "core.haptics.servo" in above["core.haptics.command"] and "operators.sessions" in above["operators.haptic"]
+    assert "core.device.servo" in above["core.device.servo_process"]
+    assert "operators.sessions" in above["operators.haptic"]
     while bottom := [name for name, needs in above.items() if not needs]:
         for name in bottom:
             del above[name]
@@ -37,9 +38,9 @@ def test_no_module_of_the_device_imports_itself_through_another() -> None:
 
 
 def test_what_blender_starts_needs_the_standard_library_alone() -> None:
-    """Servo and emulator run `python -I -S`: no site-packages, and no time to load numpy; nothing of the studies."""
+    """The servo runs `python -I -S`: no site-packages, and no time to load numpy; nothing of the studies."""
     code = (
-        f"import sys, json; sys.path.insert(0, {str(ROOT)!r}); import core.haptics.command; "
+        f"import sys, json; sys.path.insert(0, {str(ROOT)!r}); import core.device.servo_process; "
         "print(json.dumps(sorted({name.partition('.')[0] for name in sys.modules} - set(sys.stdlib_module_names))))"
     )
     done = subprocess.run([sys.executable, "-I", "-S", "-c", code], capture_output=True, text=True, check=True)

@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from core.haptics.safety import Arming, BadNumbers, Guard, Limits, Switch
+from core.device.safety import Arming, BadNumbers, Guard, Switch
 from core.vectors import ZERO, length
 
-LIMITS = Limits(peak=10.0, continuous=4.0)
+LIMITS = 10.0, 4.0  # [N] peak, continuous
 MS = 1e-3
 
 
@@ -78,28 +78,28 @@ def test_three_bad_numbers_in_100_ms_are_too_many_and_three_in_a_second_are_not(
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_no_number_no_force(bad: float) -> None:
-    guard = Guard(LIMITS)
+    guard = Guard(*LIMITS)
     guard.output((0.0, 0.0, 2.0), 1.0, 0.01)
     assert guard.output((0.0, bad, 0.0), 1.0, MS) == ZERO
 
 
 @pytest.mark.parametrize("wanted", [12.0, 1e3, 1e9])
 def test_no_force_passes_the_peak_and_none_rises_faster_than_a_newton_a_millisecond(wanted: float) -> None:
-    guard = Guard(LIMITS)
+    guard = Guard(*LIMITS)
     pushes = [length(guard.output((wanted, 0.0, 0.0), 1.0, MS)) for _ in range(50)]
     assert pushes[:10] == pytest.approx([i + 1.0 for i in range(10)])
     assert max(pushes) <= 10.0 and guard.full
 
 
 def test_no_device_may_say_that_it_is_allowed_more_than_the_ceiling() -> None:
-    guard = Guard(Limits(peak=100.0, continuous=100.0))
+    guard = Guard(100.0, 100.0)
     for _ in range(200):
         guard.output((0.0, 99.0, 0.0), 1.0, MS)
     assert length(guard.sent) == pytest.approx(20.0)
 
 
 def test_the_root_mean_square_over_10_s_stays_at_the_continuous_force() -> None:
-    guard, square, seconds = Guard(LIMITS), 0.0, 60
+    guard, square, seconds = Guard(*LIMITS), 0.0, 60
     for i in range(seconds * 1000):
         guard.move((0.0, 0.0, 0.0), i * MS)
         force = length(guard.output((0.0, 0.0, 9.0), 1.0, MS))
@@ -109,21 +109,21 @@ def test_the_root_mean_square_over_10_s_stays_at_the_continuous_force() -> None:
 
 
 def test_a_zero_is_at_once() -> None:
-    guard = Guard(LIMITS)
+    guard = Guard(*LIMITS)
     for _ in range(20):
         guard.output((0.0, 0.0, 8.0), 1.0, MS)
     assert guard.output((0.0, 0.0, 8.0), 0.0, MS) == ZERO
 
 
 def test_the_ramp_damps() -> None:
-    guard = Guard(LIMITS)
+    guard = Guard(*LIMITS)
     for i in range(100):
         guard.move((0.0, 0.0, i * 1e-3 * 0.2), i * MS)  # 0.2 m/s
     assert guard.output((0.0, 0.0, 0.0), 0.5, MS)[2] == pytest.approx(-0.5 * 3.0 * 0.2, rel=0.01)
 
 
 def test_a_fingertip_faster_than_a_hand_runs_away() -> None:
-    slow, fast = Guard(LIMITS), Guard(LIMITS)
+    slow, fast = Guard(*LIMITS), Guard(*LIMITS)
     for i in range(100):
         slow.move((i * MS * 1.3, 0.0, 0.0), i * MS)
         fast.move((i * MS * 1.7, 0.0, 0.0), i * MS)
@@ -136,7 +136,7 @@ def press_and_leave(push: float, pull: float, *, control: bool) -> float:
     Returns:
         the energy [J] that the wall has taken less what it gave.
     """
-    guard, taken, before = Guard(LIMITS), 0.0, 0.0
+    guard, taken, before = Guard(*LIMITS), 0.0, 0.0
     for i in range(401):
         x = 0.01 * min(i, 400 - i) / 200
         taken += guard.sent[0] * (before - x) * -1.0
@@ -160,7 +160,7 @@ def test_the_passivity_controller_takes_back_what_an_active_wall_gives() -> None
 
 def test_what_happens_in_a_long_step_is_counted_with_the_force_of_that_step() -> None:
     """Pressed with 4 N, a fingertip sinks 4 mm while the device lets go: the hand gives less than 16 mJ."""
-    guard = Guard(LIMITS)
+    guard = Guard(*LIMITS)
     for i in range(20):
         guard.move((0.0, 0.0, 0.0), i * MS, (0.0, 0.0, 4.0))
     guard.move((0.0, 0.0, -0.004), 0.050, (0.0, 0.0, 4.0), left=0.0)
@@ -171,7 +171,7 @@ def test_what_happens_in_a_long_step_is_counted_with_the_force_of_that_step() ->
 
 def test_a_force_that_gave_too_much_yields_until_nothing_was_touched_for_a_moment() -> None:
     """The device let go of a fingertip 5 mm deep: what a hand gave, 4 mJ, may push it out, and no more."""
-    guard, given, ms = Guard(LIMITS), 0.0, 0
+    guard, given, ms = Guard(*LIMITS), 0.0, 0
 
     def go(x: float, push: float) -> float:
         nonlocal given, ms

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from core.haptics import wire
-from core.haptics.servo_notes import FAULTS
-from core.haptics.spec import load_spec
+from core.device import wire
+from core.device.notes import FAULTS
+from core.device.spec import load_spec
+from core.device.surface import Law
 from tests.haptics.bench_device import SESSION, BenchDevice, disarmed, note, wall
 
 
@@ -28,7 +29,7 @@ def test_before_the_first_state_no_fingertip_is_anywhere() -> None:
 
 def test_nothing_acts_before_arming() -> None:
     device = BenchDevice(at=[(0.0, 0.0, -0.01)] * 3)
-    device.set_contacts(*[wall(device.now)] * 3)
+    device.set_surfaces(*[wall(device.now)] * 3)
     device.tick(1000)
     assert device.strongest == 0.0
     assert not any(f.flags & wire.ENABLE for f in device.heard if isinstance(f, wire.Command))
@@ -36,7 +37,7 @@ def test_nothing_acts_before_arming() -> None:
 
 def test_arming_in_the_middle_of_an_object_waits() -> None:
     device = BenchDevice(at=[(0.0, 0.0, -0.01)] * 3)
-    device.set_contacts(*[wall(device.now)] * 3)
+    device.set_surfaces(*[wall(device.now)] * 3)
     device.armed()
     assert device.strongest == 0.0 and device.servo.report().arming.name == "WAITING"
 
@@ -53,25 +54,27 @@ def test_a_frozen_simulation_fades_out_between_100_and_200_ms() -> None:
     assert device.strongest == 0.0 and device.servo.report().arming.name == "ON"
 
 
-@pytest.mark.parametrize("bad", [{"force": (math.nan, 0, 0)}, {"k_n": math.inf}, {"at": (0, 0, -math.inf)}])
-def test_contacts_that_are_not_numbers_are_never_rendered_and_three_in_a_row_disarm(bad: dict[str, object]) -> None:
+@pytest.mark.parametrize(
+    "bad", [{"place": (math.nan, 0, 0)}, {"law": Law(math.inf, 1.0, 1.0, 1.0)}, {"place": (0, 0, -math.inf)}]
+)
+def test_surfaces_that_are_not_numbers_are_never_rendered_and_three_in_a_row_disarm(bad: dict[str, object]) -> None:
     device = BenchDevice().pressing()
     device.fresh = False
     for i in range(3):
         assert device.servo.report().arming.name == "ON"
-        device.set_contacts(replace(wall(device.now), **bad))
+        device.set_surfaces(replace(wall(device.now), **bad))
         device.tick(5)
         words = [frame.torque for frame in device.heard if isinstance(frame, wire.Command)]
         assert max(map(abs, words[-1])) <= max(map(abs, words[-6])), i
     assert disarmed(device) and "not numbers" in note(device)
 
 
-@pytest.mark.parametrize("huge", [{"force": (0, 0, 999.0)}, {"k_n": 1e6, "force": (0, 0, 900.0)}])
-def test_a_huge_contact_is_never_on_the_wire(huge: dict[str, object]) -> None:
+@pytest.mark.parametrize("huge", [{"place": (0, 0, 1.6)}, {"law": Law(1e6, 1e6, 1.0, 1.0), "place": (0, 0, 9.0)}])
+def test_a_huge_force_is_never_on_the_wire(huge: dict[str, object]) -> None:
     device = BenchDevice().pressing()
     before = device.strongest
     for _ in range(20):
-        device.set_contacts(replace(wall(device.now), **huge))
+        device.set_surfaces(replace(wall(device.now), **huge))
         device.fresh = False
         device.tick()
         assert device.strongest <= before + 1.05  # 1 N a millisecond, and a step of the DAC
@@ -86,7 +89,7 @@ def test_a_change_is_spread_over_a_frame_however_often_the_key_is_renewed(looks:
     device = BenchDevice(looks=looks).pressing()
     before = device.strongest
     device.tick(-device.seq % 16)
-    device.set_contacts(wall(device.now, force=1.5))
+    device.set_surfaces(wall(device.now, force=1.5))
     pushes = [before]
     for _ in range(40):
         device.tick()
@@ -212,7 +215,7 @@ def delayed(device: BenchDevice, p99_us: int) -> float:
 
 def test_the_cap_follows_the_measured_delay_in_whole_ticks() -> None:
     device = BenchDevice()
-    device.set_contacts(wall(device.now))
+    device.set_surfaces(wall(device.now))
     for p99_us, ticks in ((900, 1), (1500, 2), (2001, 3)):
         assert delayed(device, p99_us) == pytest.approx(0.8 * 2.0 / (0.5e-3 + ticks * 1e-3))
 

@@ -4,10 +4,10 @@ import random
 
 import pytest
 
-from core.haptics import wire
-from core.haptics.servo import Servo
-from core.haptics.servo_messages import LinkState
-from core.haptics.spec import info, load_spec
+from core.device import wire
+from core.device.orders import LinkState
+from core.device.servo import Servo
+from core.device.spec import info, load_spec
 from tests.haptics.bench_device import SESSION, BenchDevice, disarmed, note
 
 

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
-from core.haptics.device import HapticMaster
-from core.haptics.safety import Arming
-from core.haptics.servo_messages import LinkState, ServoReport
-from core.haptics.spec import geometry_crc
-from core.haptics.udp_line import open_udp
+from core.device.device import HapticMaster
+from core.device.orders import LinkState, ServoReport
+from core.device.safety import Arming
+from core.device.spec import geometry_crc
+from core.device.udp_line import open_udp
 from tests.haptics.bench_device import wall
 from tests.haptics.host import SPEC
 from tests.haptics.machine import unable
@@ -70,7 +70,7 @@ def drive(device: HapticMaster, until: Callable[[ServoReport], bool], *, held: b
             device.arm()
         if top is None and report.arming in (Arming.RAMP, Arming.ON):
             top = (*report.tips[0].position[:2], report.tips[0].position[2] + 0.005)
-        device.write([replace(wall(now, k=300.0), at=top, friction=0.0) if top else None, None, None])
+        device.write([replace(wall(now, k=300.0), place=top) if top else None, None, None])
         time.sleep(1 / 60)
     unable(f"this machine cannot run a loop of 1 kHz: {report}")
 

@@ -9,15 +9,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from core.haptics.emulated_hand import EmulatedHand, Keyframe
-from core.haptics.passivity import Passivity
-from core.haptics.safety import LEASE
-from core.haptics.servo import Servo
-from core.haptics.servo_messages import LinkState
-from core.haptics.spec import Spec, load_spec
-from core.haptics.wire import RAMP
+from core.device.limits import LEASE
+from core.device.orders import LinkState
+from core.device.passivity import Passivity
+from core.device.servo import Servo
+from core.device.wire import RAMP
 from core.vectors import Vector
-from studies.faulty_emulator import FaultyEmulator, TraceRow
+from studies.bench.faulty_emulator import FaultyEmulator, TraceRow
+from studies.bench.hand import EmulatedHand, Keyframe
+from studies.bench.numbers import EmulatedSpec, load_emulated
 from tests.haptics.bench_device import wall
 
 STEP = 2e-4  # [s] of the clock
@@ -74,7 +74,7 @@ def press_wall(
     k: Callable[[Servo], float],
     seconds: float,
     *,
-    spec: Spec | None = None,
+    spec: EmulatedSpec | None = None,
     servo: Servo | None = None,
     stuck: float = 0.0,
 ) -> Run:
@@ -82,7 +82,7 @@ def press_wall(
 
     stuck: share of the ticks at which the servo's process is kept from running, for 2 to 3 ms.
     """
-    spec = spec or load_spec()
+    spec = spec or load_emulated()
     trace: list[TraceRow] = []
     emulator, servo = FaultyEmulator(spec, hand=hand, trace=trace, baud=0), servo or Servo(spec)
     now, frame, to_device, to_servo = 0.0, 0.0, b"", b""
@@ -97,8 +97,7 @@ def press_wall(
         to_device, to_servo = servo.step(now, to_servo), b""
         if servo.link is LinkState.READY and now >= frame:
             frame = now + FRAME
-            contact = replace(wall(now, k=k(servo)), friction=0.0)
-            servo.order = replace(servo.order, arm=1, held_until=now + LEASE, contacts=(contact,) * 3)
+            servo.order = replace(servo.order, arm=1, held_until=now + LEASE, surfaces=(wall(now, k=k(servo)),) * 3)
         if until == math.inf and emulator.mode == RAMP:
             until = now + BEGIN + seconds
     assert servo.report().arming.name == "ON", servo.report().note
@@ -112,7 +111,7 @@ def grows(k: float) -> bool:
 
     Without dry friction, converter steps and passivity controller, which all hide where the wall itself is unstable.
     """
-    spec = replace(load_spec(), coulomb=0.0, adc_bits=16, adc_noise=0.0)
+    spec = replace(load_emulated(), coulomb=0.0, adc_bits=16, adc_noise=0.0)
     servo = Servo(replace(spec, viscous=1e3))  # which lifts the cap
     for finger in servo._fingers:
         finger.guard.passivity = Unwatched()
@@ -136,7 +135,7 @@ def limit(low: float = 900.0, high: float = 1900.0, steps: int = 6) -> float:
 
 def limit_by_formula() -> float:
     """Return b / (T/2 + t_d) [N/m]: an answer within the tick acts at the next one."""
-    spec = load_spec()
+    spec = load_emulated()
     return spec.viscous / (spec.tick / 2 + spec.tick)
 
 

@@ -9,7 +9,8 @@ import pytest
 from core.base import Floats
 from core.body import pressure, shape_matching, springs
 from core.body.forces import forces
-from core.body.model import STIFFENS, Model, State, build_model, initial_state
+from core.body.model import Model, State, build_model, initial_state
+from core.fills import FILLS
 from core.material import PRESETS, Material, Preset
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Session
@@ -246,7 +247,8 @@ def highest_frequency(model: Model) -> float:
 @pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize("fill", ["air", "none"])
 def test_the_bound_is_never_below_the_highest_frequency(body: str, fill: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(STIFFENS, fill, 1.0)  # what is kept in reserve for a body pressed flat does not count at rest
+    # what is kept in reserve for a body pressed flat does not count at rest
+    monkeypatch.setitem(FILLS, fill, FILLS[fill]._replace(reserve=1.0))
     mesh = BODIES[body]
     for pinned in (None, base_vertices(mesh)):
         model = build_model(mesh, [replace(scenes.BALL, fill=fill, K2=610.0, damping_ratio=0.0)], pinned=pinned)
@@ -257,7 +259,7 @@ def test_the_bound_is_never_below_the_highest_frequency(body: str, fill: str, mo
 @pytest.mark.parametrize("pressure", [-1e5, 1e5, 1e6])
 @pytest.mark.parametrize("body", BODIES)
 def test_the_bound_holds_under_a_pressure_too(body: str, pressure: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(STIFFENS, "air", 1.0)
+    monkeypatch.setitem(FILLS, "air", FILLS["air"]._replace(reserve=1.0))
     material = replace(scenes.BALL, fill="air", pressure=pressure, K1=1.0, K2=1.0, k=1.0, damping_ratio=0.0)
     for pinned in (None, base_vertices(BODIES[body])):
         model = build_model(BODIES[body], [material], pinned=pinned)

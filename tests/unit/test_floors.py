@@ -15,7 +15,7 @@ FLOORS = {
     "operators": 5,
     "core.calibration": 4,
     "core.experiment": 4,
-    "core.haptics": 4,
+    "core.device": 4,
     "core.session": 3,
     "core.clock": 3,
     "core.skin": 3,
@@ -40,6 +40,7 @@ FLOORS = {
     "core.mesh": 1,
     "core.base": 0,
     "core.errors": 0,
+    "core.fills": 0,
     "core.messages": 0,
     "core.steps": 0,
     "core.vectors": 0,
@@ -48,10 +49,14 @@ FLOORS = {
     "core.other_tip": 1,
 }
 BLENDER = set("addon_utils bl_ext bl_operators bl_ui blf bmesh bpy bpy_extras gpu gpu_extras mathutils".split())
-ONLY_IN = {"ctypes": "core/native/", "serial": "core/haptics/serial_link.py"}
+ONLY_IN = {"ctypes": "core/native/", "serial": "core/device/serial_line.py"}
 REFUSED = {"threading", "multiprocessing", "_thread"}  # Blender's reviewers refuse threads
 BESIDE = {"blend_samples", "dev", "studies", "tests", "tools"}
-ENTRIES = {"addon", "core.haptics.start", "core.haptics.command"}  # start.py names command in a string
+ENTRIES = {
+    "addon",
+    "operators.body",  # the front door for scripts, at the root
+    "core.device.start", "core.device.servo_process",  # start.py names it in a string
+}  # fmt: skip
 
 
 def sources() -> Iterator[Path]:

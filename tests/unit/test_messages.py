@@ -24,17 +24,18 @@ UNITS = re.compile(r"\{[^}]*\}|\b(cm|kPa|kg|mm|ms|px|Hz)\b|³")
 # what no artist reads: command lines, what is written to files, names in a .blend, the columns of measured files, and
 # what only a mistake in our own code raises
 UNSEEN = (
-    "core/calibration/vocabulary.py", "core/haptics/command.py", "core/native/body.py", "core/native/carry.py",
-    "core/native/scene.py", "operators/clip.py", "operators/command_line.py", "operators/curves.py",
+    "core/calibration/vocabulary.py", "core/device/servo_process.py", "core/native/body.py", "core/native/carry.py",
+    "core/native/scene.py", "operators/clips.py", "operators/command_line.py", "operators/curves.py",
     "operators/formats.py", "operators/sidecar.py",
     "core/everyday.py", "operators/names.py",  # labels and the texts of presets, which a test in Blender looks at
 )  # fmt: skip
 UNSEEN_TEXTS = {
     "import sys, mmap, select, tomllib; print('python', *sys.version_info[:2])", "real time", "force units?",
-    "Simulated by Dimple, not measured: {}, {} mm", "Tip: sphere, radius {} mm", "{} (emulated) at {}",
+    "Simulated by Dimple, not measured: {}, {} mm", "Tip: sphere, radius {} mm",
     "Material: K1 {} N/mm, K2 {} N/mm, x0 {} mm", "Object Info", "Dimple Press", ".Dimple Press",
     "Distance x (mm)", "Force F (N)", " (the likeliest)",
     "Dimple Trial", "Dimple Export", "Dimple Frame", "Fingertip {}", "A message of {} bytes is too long.",
+    "ABI {}, {}", "Core: {}", "Dimple {}, Blender {}, {}", "%s: everything was ended",  # in a bug report and the log
 }  # fmt: skip
 
 

@@ -15,14 +15,14 @@ from tools.environment import BLENDERS, DEV_PINS, PEER_PINS, READER_PINS, ROOT, 
 
 # what is read at run time beside Python
 DATA = {
-    "LICENSE", "blender_manifest.toml", "core/haptics/haptic_master.toml", "core/native/sources.tar.bz2",
+    "LICENSE", "blender_manifest.toml", "core/device/haptic_master.toml", "core/native/sources.tar.bz2",
     "addon/locale/ja_JP.json", "addon/poke_tool.dat",
 }  # fmt: skip
 # said here and not read from the manifest or the folders, so that a change of either has to be meant
 TOP = {"LICENSE", "__init__.py", "addon", "blender_manifest.toml", "core", "operators", "wheels"}
 FOLDERS = {
     "addon", "addon/locale", "addon/pictures", "core", "core/animation", "core/body", "core/calibration",
-    "core/experiment", "core/haptics",
+    "core/experiment", "core/device",
     "core/mesh", "core/native", "core/reduction", "core/solver", "operators", "wheels",
 }  # fmt: skip
 ENDINGS = {"", ".dat", ".json", ".py", ".toml", ".webp", ".whl", ".bz2"}  # no library, object, cache, table or scene

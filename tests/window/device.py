@@ -1,4 +1,4 @@
-"""The window test's haptic device, inside Blender: an emulated one presses the ball and is lost; the ball plays on."""
+"""The window test's haptic device, inside Blender: that of the test bench presses the ball and is lost; it plays on."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 import bpy
 import robot
 
+BENCH = Path(__file__).resolve().parents[2] / "studies" / "bench" / "start.py"
 PRESSED = 0.3  # [N]
 TAB = "Device"
 STOPPED_S = 0.4  # longer than the dead-man key counts as held
@@ -36,10 +37,13 @@ def photograph(path: Path, draws: int = 2) -> robot.Waits:
 
 
 def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[..., None]) -> robot.Waits:
-    """Connect the device to try, let it press the playing body; kill its servo; stop."""
+    """Connect an emulated device, let it press the playing body; kill its servo; stop."""
     rest = robot.positions(body).copy()
     device, settings = robot.extension("operators.haptic"), bpy.context.scene.dimple
-    settings.device_port, settings.device_origin = device.EMULATED, top
+    processes, port = robot.extension("core.device.process"), out / "haptic"
+    emulator = processes.start(["emulator", "--lifeline", "--pty", str(port)], None, script=BENCH)
+    yield from robot.until(port.exists, "the emulated device has a port", 60)
+    settings.device_port, settings.device_origin = str(port), top
     panel = open_panel()
     bpy.ops.dimple.connect_device()
 
@@ -49,7 +53,7 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
     def strongest() -> float:
         return max(sum(c * c for c in tip.force) ** 0.5 for tip in report().tips)
 
-    yield from robot.until(lambda: report().states > 10, "the device to try answers", 60)
+    yield from robot.until(lambda: report().states > 10, "the emulated device answers", 60)
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.dimple.play("INVOKE_DEFAULT")
 
@@ -80,6 +84,7 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
     )
     yield from photograph(out / "13-device-lost.png")
     bpy.ops.dimple.connect_device()  # lets go of it
+    processes.end(emulator)
     yield from robot.key("ESC", *robot.on_screen((0.0, 0.0, 0.0)))
     yield from robot.until(lambda: not robot.modal_operators(), "ESC ends the play", 30)
     yield from robot.show_tab("Dimple")

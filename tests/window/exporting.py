@@ -39,14 +39,10 @@ def export(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.Wai
 def _in_dialog(at: tuple[int, int], folder: Path, out: Path, check: Check) -> robot.Waits:
     yield from _open(lambda: bpy.ops.dimple.export_animation("INVOKE_DEFAULT", formats={"PC2"}))
     robot.screenshot(out / "11-export.png")
-    before = dialog()._estimate(bpy.context)[0]
-    check("the export dialog says frames, size and time", before.startswith(f"{FRAMES} frames, ") and "comp" in before)
+    said = dialog()._estimate(bpy.context)[0]
+    check("the export dialog says frames and size", said.startswith(f"{FRAMES} frames, about "), said)
     yield from choose("GLB")
-    yield from robot.looks(40)
     robot.screenshot(out / "11-export-2.png")
-    after = dialog()._estimate(bpy.context)[0]
-    measured = {key[2] for key in robot.extension("operators.export_time")._known}
-    check("a click on a format measures it, and its time is said", "GLB" in measured and "comp" in after, after)
     browser().spaces.active.params.directory = str(folder).encode()
     yield from robot.looks(20)
     yield from robot.click(*EXPORT)

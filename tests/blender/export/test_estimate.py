@@ -1,4 +1,4 @@
-"""What the export dialog says beforehand: how large the files will be and how long they will take."""
+"""What the export dialog says beforehand: how large the files will be."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -41,27 +41,6 @@ def test_the_size_is_at_most_a_third_off(
         said = export_plan.estimate(bpy.context, plan_of(bpy, tmp_path, formats=(each,)))
         real = size_of(tmp_path / f"Ball{ending}")
         assert 0.67 < said / real < 1.5, f"{each}: {said:.0f} bytes for {real}"
-
-
-def test_the_time_is_measured_on_the_body_and_its_formats_and_changes_nothing(
-    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], coordinates: Callable[[Any], bytes], tmp_path: Path
-) -> None:
-    from bl_ext.user_default.dimple.operators import export_time
-
-    obj = pressed()
-    scene.frame_set(3)
-    bits = coordinates(obj)
-    plan = plan_of(bpy, tmp_path / "out", formats=("PC2", "GLB"))
-    assert export_time.seconds(plan) is None
-    export_time.measure(bpy.context, plan)
-    took = export_time.seconds(plan)
-    assert took > 0 and export_time.seconds(plan_of(bpy, tmp_path, formats=("PC2", "GLB"), last=10 * FRAMES)) > 5 * took
-    assert export_time.seconds(plan_of(bpy, tmp_path, formats=("PC2",))) < took
-    assert export_time.seconds(plan_of(bpy, tmp_path)) is None, "the other formats were not measured"
-    assert coordinates(obj) == bits and not obj.modifiers and scene.frame_current == 3
-    assert not (tmp_path / "out").exists()
-    bpy.ops.dimple.bake(frame_start=1, frame_end=3)
-    assert export_time.seconds(plan) < took, "what plays is not simulated"
 
 
 @pytest.mark.parametrize(

@@ -18,10 +18,10 @@ Bits = Callable[[Any], bytes]
 
 
 def steps(bpy: ModuleType, folder: Path, written: list[Path], **changes: Any) -> Iterator[float]:
-    from bl_ext.user_default.dimple.operators import exporting
+    from bl_ext.user_default.dimple.operators import export_plan
 
     plan = {"objects": [bpy.data.objects["Ball"]], "formats": EVERY, "folder": folder, "first": 1, "last": 6}
-    return exporting.export(bpy.context, exporting.ExportPlan(**{**plan, **changes}), [], written)
+    return export_plan.export(bpy.context, export_plan.ExportPlan(**{**plan, **changes}), [], written)
 
 
 def test_files_that_are_there_are_kept_unless_they_are_to_be_replaced(
@@ -45,10 +45,10 @@ def test_a_disk_that_fills_costs_nothing_that_was_there(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The simulation fits on the disk; what is made of it does not, and only sometimes is that known before."""
-    from bl_ext.user_default.dimple.operators import exporting
+    from bl_ext.user_default.dimple.operators import export_plan
 
     if kind != "ALEMBIC":  # it would end Blender
-        monkeypatch.setattr(exporting, "reserve", lambda *_: None)
+        monkeypatch.setattr(export_plan, "reserve", lambda *_: None)
     obj = pressed()
     bpy.ops.dimple.bake(frame_start=1, frame_end=6)
     before, bits, meshes = earlier(tmp_path / "out"), coordinates(obj), len(bpy.data.meshes)
@@ -70,29 +70,29 @@ def test_a_disk_that_fills_costs_nothing_that_was_there(
 def test_a_file_that_was_cut_short_is_noticed(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, kind: str
 ) -> None:
-    """Some of Blender's exporters do not notice that the disk is full."""
-    from bl_ext.user_default.dimple.operators import exporters
+    """Some of Blender's formats do not notice that the disk is full."""
+    from bl_ext.user_default.dimple.operators import formats
 
     pressed()
     bpy.ops.dimple.export_animation(directory=str(tmp_path), formats={kind}, frame_start=1, frame_end=3)
     files = [path for path in tmp_path.rglob("*") if path.suffix in (".abc", ".usdc", ".glb", ".stl", ".ply")]
     assert files or kind in ("FBX", "PC2", "MDD")
     for path in files:
-        assert exporters.is_whole(path)
+        assert formats.is_whole(path)
         os.truncate(path, path.stat().st_size - 1)
         if path.suffix != ".usdc":  # what is last there is its table of contents
             os.truncate(path, path.stat().st_size // 2)
-        assert not exporters.is_whole(path) or path.suffix in (".abc", ".usdc")
+        assert not formats.is_whole(path) or path.suffix in (".abc", ".usdc")
 
 
 def test_what_this_blender_cannot_write_is_said_before_anything_is_simulated(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As Debian's, which is built without Alembic and USD."""
-    from bl_ext.user_default.dimple.operators import exporters
+    from bl_ext.user_default.dimple.operators import formats
 
     pressed()
-    monkeypatch.setattr(exporters, "is_there", lambda name: name != "wm.alembic_export")
+    monkeypatch.setattr(formats, "is_there", lambda name: name != "wm.alembic_export")
     with pytest.raises(RuntimeError, match="This Blender cannot write Alembic: .+ Choose another format"):
         bpy.ops.dimple.export_animation(directory=str(tmp_path / "o"), formats={"PC2", "ALEMBIC"}, frame_end=3)
     assert not (tmp_path / "o").exists()

@@ -120,9 +120,9 @@ def simulated(bpy: ModuleType) -> Callable[[Any], np.ndarray]:
     """Return a function that reads how far (n, 3) a session has come from its shape at rest, bit for bit."""
 
     def read(obj: Any) -> np.ndarray:
-        from bl_ext.user_default.dimple.operators import sessions, showing
+        from bl_ext.user_default.dimple.operators import sessions
 
-        return showing.offsets_of(sessions.get(obj))
+        return sessions.get(obj).offsets()
 
     return read
 
@@ -221,8 +221,9 @@ class Hand:
         stub = type("Stub", (), _plain(operator))()
         stub.report = lambda level, text: self.reports.append((*level, text))
         properties = getattr(context.bpy.ops.dimple, name).get_rna_type().properties
-        for name in operator.__annotations__:
-            prop = properties[name]
+        for name in (name for each in operator.__mro__ for name in getattr(each, "__annotations__", ())):
+            if (prop := properties.get(name)) is None:
+                continue
             setattr(stub, name, tuple(prop.default_array) if getattr(prop, "is_array", False) else prop.default)
         stub.properties = SimpleNamespace(is_property_set=lambda name: name in self.given)
         self.given: set[str] = set()

@@ -11,7 +11,9 @@ from typing import Any
 import pytest
 
 from tests.haptics.machine import unable
+from tools.environment import ROOT
 
+BENCH = ROOT / "studies" / "bench" / "start.py"
 PATIENCE = 30.0  # [s] on a busy machine; counted in frames, for one may stand still for longer
 AGAIN = 0.5  # [s] between two requests to arm
 BEGIN = 1.2  # [s] from the device's ramp until the servo's is over
@@ -27,13 +29,14 @@ APART = 0.02  # [m]
 @pytest.fixture
 def port(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> Iterator[Any]:
     """An emulator whose hand presses 10 mm deep once there is force; it ends with the test."""
-    from bl_ext.user_default.dimple.core.haptics.process import end, start
+    from bl_ext.user_default.dimple.core.device.process import end, start
     from bl_ext.user_default.dimple.operators import haptic, sessions
 
     tips = [[[t, x + shift, y, z] for t, x, y, z in WAY] for shift in (-APART, 0.0, APART)]
     (tmp_path / "hand.json").write_text(json.dumps({"tips": tips}))
     path = tmp_path / "port"
-    process = start(["emulator", "--pty", str(path), "--hand", str(tmp_path / "hand.json")], None)
+    words = ["emulator", "--lifeline", "--pty", str(path), "--hand", str(tmp_path / "hand.json")]
+    process = start(words, None, script=BENCH)
     until = time.perf_counter() + PATIENCE
     while not os.path.exists(path) and time.perf_counter() < until:
         time.sleep(0.01)

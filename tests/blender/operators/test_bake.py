@@ -193,9 +193,9 @@ def test_an_animated_body_carries_its_pins(bpy: ModuleType, scene: Any, ball: Ad
         seen = shown(obj)
         assert seen[lowest.index] == pytest.approx(tuple(lowest.co), abs=1e-5)
         lags.append(float(seen.mean(axis=0)[0]))
-    from bl_ext.user_default.dimple.operators import bridge
+    from bl_ext.user_default.dimple import Body
 
-    model = bridge.read_body(bpy.context, obj)[1]
+    model = Body.from_object(obj).session.model
     # acceleration 4 m/s^2 over stiffness per mass, as a share of the radius that stands for 82.5 mm
     most = 4 / (model.matching.k1.sum() / model.mass.sum()) / 0.0825
     assert most / 8 < max(map(abs, lags)) < most, "what is soft gives way by what its inertia asks for, and no more"

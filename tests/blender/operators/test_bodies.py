@@ -66,11 +66,11 @@ def test_an_open_mesh_faces_the_way_it_looks_also_where_it_is_mirrored(
     bpy: ModuleType, add: Add, mirror: float
 ) -> None:
     """A closed one is turned right side out anyway."""
-    from bl_ext.user_default.dimple.operators import bridge
+    from bl_ext.user_default.dimple import Body
 
     obj = add([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
     obj.scale.x = mirror
-    _, model = bridge.read_body(bpy.context, obj)
+    model = Body.from_object(obj).session.model
     a, b, c = model.mesh.rest_positions[model.mesh.triangles].transpose(1, 0, 2)
     assert (np.cross(b - a, c - a)[:, 2] > 0).all()
 
@@ -225,7 +225,7 @@ def test_pins_follow_a_body_that_is_moved(bpy: ModuleType, ball: Add, shown: Sho
 
 
 def test_materials_of_several_slots_press_differently(bpy: ModuleType, ball: Add, dent: Callable[..., Any]) -> None:
-    from bl_ext.user_default.dimple.operators import bridge
+    from bl_ext.user_default.dimple import Body
 
     obj = ball()
     for name, factor in (("Soft", 1), ("Hard", 8)):
@@ -234,7 +234,7 @@ def test_materials_of_several_slots_press_differently(bpy: ModuleType, ball: Add
         obj.data.materials.append(material)
     for polygon in obj.data.polygons:
         polygon.material_index = int(polygon.center.x > 0)
-    _, model = bridge.read_body(bpy.context, obj)
+    model = Body.from_object(obj).session.model
     assert [material.K1 for material in model.materials] == pytest.approx([610, 4880])
     assert (np.bincount(model.mesh.triangle_material) == 40).all()
 
@@ -280,7 +280,8 @@ def test_a_preset_sets_constants_size_and_source(bpy: ModuleType, ball: Add) -> 
 def test_a_scripted_press_goes_straight_in_from_outside_wherever_it_is_put(bpy: ModuleType, add: Callable) -> None:
     """At every face centre of a divided cube, from the surface itself; and by default in the middle of its top."""
     import bmesh
-    from bl_ext.user_default.dimple.operators import press, sessions
+    from bl_ext.user_default.dimple import Body
+    from bl_ext.user_default.dimple.operators import press
 
     obj = add()
     cube = bmesh.new()
@@ -290,14 +291,13 @@ def test_a_scripted_press_goes_straight_in_from_outside_wherever_it_is_put(bpy: 
     centres = [(tuple(face.calc_center_median()), tuple(face.normal)) for face in cube.faces]
     cube.free()
     assert len(centres) == 150
-    live, _ = sessions.start(obj, bpy.context)
+    body = Body.from_object(obj)
     for place, normal in centres:
-        hit = press.aimed({live.link.uid: live}, place, (0.0, 0.0, 0.0)).hit
+        hit = press.aimed({body.link.uid: body}, place, (0.0, 0.0, 0.0)).hit
         assert hit.normal == pytest.approx(normal, abs=1e-6), place
-        assert live.to_world(hit.point) == pytest.approx(place, abs=1e-6)
-    hit = press.aimed({live.link.uid: live}, None, (0.0, 0.0, 0.0)).hit
-    assert live.to_world(hit.point) == pytest.approx((0.0, 0.0, 1.0), abs=1e-6)
-    sessions.stop_all()
+        assert body.to_world(hit.point) == pytest.approx(place, abs=1e-6)
+    hit = press.aimed({body.link.uid: body}, None, (0.0, 0.0, 0.0)).hit
+    assert body.to_world(hit.point) == pytest.approx((0.0, 0.0, 1.0), abs=1e-6)
 
 
 def test_a_scripted_press_by_force_is_deeper_on_a_softer_body(bpy: ModuleType, ball: Add, shown: Any) -> None:

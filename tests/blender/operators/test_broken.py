@@ -170,7 +170,7 @@ def test_what_of_a_scene_does_not_act_is_said(
     bpy.ops.dimple.play(seconds=0.01)
     said = capfd.readouterr().out
     assert "is disabled in the viewport, so it does not move" in said
-    assert "other force fields of the scene do not act on it" in said
+    assert "other force fields of the scene do not act on the body" in said
     assert 'The file that "Dimple" plays is gone: bake again.' in said
     bpy.ops.dimple.reset()
 

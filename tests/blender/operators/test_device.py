@@ -113,8 +113,8 @@ def test_a_servo_hears_of_blender_while_nothing_moves(
     bpy: ModuleType, port: Any, add: Callable[..., Any], paused: bool
 ) -> None:
     """Where its pipe cannot be watched (Windows) a servo that hears nothing for 10 s takes Blender for gone."""
-    from bl_ext.user_default.dimple.core.haptics.mailbox import TO_SERVO
-    from bl_ext.user_default.dimple.core.haptics.servo_messages import ORDER_SIZE
+    from bl_ext.user_default.dimple.core.device.mailbox import TO_SERVO
+    from bl_ext.user_default.dimple.core.device.orders import ORDER_SIZE
     from bl_ext.user_default.dimple.operators import haptic
 
     body = add()
@@ -195,33 +195,6 @@ def test_a_port_that_is_not_there_is_refused_with_the_reason(bpy: ModuleType, em
     haptic.disconnect()
 
 
-def test_a_device_to_try_needs_no_port(bpy: ModuleType, empty_file: ModuleType) -> None:
-    from bl_ext.user_default.dimple.operators import haptic
-
-    connect(bpy, "emulated")
-    assert ("emulated", "") in haptic.ports()
-    haptic.disconnect()
-
-
-def test_a_device_to_try_is_offered_only_where_it_can_run(
-    bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """On Windows there are no pseudo-terminals."""
-    from bl_ext.user_default.dimple.core.haptics import pseudo_terminal
-    from bl_ext.user_default.dimple.operators import haptic
-
-    with pytest.raises(RuntimeError, match='"emulated" is a device to try'):
-        bpy.ops.dimple.connect_device()
-    monkeypatch.setattr(pseudo_terminal, "SUPPORTED", False)
-    assert "emulated" not in dict(haptic.ports())
-    with pytest.raises(RuntimeError, match=r"type its path\.$"):
-        bpy.ops.dimple.connect_device()
-    bpy.context.scene.dimple.device_port = "emulated"
-    with pytest.raises(RuntimeError, match="runs on Linux and macOS"):
-        bpy.ops.dimple.connect_device()
-    assert haptic.get() is None
-
-
 def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> None:
     from bl_ext.user_default.dimple.operators import haptic
 
@@ -232,16 +205,13 @@ def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: Mo
     bpy.ops.dimple.connect_device()
     assert "device.toml has no 'blocks'" in wait(lambda report: report.link.name == "REFUSED").note
     haptic.disconnect()
-    settings.device_port = "emulated"
-    with pytest.raises(RuntimeError, match="did not start .*device.toml has no 'blocks'"):
-        bpy.ops.dimple.connect_device()
 
 
 def test_a_blender_that_draws_too_slowly_for_the_dead_man_key_is_said_once(
     bpy: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.core.haptics.safety import Arming
-    from bl_ext.user_default.dimple.core.haptics.servo_messages import LinkState
+    from bl_ext.user_default.dimple.core.device.orders import LinkState
+    from bl_ext.user_default.dimple.core.device.safety import Arming
     from bl_ext.user_default.dimple.operators import haptic
 
     report = SimpleNamespace(link=LinkState.READY, arming=Arming.ON, note="")

@@ -87,7 +87,7 @@ def test_the_key_is_let_go_when(bpy: ModuleType, port: Any) -> None:
 
 def test_the_key_is_let_go_when_it_is_not_renewed(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
     """The operator is gone, or Blender stands still; that frames go on holds nothing."""
-    from bl_ext.user_default.dimple.core.haptics.safety import LEASE
+    from bl_ext.user_default.dimple.core.device.limits import LEASE
     from bl_ext.user_default.dimple.operators import live
 
     connect(bpy, port.path)
@@ -276,12 +276,11 @@ def test_what_the_mouse_presses_is_not_rendered_by_the_device(
     mouse = Finger((0.0, 0.0, entry.link.scale + 0.010 - 0.012), 0.010)
     for _ in range(3):
         live.advance(bpy.context, 1 / 60, pressed={entry.link.uid: (mouse,)})
-        first, second, _ = connection().device._order.contacts
+        first, second, _ = connection().device._order.surfaces
         assert first is None and second and entry.frame.depths[0] == pytest.approx(0.012, abs=1e-4)
     live.advance(bpy.context, 1 / 60)
-    here = connection().device._order.contacts[0].at
-    there = connection().report.tips[0].position
-    assert here == pytest.approx(there, abs=1e-4) and entry.frame.depths[0] == 0.0
+    here, there = connection().device._order.surfaces[0], connection().report.tips[0].position
+    assert here.depth(there) == pytest.approx(entry.frame.touches[0].depth, abs=1e-4) and entry.frame.depths[0] == 0.0
 
 
 def test_a_mouse_that_lets_a_pressed_fingertip_go_disarms(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:

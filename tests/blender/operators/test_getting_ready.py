@@ -80,11 +80,11 @@ def test_a_bake_makes_its_proxy_between_events_with_progress_and_esc_leaves_noth
 def test_an_export_goes_on_while_its_proxy_is_made_and_once_stopped_leaves_nothing(
     bpy: ModuleType, scene: Any, keyed: Any, slow: Any, tmp_path: Path
 ) -> None:
-    from bl_ext.user_default.dimple.operators import exporting
+    from bl_ext.user_default.dimple.operators import export_plan
 
-    plan = exporting.ExportPlan(objects=[keyed], formats=["PC2"], folder=tmp_path / "out", first=1, last=4)
+    plan = export_plan.ExportPlan(objects=[keyed], formats=["PC2"], folder=tmp_path / "out", first=1, last=4)
     plan.folder.mkdir()
-    steps = exporting.export(bpy.context, plan, [], [])
+    steps = export_plan.export(bpy.context, plan, [], [])
     while not slow.begun.is_set():
         assert 0 <= next(steps) < 1
     assert 0 < next(steps) < 0.05

@@ -109,7 +109,7 @@ def broken(bpy: ModuleType) -> Any:
 def test_a_broken_mesh_is_repaired_where_the_artist_agrees_and_what_is_left_is_said(
     bpy: ModuleType, empty_file: ModuleType, coordinates: Bits, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    from bl_ext.user_default.dimple.operators import mesh_faults
+    from bl_ext.user_default.dimple.operators import make_soft
 
     obj = broken(bpy)
     before = coordinates(obj)
@@ -117,7 +117,7 @@ def test_a_broken_mesh_is_repaired_where_the_artist_agrees_and_what_is_left_is_s
     assert coordinates(obj) == before, "nothing is repaired unasked"
     assert "Holes closed for the pressure only: 1." in capfd.readouterr().out
     bpy.ops.dimple.make_soft(repair=True)
-    assert len(obj.data.vertices) == 642 and mesh_faults.repair(obj) == (0, 0, 0)
+    assert len(obj.data.vertices) == 642 and make_soft.repair(obj) == (0, 0, 0)
     said = capfd.readouterr().out
     assert "Doubled vertices: 3. Loose vertices: 1. Faces that look inward: 1." in said
 
@@ -125,14 +125,14 @@ def test_a_broken_mesh_is_repaired_where_the_artist_agrees_and_what_is_left_is_s
 def test_whatever_is_wrong_with_a_sheet_most_of_its_faces_say_which_side_is_outward(
     bpy: ModuleType, empty_file: ModuleType
 ) -> None:
-    from bl_ext.user_default.dimple.operators import mesh_faults
+    from bl_ext.user_default.dimple.operators import make_soft
 
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=10, y_subdivisions=10)
     sheet = bpy.context.object
     for polygon in sheet.data.polygons:
         polygon.flip() if polygon.index in (3, 50) else None
     sheet.data.update()
-    assert mesh_faults.repair(sheet).inward == 2
+    assert make_soft.repair(sheet).inward == 2
     assert all(polygon.normal.z > 0.99 for polygon in sheet.data.polygons)
 
 

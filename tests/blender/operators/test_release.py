@@ -1,6 +1,5 @@
 """Blender's own monkey, pressed and let go: no dent stays."""
 
-from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
 
@@ -13,17 +12,15 @@ LEFT = 1e-4  # [m] that may stay a second later, a fiftieth of the shallow press
 
 
 @pytest.fixture
-def monkey(bpy: ModuleType, empty_file: ModuleType) -> Iterator[Any]:
+def monkey(bpy: ModuleType, empty_file: ModuleType) -> Any:
     """Suzanne as Blender adds her, of 165 mm, of the paper's second object."""
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple import Body
 
     bpy.ops.mesh.primitive_monkey_add()
     bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
     obj = bpy.context.object
     obj.dimple.simulated = "MESH"
-    live, _ = sessions.start(obj, bpy.context)
-    yield live.session
-    sessions.stop_all()
+    return Body.from_object(obj).session
 
 
 def outward(mesh: Any) -> np.ndarray:

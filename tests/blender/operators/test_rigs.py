@@ -179,9 +179,8 @@ def test_the_bake_of_a_walking_rig_equals_its_live_play_bit_for_bit(
     bpy.context.scene.frame_set(1)
     bpy.ops.dimple.play(frames=8)
     body = sessions.get(walking)
-    from bl_ext.user_default.dimple.operators import showing
 
-    assert np.array_equal(showing.offsets_of(body), baked[8]), "bit for bit"
+    assert np.array_equal(body.offsets(), baked[8]), "bit for bit"
     bpy.ops.dimple.reset()
 
 

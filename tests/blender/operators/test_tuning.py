@@ -130,7 +130,7 @@ def test_a_constant_that_cannot_be_is_refused_in_words_and_the_old_one_goes_on(
     first = force(entry)
     vinyl.K1 = 0.0
     messages = step(bpy)
-    assert len(messages) == 1 and "K1 must be greater than 0" in messages[0] and "goes on as it was" in messages[0]
+    assert len(messages) == 1 and "K1 must be greater than 0" in messages[0] and "keeps its old settings" in messages[0]
     assert step(bpy) == [] and entry.refused == messages[0], "it is said once, and shown as long as it is so"
     assert force(entry) == pytest.approx(first, rel=0.01)
     vinyl.K1 = 0.61
@@ -199,7 +199,7 @@ def test_what_a_large_body_cannot_be_is_refused_and_one_that_ends_meanwhile_is_l
     windowed.set()
     vinyl.mass_from, vinyl.mass_kg, vinyl.K2 = "MASS", 1e-9, 1e5
     (refused,) = [*step(bpy), *settle(bpy, entry)]
-    assert "Until then it goes on as it was" in refused and entry.session.model is before
+    assert "Until then the body keeps its old settings" in refused and entry.session.model is before
     windowed.clear()
     vinyl.mass_kg, vinyl.K2 = 0.2, 7.23
     step(bpy)

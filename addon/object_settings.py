@@ -1,0 +1,82 @@
+"""The settings of the simulation and the contact of an object, and helpers for all stored properties."""
+
+from decimal import Decimal
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+FIXED = {"options": set()}
+KEYED = {"options": {"ANIMATABLE"}}  # a bake and a simulation follow its keyframes
+
+_SIMULATED = (
+    ("AUTO", "Automatic", "Simulate the full mesh if it runs live, else the finest proxy that does. A coarse mesh is "
+                          "subdivided"),
+    ("MESH", "Full Mesh", "Simulate every vertex of the mesh, however slow, and never subdivide it"),
+    ("PROXY", "Proxy", "Simulate a coarser body, which deforms the mesh"),
+)
+
+
+def exact(value: float, thousands: int = 0) -> float:
+    """Return a stored 32-bit value as the number typed (0.61, not 0.6100000143) times a power of a thousand."""
+    return float(Decimal(f"{value:.7g}").scaleb(3 * thousands))
+
+
+def kept_text(name: str, description: str) -> StringProperty:
+    """Return a text property for what operators keep with an object, a material or a scene."""
+    return StringProperty(name=name, description=description, **FIXED)
+
+
+class ReductionSettings:
+    """The choice of what to simulate for an object, and the planner's answer."""
+
+    simulated: EnumProperty(
+        name="Simulate", description="Choose between accuracy and speed: simulate the full mesh, or a coarser proxy "
+                                     "that deforms it", items=_SIMULATED, **FIXED
+    )
+    proxy_vertices: IntProperty(
+        name="Vertices", description="How fine the proxy is: its approximate number of vertices. More are slower and "
+                                     "more accurate",
+        default=1000, min=60, max=16000, soft_min=100, **FIXED,
+    )  # fmt: skip
+    plan_key: kept_text("Plan Key", "Checksum of everything the plan depends on; a new plan is made when it differs")
+    plan_vertices: IntProperty(name="Planned Vertices", description="Of the proxy; 0 is the full mesh", **FIXED)
+    plan_reason: kept_text("Plan", "What is simulated, and why")
+
+    def to_plan(self) -> dict[str, int | str]:
+        """Return simulated, "auto", "mesh" or "proxy", and vertices, of the proxy."""
+        return {"simulated": self.simulated.lower(), "vertices": self.proxy_vertices}
+
+
+class ContactSettings:
+    """The contact of an object."""
+
+    collider: BoolProperty(
+        name="Dimple Collider",
+        description="Let soft bodies collide with this object, and with each other. Nothing passes through them",
+        default=False, **FIXED,
+    )  # fmt: skip
+    collider_friction: FloatProperty(
+        name="Collider Friction",
+        description="How well this object grips bodies that touch it: coefficient of friction, 0 is frictionless",
+        default=0.5, min=0.0, soft_max=1.5, precision=2, **FIXED,
+    )  # fmt: skip
+    is_prop: BoolProperty(
+        name="Falls",
+        description="Let the collider drop like a rigid weight, and rest on soft bodies, colliders, other props and "
+        "the ground",
+        default=False, **FIXED,
+    )  # fmt: skip
+    prop_mass_kg: FloatProperty(
+        name="Prop Mass (kg)", description="Mass of the prop", default=1.0, min=0.0, soft_min=0.001, soft_max=100.0,
+        step=10, precision=3, **FIXED,
+    )  # fmt: skip
+    self_contact: BoolProperty(
+        name="Self Contact", description="Keep the body from passing through itself where it folds",
+        default=False, **FIXED,
+    )  # fmt: skip
+    move_apart: BoolProperty(
+        name="Move Apart",
+        description="Move intersecting bodies apart before the simulation starts: out by the shortest way or, if "
+        "pinned, flat towards the pins. Faces that pass through each other are left out of Self Contact. "
+        "If this is off, such bodies are refused",
+        default=False, **FIXED,
+    )  # fmt: skip

@@ -1,0 +1,161 @@
+"""Haptic devices behind one protocol, and the first of them: the Haptic Master through its servo process."""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import IO, Protocol
+
+from ..errors import DimpleError
+from ..messages import Message
+from .limits import ANSWER_TIME, LEASE
+from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
+from .orders import REPORT_SIZE, LinkState, Order, ServoReport, pack_order, unpack_report
+from .process import end, start
+from .safety import Arming
+from .surface import Surface
+
+
+class Device(Protocol):
+    """What every haptic device does. It is given surfaces, not forces: a force held for a frame is not stable."""
+
+    def open(self) -> None:
+        """Connect; `read` then reports how that went."""
+
+    def read(self) -> ServoReport:
+        """Return where its fingertips are, and its state; never wait."""
+
+    def write(self, surfaces: Sequence[Surface | None]) -> None:
+        """Set the surface under each of its fingertips."""
+
+    def arm(self) -> None:
+        """Request force."""
+
+    def disarm(self) -> None:
+        """End all force."""
+
+    def hold(self, until: float) -> None:
+        """Set until when the dead-man key counts as held [s of time.perf_counter]; the device's own button also counts.
+
+        It is held for no longer than LEASE after the last call of any method that sends something.
+        """
+
+    def renew(self) -> None:
+        """Send the last order again, so that the key's lease is renewed."""
+
+    def close(self) -> None:
+        """Release the device; closing twice does nothing."""
+
+
+@dataclass(slots=True)
+class HapticMaster:
+    """A Haptic Master on a serial port, or what speaks its protocol, run by a servo process.
+
+    port: path of the serial port.
+    spec_path: device file, None for the Haptic Master's.
+    held_until: until when the dead-man key counts as held, as long as orders are sent [s]; 0: not held.
+    process: the servo.
+    """
+
+    port: str
+    spec_path: Path | None = None
+    held_until: float = 0.0
+    process: subprocess.Popen[bytes] | None = None
+    _box: Mailbox | None = None
+    _seen: int = 0
+    _heard: float = 0.0  # when the servo wrote last [s]
+    _order: Order = field(default_factory=Order)
+    _report: ServoReport = field(default_factory=ServoReport)
+    _errors: IO[bytes] | None = None
+
+    def open(self) -> None:
+        """Start the servo.
+
+        Raises:
+            DimpleError: there is no Python or no pyserial to start it with, or the system refuses.
+        """
+        self.close()
+        try:
+            self._open()
+        except BaseException as error:
+            self.close()
+            if isinstance(error, OSError):
+                raise DimpleError("The device cannot be opened: {error}.", error=error) from None
+            raise
+
+    def _open(self) -> None:
+        self._heard = time.perf_counter()
+        self._box, self._seen, self._order, self._report = Mailbox(), 0, Order(), ServoReport()
+        self._errors = tempfile.TemporaryFile()
+        device = ["--device", str(self.spec_path)] if self.spec_path else []
+        words = ["--mailbox", str(self._box.path), *device, "--", self.port]  # a port is no option, whatever its name
+        self.process = self._start(words, self._errors)
+
+    def _start(self, words: list[str], errors: IO[bytes]) -> subprocess.Popen[bytes]:
+        """Start one of its processes; a study starts one that records more."""
+        return start(words, errors)
+
+    def read(self) -> ServoReport:
+        """Return where its fingertips are, and its state."""
+        if self._box:
+            self._seen, message = self._box.read(FROM_SERVO, REPORT_SIZE, self._seen)
+            if message:
+                self._report, self._heard = unpack_report(message), time.perf_counter()
+        running = self.process is not None and self.process.poll() is None
+        if not running and self._report.link in (LinkState.OPENING, LinkState.READY):
+            self._lose(Message("The servo process ended ({why}). Connect and arm again.", why=_last_line(self._errors)))
+        elif self._report.link is LinkState.READY and time.perf_counter() - self._heard > ANSWER_TIME:
+            self._lose("The servo process does not answer, so the device has no force. Disconnect, then connect again.")
+        return self._report
+
+    def write(self, surfaces: Sequence[Surface | None]) -> None:
+        """Set the surface under each of its fingertips."""
+        self._post(replace(self._order, surfaces=tuple(surfaces)))
+
+    def arm(self) -> None:
+        """Request force."""
+        self._post(replace(self._order, arm=self._order.arm + 1))
+
+    def disarm(self) -> None:
+        """End all force."""
+        self._post(replace(self._order, disarm=self._order.disarm + 1))
+
+    def hold(self, until: float) -> None:
+        """Set until when the dead-man key counts as held [s]."""
+        self.held_until = until
+        self.renew()
+
+    def renew(self) -> None:
+        """Send the last order again."""
+        self._post(self._order)
+
+    def close(self) -> None:
+        """End the servo, which ends all force and frees the port."""
+        if self.process:
+            end(self.process)
+        if self._box:
+            self._box.close()
+        if self._errors:
+            self._errors.close()
+        self.process = self._box = self._errors = None
+
+    def _post(self, order: Order) -> None:
+        self._order = replace(order, held_until=min(self.held_until, time.perf_counter() + LEASE))
+        if self._box:
+            self._box.post(TO_SERVO, pack_order(self._order))
+
+    def _lose(self, why: str) -> None:
+        self._report = replace(self._report, link=LinkState.LOST, arming=Arming.OFF, note=why)
+
+
+def _last_line(errors: IO[bytes] | None) -> str:
+    """Return why a process ended: the last line that it wrote."""
+    if errors is None:
+        return "killed"
+    errors.seek(0)
+    lines = errors.read().decode(errors="replace").strip().splitlines()
+    return lines[-1] if lines else "killed"

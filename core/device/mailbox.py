@@ -1,0 +1,98 @@
+"""Messages that two processes share in a file: the order of Blender to the servo, and the servo's report.
+
+Each message is written under a sequence number that is odd meanwhile (a seqlock), and carries its own CRC-32: a
+reader that comes in between keeps the message before, in whatever order a processor shows its stores.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+import struct
+import tempfile
+import zlib
+from pathlib import Path
+from typing import Final
+
+from ..errors import DimpleError
+
+_HEAD: Final = struct.Struct("<II")  # sequence number, CRC-32 of the message
+_SLOT: Final = 4096  # bytes of a message and its head, at most
+TO_SERVO, FROM_SERVO = 0, 1
+MEMORY: Final = "/dev/shm"  # files in memory, on Linux: writing a page to a disk takes milliseconds
+
+
+class Mailbox:
+    """A mailbox file, mapped into memory.
+
+    Args:
+        path: of the file; None makes one. The process that is given a path removes the file where the system allows
+            it: it stays mapped, and no file is left whichever process is killed. Else `close` removes it where it was
+            made.
+
+    Raises:
+        DimpleError: it cannot be made or opened.
+    """
+
+    def __init__(self, path: Path | None = None) -> None:
+        self._own = path is None
+        try:
+            self.path, self._map = _map(path, 2 * _SLOT)
+        except (OSError, ValueError) as error:  # ValueError: a file that is shorter
+            where = path or _folder()
+            raise DimpleError(
+                "The mailbox of the device's servo cannot be used: {where} ({error}).", where=where, error=error
+            ) from None
+
+    def post(self, which: int, message: bytes) -> None:
+        """Publish a message in place of the last one."""
+        if len(message) > _SLOT - _HEAD.size:
+            raise ValueError(f"A message of {len(message)} bytes is too long.")
+        at = which * _SLOT
+        number = _HEAD.unpack_from(self._map, at)[0] | 1
+        _HEAD.pack_into(self._map, at, number, 0)
+        self._map[at + _HEAD.size : at + _HEAD.size + len(message)] = message
+        _HEAD.pack_into(self._map, at, (number + 1) & 0xFFFFFFFF, zlib.crc32(message))
+
+    def read(self, which: int, size: int, seen: int = 0) -> tuple[int, bytes | None]:
+        """Return the number of the newest message, and the message: None where it was seen, or is being written.
+
+        Args:
+            which: TO_SERVO or FROM_SERVO.
+            size: of the message [bytes].
+            seen: number of the one that was read last, 0 for none.
+        """
+        at = which * _SLOT
+        number, check = _HEAD.unpack_from(self._map, at)
+        if number == seen or number & 1 or number == 0:
+            return seen, None
+        message = self._map[at + _HEAD.size : at + _HEAD.size + size]
+        whole = zlib.crc32(message) == check and _HEAD.unpack_from(self._map, at)[0] == number
+        return (number, message) if whole else (seen, None)
+
+    def close(self) -> None:
+        """Unmap the file; remove it if it was made here and still exists."""
+        self._map.close()
+        if self._own:
+            self.path.unlink(missing_ok=True)
+
+
+def _map(path: Path | None, length: int) -> tuple[Path, mmap.mmap]:
+    """Return a mailbox file of a length [bytes], and its bytes; None makes one."""
+    if path is None:
+        handle, name = tempfile.mkstemp(dir=_folder(), prefix="dimple-", suffix=".mail")
+    else:
+        handle, name = os.open(path, os.O_RDWR), str(path)
+    try:
+        if path is None:
+            os.write(handle, bytes(length))  # a full disk is reported now, and not when a message is posted
+        mapped = mmap.mmap(handle, length)
+        if path is not None and os.name == "posix":
+            path.unlink(missing_ok=True)
+        return Path(name), mapped
+    finally:
+        os.close(handle)
+
+
+def _folder() -> str:
+    return MEMORY if os.access(MEMORY, os.W_OK) else tempfile.gettempdir()

@@ -1,0 +1,195 @@
+"""What stands between a computed force and a person's hand. Nothing here may be weakened.
+
+Small state machines on an injected clock; every force of a fingertip passes `Guard.output`, and there is no other way.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+from enum import Enum
+
+from ..vectors import ZERO, Vector, along, capped, dot, is_finite, length, scaled
+from . import limits
+from .notes import NOT_ARMED
+from .passivity import Passivity
+
+
+class Arming(Enum):
+    """How far the arming is."""
+
+    OFF = 0
+    WAITING = 1  # until no force would act on the hand
+    ASKED = 2  # the device has been asked to arm
+    RAMP = 3
+    ON = 4
+
+
+@dataclass(slots=True)
+class Switch:
+    """The arming of the device. After a disarm, whatever its reason, only a new request arms.
+
+    arming: how far it is.
+    reason: why it is off, for the artist.
+    since: when this state, or the quiet in it, began [s].
+    """
+
+    arming: Arming = Arming.OFF
+    reason: str = ""
+    since: float = math.inf
+
+    def arm(self) -> None:
+        """Request force."""
+        if self.arming is Arming.OFF:
+            self._go(Arming.WAITING)
+            self.reason = ""
+
+    def disarm(self, reason: str) -> None:
+        """Take all force away, at once."""
+        if self.arming is not Arming.OFF:
+            self._go(Arming.OFF)
+            self.reason = reason
+
+    def gain(self, wanted: float, now: float, *, held: bool, device_on: bool) -> float:
+        """Return the share of the force that may act.
+
+        Args:
+            wanted: the largest force that would act on a fingertip [N].
+            now: [s].
+            held: the dead-man switch is held.
+            device_on: the device itself is armed.
+        """
+        if not held and self.arming is not Arming.OFF:
+            self._go(Arming.WAITING)
+        match self.arming:
+            case Arming.WAITING:
+                self.since = min(self.since, now) if held and wanted < limits.QUIET_FORCE else math.inf
+                if now - self.since >= limits.QUIET_TIME:
+                    self._go(Arming.RAMP if device_on else Arming.ASKED, now)
+            case Arming.ASKED if device_on:
+                self._go(Arming.RAMP, now)
+            case Arming.ASKED if now - self.since > limits.REFUSAL_TIME:
+                self.disarm(NOT_ARMED)
+            case Arming.RAMP | Arming.ON if not device_on:  # it brakes, and its ramp begins again
+                self._go(Arming.RAMP, now)
+        if self.arming is Arming.RAMP and now - self.since >= limits.RAMP_TIME:
+            self._go(Arming.ON, now)
+        if self.arming is Arming.RAMP:
+            return (now - self.since) / limits.RAMP_TIME
+        return 1.0 if self.arming is Arming.ON else 0.0
+
+    def _go(self, arming: Arming, since: float = math.inf) -> None:
+        self.arming, self.since = arming, since
+
+
+@dataclass(slots=True)
+class BadNumbers:
+    """A count of the NaN and inf that would have been forces."""
+
+    times: deque[float] = field(default_factory=lambda: deque(maxlen=limits.BAD_NUMBERS))
+
+    def count(self, now: float) -> None:
+        """Count one more."""
+        self.times.append(now)
+
+    def too_many(self) -> bool:
+        """Tell, once, whether there were too many."""
+        many = len(self.times) == limits.BAD_NUMBERS and self.times[-1] - self.times[0] <= limits.LOST_TIME
+        if many:
+            self.times.clear()
+        return many
+
+
+@dataclass(slots=True)
+class Velocity:
+    """The velocity of a fingertip [m/s], filtered because of the steps of its converter."""
+
+    at: Vector | None = None
+    since: float = 0.0
+    speed: Vector = ZERO
+
+    def move(self, x: Vector, now: float) -> None:
+        """Take a position [m]."""
+        before, dt = self.at, now - self.since
+        self.at, self.since = x, now
+        if before and dt > 0:
+            speed = scaled(along(x, before, -1.0), 1 / dt)
+            self.speed = along(self.speed, along(speed, self.speed, -1.0), dt / (limits.SPEED_TIME + dt))
+
+    def stop(self) -> None:
+        """Forget the last position: the next one is not compared with it."""
+        self.at, self.speed = None, ZERO
+
+
+@dataclass(slots=True)
+class Guard:
+    """The limits of one fingertip, with the state they need.
+
+    peak, continuous: most force, at once and for long (10 s rms) [N].
+    motion: its velocity.
+    passivity: its energy.
+    sent: the force that acts now [N].
+    square: 10 s mean of its square [N2].
+    full: it had to be limited, or yields because it gave back more than it took.
+    """
+
+    peak: float
+    continuous: float
+    motion: Velocity = field(default_factory=Velocity)
+    passivity: Passivity = field(default_factory=Passivity)
+    sent: Vector = ZERO
+    square: float = 0.0
+    full: bool = False
+
+    def move(self, x: Vector, now: float, acted: Vector | None = None, left: float = 1.0) -> None:
+        """Take the fingertip's position [m], and the force that acted on the way to it.
+
+        Args:
+            x: position [m].
+            now: [s].
+            acted: the force [N], None for the one sent.
+            left: share of it at the end of the way, where the device lets go of an old command; what the hand gave is
+                counted with that share, what it got with the whole.
+        """
+        dt = now - self.motion.since if self.motion.at else 0.0
+        acted = self.sent if acted is None else acted
+        if left < 1 and self.motion.at and dot(acted, along(x, self.motion.at, -1.0)) < 0:
+            acted = scaled(acted, left)
+        self.motion.move(x, now)
+        self.passivity.observe(acted, x, now)
+        self.square += (dot(self.sent, self.sent) - self.square) * min(max(dt, 0.0) / limits.RMS_TIME, 1.0)
+
+    def skip(self) -> None:
+        """Miss a position: the next one is not compared with the last."""
+        self.motion.stop()
+        self.passivity.skip()
+
+    def output(self, wanted: Vector, gain: float, dt: float) -> Vector:
+        """Return the force [N] that may act where another is wanted; where that is not a number, none."""
+        if not is_finite(wanted):
+            return self.zero()
+        left = self.passivity.want(wanted, dt)
+        if gain <= 0:
+            return self.zero()
+        speed = self.motion.speed
+        force = along(scaled(left, gain), speed, -limits.RAMP_DAMPING * (1 - gain))
+        force = self.passivity.damp(force, speed, dt)
+        force = self.passivity.afford(force, speed)
+        most = min(self.peak, limits.HARD_CEILING)
+        if self.square >= self.continuous**2:
+            most = min(most, self.continuous)
+        self.full = length(force) > most or self.passivity.share < 1
+        force = capped(force, most)
+        self.sent = along(self.sent, capped(along(force, self.sent, -1.0), limits.SLEW * max(dt, 0.0)), 1.0)
+        return self.sent
+
+    def zero(self) -> Vector:
+        """Take all force away, at once."""
+        self.sent, self.full = ZERO, False
+        return ZERO
+
+    @property
+    def runs_away(self) -> bool:
+        """Tell whether the fingertip is faster than any hand."""
+        return not math.sqrt(dot(self.motion.speed, self.motion.speed)) <= limits.TOP_SPEED

@@ -1,0 +1,190 @@
+"""The serial line to a device: bytes in and out, never waiting, and one exception for every way to lose it."""
+
+from __future__ import annotations
+
+import errno
+import os
+import select
+import time
+from typing import Any, Final
+
+from ..errors import DimpleError
+from ..messages import Message
+from .limits import POLL_TIME
+
+WINDOWS: Final = os.name == "nt"
+EDGE_TRIGGERED: Final = hasattr(select, "epoll")
+MAX_BYTES: Final = 65536  # read at once
+IN_USE: Final = {errno.EAGAIN, errno.EWOULDBLOCK, errno.EBUSY}
+
+
+class LineLost(DimpleError):
+    """The line is gone: open it again, arm again."""
+
+
+class SerialLine:
+    """An open serial line."""
+
+    def __init__(self, port: Any, name: str) -> None:
+        self.name = name
+        self._port, self._lost = port, lost_errors()
+
+    def read(self) -> bytes:
+        """Return all there is, b"" where there is nothing.
+
+        Raises:
+            LineLost: the line is gone.
+        """
+        try:
+            data = b"" if WINDOWS else take(self._port.fileno())
+            # with nothing to come only pyserial's attempt shows that the other end is gone
+            return data or self._port.read(max(self._port.in_waiting, 1))
+        except self._lost as error:
+            raise self._gone(error) from None
+
+    def write(self, data: bytes) -> bool:
+        """Send bytes; return False where the line did not take them all; the rest is not sent later.
+
+        Raises:
+            LineLost: the line is gone.
+        """
+        try:
+            # pyserial retries a full queue for ever, and asking for room first can take milliseconds (Poller)
+            sent = self._port.write(data) if WINDOWS else os.write(self._port.fileno(), data)
+        except BlockingIOError:
+            sent = 0
+        except self._lost as error:
+            raise self._gone(error) from None
+        return bool(sent == len(data))
+
+    def wait(self, seconds: float) -> bool:
+        """Wait for bytes, at most for a time [s]; tell whether there are some, or the line is gone and `read` raises.
+
+        Raises:
+            LineLost: the line is gone.
+        """
+        try:
+            if not WINDOWS:
+                return bool(select.select([self._port.fileno()], [], [], seconds)[0])
+            end = time.perf_counter() + seconds
+            while not self._port.in_waiting and time.perf_counter() < end:
+                time.sleep(POLL_TIME / 2)
+            return bool(self._port.in_waiting)
+        except self._lost as error:
+            raise self._gone(error) from None
+
+    def fileno(self) -> int:
+        """Return the descriptor, for select beside others (not on Windows)."""
+        number: int = self._port.fileno()
+        return number
+
+    def close(self) -> None:
+        """Close the line; a lost one too."""
+        try:
+            self._port.close()
+        except self._lost:
+            pass
+
+    def _gone(self, error: BaseException) -> LineLost:
+        return LineLost(
+            "The connection to {name} is lost ({error}). Plug it in, connect, then arm again.",
+            name=self.name, error=error
+        )  # fmt: skip
+
+
+def lost_errors() -> tuple[type[Exception], ...]:
+    """Return all that an unplugged port raises: pyserial's own, the system's, and those pyserial lets through.
+
+    in_waiting raises a bare OSError or termios.error, a port closed under its reader TypeError.
+    """
+    import serial
+
+    errors: tuple[type[Exception], ...] = (serial.SerialException, OSError, TypeError)
+    if not WINDOWS:
+        import termios
+
+        errors += (termios.error,)
+    return errors
+
+
+def open_line(path: str, baud: int) -> SerialLine:
+    """Open a port exclusively.
+
+    Args:
+        path: /dev/ttyUSB0, COM3, or a pseudo-terminal.
+        baud: bits a second.
+
+    Raises:
+        DimpleError: it is in use, not there, not allowed, or cannot do this baud rate.
+    """
+    import serial
+
+    errors: tuple[type[Exception], ...] = (*lost_errors(), ValueError, AttributeError, NotImplementedError)
+    try:
+        port = serial.Serial(path, baud, timeout=0, write_timeout=0, exclusive=True)
+    except errors as error:
+        raise DimpleError(_refusal(path, baud, error)) from None
+    try:
+        port.set_low_latency_mode(True)  # of a USB adapter: 1 ms instead of 16
+    except errors:
+        pass  # a pseudo-terminal has no such mode, other systems set it otherwise
+    return SerialLine(port, path)
+
+
+def _refusal(path: str, baud: int, error: Exception) -> str:
+    number, text = getattr(error, "errno", None), str(error)
+    if number in IN_USE or "PermissionError(13" in text:  # the latter is on Windows
+        return Message(
+            "{path} is in use by another program, or another Blender. Close that one, then connect again.", path=path
+        )
+    if number == errno.ENOENT or "FileNotFoundError(2" in text:
+        return Message("There is no port {path}. Is the device plugged in? Choose the port again.", path=path)
+    if number in (errno.EACCES, errno.EPERM):
+        return Message(
+            "This account may not open {path}. On Linux, join the group dialout (or uucp), then log in again.",
+            path=path,
+        )
+    if isinstance(error, ValueError):
+        return Message("{path} cannot run at {baud} baud ({text}).", path=path, baud=baud, text=text)
+    return Message("{path} is not a serial port that can be opened ({text}).", path=path, text=text)
+
+
+def ports() -> list[tuple[str, str]]:
+    """Return the ports of this computer and their descriptions; pseudo-terminals are never among them."""
+    from serial.tools import list_ports
+
+    return sorted((port.device, port.description) for port in list_ports.comports())
+
+
+class Poller:
+    """Watch descriptors. Each is returned once for all that has come since, and when its other end is gone.
+
+    On Linux to ask a terminal whether it has bytes (select, or a read where nothing is there) waits for the kernel
+    worker that delivers them. A real-time process takes the processor from that worker just as it is notified;
+    whatever else computes there then keeps the worker, and so the question, waiting for 1 to 4 ms. A terminal that is
+    watched edge-triggered need not be asked.
+    """
+
+    def __init__(self, *descriptors: int) -> None:
+        self._descriptors = descriptors
+        if EDGE_TRIGGERED:
+            self._epoll = select.epoll()
+            for each in descriptors:
+                self._epoll.register(each, select.EPOLLIN | select.EPOLLET)
+
+    def wait(self, seconds: float) -> list[int]:
+        """Return the descriptors where bytes have come, at most after a time [s]."""
+        if not EDGE_TRIGGERED:
+            return select.select(self._descriptors, [], [], seconds)[0]
+        if seconds < 1e-3:  # epoll counts in milliseconds
+            select.select([self._epoll], [], [], seconds)
+            seconds = 0
+        return [each for each, _ in self._epoll.poll(seconds)]
+
+
+def take(descriptor: int) -> bytes:
+    """Return the bytes that are there, b"" where there are none."""
+    try:
+        return os.read(descriptor, MAX_BYTES)
+    except BlockingIOError:
+        return b""

@@ -1,0 +1,287 @@
+"""The servo: it answers each STATE of the device with torques. Pure: bytes and a time in, bytes out.
+
+The device sets the rate, so the servo needs no timer. It evaluates the law at the newest position of each fingertip on
+the surface that Blender carried there (surface.py says why), and every force passes the finger's Guard.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..errors import DimpleError
+from ..messages import Message
+from ..vectors import ZERO, Vector, is_finite, length
+from . import kinematics, limits, wire
+from .notes import BAD_FORCE, FAULTS, LOSSY, NO_ANSWER, NO_STATES, SILENT, STOOD_STILL, TOO_FAST, WAS_SILENT
+from .orders import LinkState, Order, ServoReport, TipState
+from .passivity import SentForces
+from .received import Received
+from .safety import Arming, BadNumbers, Guard, Switch
+from .servo_finger import ServoFinger
+from .spec import Spec, check_info
+from .surface import Surface, is_sane, stiffness_cap
+
+UNCONNECTED = (LinkState.OPENING, LinkState.LOST)
+
+
+class Servo:
+    """The servo of a device.
+
+    order: what Blender wants; replace it whenever it changes.
+    link: state of the connection.
+    note: "" or a sentence for the artist.
+    cap: largest stiffness to render [N/m]; it falls as soon as the delay grows, and rises only while nothing is
+        touched: a wall that stiffens under a finger pushes it out.
+    unsent: answers that the line did not take.
+    """
+
+    def __init__(self, spec: Spec, *, nonce: int = 1) -> None:
+        self.spec, self.order = spec, Order()
+        self.link, self.note = LinkState.OPENING, ""
+        self._nonce, self._taken = nonce, Order()
+        self._surfaces: tuple[Surface | None, ...] = ()
+        self._decoder, self._session, self._seq = wire.Decoder(), -1, 0
+        self._began = self._asked = self._pinged = -math.inf
+        self._fingers = [
+            ServoFinger(block=block, guard=Guard(spec.peak_force, spec.continuous_force))
+            for block in kinematics.blocks(spec)
+        ]
+        self._switch, self._bad, self._received = Switch(), BadNumbers(), Received()
+        self._old_fault = False  # the device's latched fault is older than the request to arm, and may be cleared
+        self._state: wire.DeviceState | None = None
+        self._heard = self._device_time = 0.0  # when the last STATE came, on our clock and on the device's [s]
+        self._measured: wire.LinkReport | None = None
+        self._sent = SentForces()
+        self.unsent = 0
+        self.cap = stiffness_cap(spec.viscous, spec.tick, self.delay)
+
+    @property
+    def delay(self) -> float:
+        """Return the delay t_d [s] from sensor to motor: a torque acts from the device's next tick on.
+
+        Until it is measured, two ticks are assumed.
+        """
+        tick = self.spec.tick
+        return max(math.ceil(self._measured.rtt_p99_us * 1e-6 / tick), 1) * tick if self._measured else 2 * tick
+
+    def step(self, now: float, incoming: bytes) -> bytes:
+        """Take the bytes that came in at a time [s]; return those to send."""
+        if self._began == -math.inf:
+            self._began = now
+        newest = None
+        for frame in self._decoder.feed(incoming):
+            if isinstance(frame, wire.DeviceState):
+                newest = self._newer(frame, newest, now)
+            elif isinstance(frame, wire.Info) and frame.nonce == self._nonce and self.link in UNCONNECTED:
+                self._take_info(frame, now)
+            elif isinstance(frame, wire.Fault) and frame.session == self._session:
+                self._take_fault(frame)
+            elif isinstance(frame, wire.LinkReport) and frame.session == self._session and frame.answered:
+                self._measured = frame
+        if self.link is not LinkState.READY:
+            return self._send_hello(now)
+        out = self._take_requests()
+        return out + (self._answer(newest, now) if newest else self._handle_silence(now)) + self._ping(now)
+
+    def close(self) -> bytes:
+        """Return the last frames: no torque, and a DISARM."""
+        self._stop("")
+        if self._session < 0:
+            return b""
+        return self._command(wire.NO_TORQUE) + self._disarm(wire.FAULT_HOST)
+
+    def report(self) -> ServoReport:
+        """Return the state of device and link."""
+        measured, received = self._measured, self._received
+        warning = Message(LOSSY, share=received.lost_share) if received.lost_share > limits.LOSS_WARNS else ""
+        return ServoReport(
+            link=self.link, arming=self._switch.arming, states=received.taken, lost=received.missing,
+            unsent=self.unsent, wrong=self._decoder.refused, stale=received.stale, rate=received.rate,
+            delay_p50=measured.rtt_p50_us * 1e-6 if measured else 0.0,
+            delay_p99=measured.rtt_p99_us * 1e-6 if measured else 0.0,
+            cap=self.cap, peak=self.spec.peak_force,
+            note=self.note or self._switch.reason or warning,
+            tips=tuple(
+                TipState(
+                    position=f.at, force=f.guard.sent, least_energy=f.guard.passivity.least,
+                    masked=f.bad > 0 or f.angles is None, full=f.guard.full,
+                )
+                for f in self._fingers
+            ),
+        )  # fmt: skip
+
+    def _send_hello(self, now: float) -> bytes:
+        """Return a HELLO each limits.LOST_TIME until a device answers; give up after limits.ANSWER_TIME."""
+        if self.link is LinkState.OPENING and now - self._began > limits.ANSWER_TIME:
+            self.link, self.note = LinkState.REFUSED, Message(NO_ANSWER, baud=self.spec.baud, name=self.spec.name)
+        if self.link is LinkState.REFUSED or now - self._asked < limits.LOST_TIME:
+            return b""
+        self._asked = now
+        return wire.encode(wire.Hello(self._nonce, wire.PROTOCOL[0], wire.PROTOCOL[0]))
+
+    def _take_info(self, info: wire.Info, now: float) -> None:
+        """Take the device's INFO: a new session, in which nothing is armed."""
+        try:
+            check_info(self.spec, info)
+        except DimpleError as error:
+            self.link, self.note = LinkState.REFUSED, str(error)
+            return
+        for finger in self._fingers:
+            finger.forget()
+        self.link, self.note, self._session = LinkState.READY, "", info.session
+        self._state, self._measured, self._heard = None, None, now
+        self._taken = self.order  # earlier requests are not meant for this session
+        self._received.restart()
+
+    def _newer(self, state: wire.DeviceState, newest: wire.DeviceState | None, now: float) -> wire.DeviceState | None:
+        """Return the newer of two STATEs; the older one is dropped."""
+        last = newest or self._state
+        if state.session != self._session:
+            return newest
+        if last and not wire.seq_newer(state.seq, last.seq):
+            self._received.stale += 1
+            return newest
+        self._received.take((state.seq - last.seq - 1) & 0xFFFF if last else 0, now)
+        self._old_fault &= state.status & wire.MODE == wire.FAULT
+        return state
+
+    def _take_requests(self) -> bytes:
+        """Take new requests to arm and to disarm; return the frames they need."""
+        before, self._taken = self._taken, self.order
+        if self.order.disarm != before.disarm:
+            return self._end("", wire.FAULT_HOST)
+        if self.order.arm != before.arm:
+            self._switch.arm()
+            self._old_fault = True
+        return b""
+
+    def _take_fault(self, fault: wire.Fault) -> None:
+        """Disarm on a FAULT of the device; while waiting, an old fault and a late refusal do not count."""
+        if self._switch.arming is not Arming.WAITING or not (self._old_fault or fault.code == wire.FAULT_ARM_REFUSED):
+            self._stop(FAULTS.get(fault.code, "The device disarmed itself."))
+
+    def _answer(self, state: wire.DeviceState, now: float) -> bytes:
+        """Return the torques for a STATE."""
+        silent, before = now - self._heard, self._state
+        self._state, self._heard = state, now
+        ticks = (state.seq - before.seq) & 0xFFFF if before else 1
+        dt = ((state.t_us - before.t_us) & 0xFFFFFFFF) * 1e-6 if before else self.spec.tick
+        steady = 0 < dt <= limits.LOST_TIME and (silent <= limits.LOST_TIME or before is None)
+        self._device_time += dt
+        acted, left = self._sent.between(self.spec, before, state, self._device_time)
+        for i, finger in enumerate(self._fingers):
+            words = state.adc[3 * i], state.adc[3 * i + 1], state.adc[3 * i + 2]
+            masked = bool(state.status & wire.MASKED << i)
+            finger.sense(self.spec, words, masked, ticks, self._device_time, acted[i], left)
+        self._take_surfaces(now)
+        # a frozen simulation counts as a released key; the quiet is judged by surfaces that have not begun to fade
+        oldest = limits.LOST_TIME if self._switch.arming is Arming.WAITING else limits.LEASE
+        held = self.order.is_held(now) or bool(state.buttons & wire.DEADMAN_BUTTON)
+        held = held and self.order.is_fresh(now, oldest)
+        out = self._check(steady)
+        device_on = state.status & wire.MODE in (wire.RAMP, wire.ARMED)
+        lost_force = not device_on or left < 1 or self._sent.restarts_ramp(before, state)
+        faded = not self.order.is_fresh(now, limits.LOST_TIME)
+        if (lost_force or faded) and self._switch.arming in (Arming.RAMP, Arming.ON):
+            for finger in self._fingers:
+                finger.guard.passivity.lose()
+        out += self._update_forces(now, min(dt, limits.STATE_GAP), held=held, device_on=device_on)
+        a, b, c = (finger.drive(self.spec, finger.guard.sent) for finger in self._fingers)
+        flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held
+        if self._old_fault and self._switch.arming is Arming.WAITING and state.status & wire.MODE == wire.FAULT:
+            flags = wire.CLEAR
+        return out + self._command((*a, *b, *c), flags)
+
+    def _take_surfaces(self, now: float) -> None:
+        """Give the fingers the newest surfaces, as stiff as the delay allows; drop one that is not made of numbers."""
+        if self.order.surfaces is self._surfaces:
+            return
+        before, self._surfaces = self._surfaces, self.order.surfaces
+        cap = stiffness_cap(self.spec.viscous, self.spec.tick, self.delay)
+        if cap < self.cap or all(finger.guard.sent == ZERO for finger in self._fingers):
+            self.cap = cap
+        if self._surfaces == before:  # only the key was renewed
+            return
+        for finger, surface in zip(self._fingers, self._surfaces, strict=False):
+            if surface and not is_sane(surface):
+                surface = None
+                self._bad.count(now)
+            finger.contact.take(surface, finger.at, now, self.cap)
+
+    def _update_forces(self, now: float, dt: float, *, held: bool, device_on: bool) -> bytes:
+        """Give each finger its force; return the ARM frame where it is due."""
+        wanted: list[Vector] = [finger.contact.force(finger.at, now) for finger in self._fingers]
+        for force in wanted:
+            if not is_finite(force):
+                self._bad.count(now)
+        asked = self._switch.arming is Arming.ASKED
+        gain = self._switch.gain(max(map(length, wanted)), now, held=held, device_on=device_on)
+        for finger, force in zip(self._fingers, wanted, strict=True):
+            if finger.bad:
+                finger.guard.zero()
+            else:
+                finger.guard.output(force, gain, dt)
+        new = self._switch.arming is Arming.ASKED and not asked
+        return wire.encode(wire.Arm(self._session)) if new else b""
+
+    def _check(self, steady: bool) -> bytes:
+        """Disarm where a limit is exceeded; return the frame.  steady: time passed normally, here and there."""
+        if not steady:
+            return self._end(STOOD_STILL, wire.FAULT_LINK)
+        if any(finger.bad >= limits.FAILED_TICKS for finger in self._fingers):
+            for finger in self._fingers:
+                finger.forget()
+            return self._end(FAULTS[wire.FAULT_SENSOR], wire.FAULT_SENSOR)
+        if any(finger.guard.runs_away for finger in self._fingers):
+            return self._end(TOO_FAST, wire.FAULT_SPEED)
+        if self._bad.too_many():
+            return self._end(BAD_FORCE, wire.FAULT_HOST)
+        if self._received.lost_share > limits.LOSS_DISARMS:
+            return self._end(FAULTS[wire.FAULT_LINK], wire.FAULT_LINK)
+        return b""
+
+    def _handle_silence(self, now: float) -> bytes:
+        """Take the force away where no STATE comes; return the frames for it."""
+        silent = now - self._heard
+        if self._state is None:
+            if silent > limits.ANSWER_TIME:
+                self.link, self.note = LinkState.REFUSED, NO_STATES
+            return b""
+        if silent > limits.LOST_TIME:
+            self._stop(WAS_SILENT)
+            self.link, self.note = LinkState.LOST, SILENT
+            return self._disarm(wire.FAULT_LINK)
+        if silent > limits.STATE_GAP and any(finger.guard.sent != ZERO for finger in self._fingers):
+            for finger in self._fingers:
+                finger.guard.zero()
+            return self._command(wire.NO_TORQUE, wire.ENABLE)
+        return b""
+
+    def _end(self, reason: str, code: int) -> bytes:
+        """End all force here and on the device; return the frame for it."""
+        if self._switch.arming is Arming.OFF:
+            return b""
+        self._stop(reason)
+        return self._disarm(code)
+
+    def _stop(self, reason: str) -> None:
+        self._switch.disarm(reason)
+        for finger in self._fingers:
+            finger.guard.zero()
+
+    def _disarm(self, code: int) -> bytes:
+        return wire.encode(wire.Disarm(self._session, code))
+
+    def _command(self, torque: wire.Nine, flags: int = 0) -> bytes:
+        self._seq = (self._seq + 1) & 0xFFFF
+        held = flags & wire.DEADMAN
+        self._sent.send(self._seq, tuple([finger.guard.sent for finger in self._fingers]) if held else None)
+        echo = self._state.seq if self._state else 0
+        ttl = round(1e3 * self.spec.hold)
+        return wire.encode(wire.Command(self._session, self._seq, echo, torque, flags, ttl))
+
+    def _ping(self, now: float) -> bytes:
+        if now - self._pinged < limits.PING_EVERY:
+            return b""
+        self._pinged = now
+        return wire.encode(wire.Ping(self._session, self._seq))

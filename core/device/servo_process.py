@@ -1,0 +1,149 @@
+"""The servo as a process of its own, as Blender starts it: line, mailbox and lifeline, with `Servo.step` between them.
+
+Its standard input is the lifeline: when Blender ends, however it does, the pipe closes. The device is then disarmed,
+and the process ends with it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from ..errors import DimpleError
+from . import priority
+from .limits import BLENDER_GONE, POLL_TIME, REPORT_EVERY, STATE_GAP
+from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
+from .orders import ORDER_SIZE, LinkState, ServoReport, pack_report, unpack_order
+from .serial_line import WINDOWS, LineLost, Poller, SerialLine, open_line
+from .servo import Servo
+from .spec import load_spec
+from .udp_line import PREFIX, UdpLine, open_udp
+
+
+def main(words: list[str]) -> int:
+    """Run the servo of a command line until standard input closes; return its exit code."""
+    parser = argparse.ArgumentParser(prog="start.py")
+    add_options(parser)
+    options = parser.parse_args(words)
+    try:
+        return run(Servo, options.port, options.mailbox, options.device)
+    except DimpleError as error:
+        print(error, file=sys.stderr)
+        return 2
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the servo."""
+    parser.add_argument("port", help="serial port, path of a pseudo-terminal, or udp:HOST:PORT")
+    parser.add_argument("--mailbox", type=Path, required=True, metavar="FILE", help="made by Blender")
+    parser.add_argument("--device", type=Path, metavar="TOML", help="device file, if not the Haptic Master's")
+
+
+def run(make_servo: Callable[..., Servo], port: str, mailbox: Path, device: Path | None) -> int:
+    """Serve a line until standard input closes, and leave the device without force.
+
+    Args:
+        make_servo: Servo, or of a study one that keeps a log.
+        port: path of the serial port.
+        mailbox: the file that Blender made.
+        device: device file, None for the Haptic Master's.
+
+    Returns:
+        The exit code: 0, or 2 where the line was refused or lost; the reason is in the last report.
+    """
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    priority.request_priority()
+    priority.keep_processors_awake()
+    gc.disable()  # nothing here is in a cycle, and a collection would be late for a tick
+    box, servo = Mailbox(mailbox), None
+    try:
+        spec = load_spec(device)
+        servo, line = make_servo(spec, nonce=os.getpid() & 0xFFFF), open_to(port, spec.baud)
+        try:
+            serve(servo, line, box, listener(line))
+        finally:
+            release(servo, line)
+        return 0 if servo.link is not LinkState.REFUSED else 2
+    except DimpleError as error:
+        link = LinkState.LOST if isinstance(error, LineLost) else LinkState.REFUSED
+        report = replace(servo.report() if servo else ServoReport(), link=link, note=str(error))
+        box.post(FROM_SERVO, pack_report(report))
+        return 2
+    finally:
+        box.close()
+
+
+def serve(servo: Servo, line: SerialLine | UdpLine, box: Mailbox, listen: Callable[[float], bytes | None]) -> None:
+    """Answer the device until Blender is gone or the device refused.
+
+    Args:
+        servo: what answers.
+        line: to the device.
+        box: shared with Blender.
+        listen: see `listener`.
+
+    Raises:
+        LineLost: the line is gone.
+    """
+    seen, posted, ordered = 0, 0.0, time.perf_counter()
+    while (data := listen(ordered)) is not None:
+        now = time.perf_counter()
+        out = servo.step(now, data)
+        if out:
+            servo.unsent += not line.write(out)
+        if now - posted > REPORT_EVERY or servo.link is LinkState.REFUSED:
+            posted = now
+            box.post(FROM_SERVO, pack_report(servo.report()))
+        if servo.link is LinkState.REFUSED:
+            return
+        seen, message = box.read(TO_SERVO, ORDER_SIZE, seen)  # after the answer: no device waits for Blender
+        if message:
+            ordered = time.perf_counter()
+            servo.order = unpack_order(message)
+
+
+def open_to(port: str, baud: int) -> SerialLine | UdpLine:
+    """Open the line that a port names: a serial port, or an address on the network."""
+    return open_udp(port) if port.startswith(PREFIX) else open_line(port, baud)
+
+
+def listener(line: SerialLine | UdpLine) -> Callable[[float], bytes | None]:
+    """Return a function that waits for the next bytes of the line, given when the last order came [s].
+
+    The function returns b"" where no bytes came, and None where Blender is gone.
+    """
+    if WINDOWS:
+
+        def by_orders(ordered: float) -> bytes | None:
+            line.wait(POLL_TIME)
+            return line.read() if time.perf_counter() - ordered < BLENDER_GONE else None
+
+        return by_orders
+
+    stdin, port = sys.stdin.fileno(), line.fileno()
+    poller = Poller(port, stdin)
+
+    def by_pipe(_ordered: float) -> bytes | None:
+        ready = poller.wait(POLL_TIME)
+        if stdin in ready and not os.read(stdin, 4096):
+            return None
+        return line.read() if port in ready else b""
+
+    return by_pipe
+
+
+def release(servo: Servo, line: SerialLine | UdpLine) -> None:
+    """Disarm the device, if it can still be reached, and free the port."""
+    try:
+        line.write(servo.close())
+        time.sleep(2 * STATE_GAP)  # until the bytes have left
+    except LineLost:
+        pass
+    line.close()

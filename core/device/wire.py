@@ -1,0 +1,260 @@
+"""The frames between a haptic device and its host, as bytes; PROTOCOL.md has the fields and their units.
+
+A frame is a payload of at most 33 bytes, little-endian, and its CRC-32, coded by COBS so that 0x00 appears nowhere in
+it, then 0x00. Up to 33 bytes CRC-32 finds every error of five bits or fewer. A reader that comes in late, or loses
+bytes, is in step again at the next 0x00.
+COBS: each run up to a 0x00 is preceded by one more than its length, which takes the place of the 0x00. Source:
+Cheshire and Baker, Consistent Overhead Byte Stuffing.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+PROTOCOL: Final = (1, 0)  # major: a difference is refused; minor: more frame types, skipped where they are unknown
+MOST_PAYLOAD: Final = 33  # bytes
+FINGERS: Final = 3
+CHANNELS: Final = 9  # three joints of three fingers
+FULL_SCALE: Final = 32767  # of a torque word
+
+ENABLE, DEADMAN, CLEAR = 1, 2, 4  # Command.flags
+IDLE, ARMING, RAMP, ARMED, BRAKE, FAULT = range(6)  # DeviceState.status & MODE
+MODE: Final = 7
+LIMITED: Final = 8  # DeviceState.status: a limit reduces the force
+MASKED: Final = 16  # DeviceState.status: this << finger, its sensor is not trusted
+# Fault.code and Disarm.reason
+FAULT_NONE, FAULT_WATCHDOG, FAULT_SENSOR, FAULT_SPEED = range(4)
+FAULT_ARM_REFUSED, FAULT_VERSION, FAULT_LINK, FAULT_HOST = range(4, 8)
+DEADMAN_BUTTON: Final = 1  # DeviceState.buttons
+EVERY_FINGER: Final = 255  # Fault.finger
+
+Nine = tuple[int, int, int, int, int, int, int, int, int]
+NO_TORQUE: Final[Nine] = (0,) * 9
+
+
+class DeviceState(NamedTuple):
+    """STATE, from the device at each tick: where the joints are."""
+
+    session: int
+    seq: int
+    ack: int
+    t_us: int
+    adc: Nine
+    buttons: int
+    status: int
+
+
+class Command(NamedTuple):
+    """CMD, from the host for each STATE: the torques."""
+
+    session: int
+    seq: int
+    echo: int
+    torque: Nine
+    flags: int
+    ttl_ms: int
+
+
+class Hello(NamedTuple):
+    """HELLO, from the host: begin a session."""
+
+    nonce: int
+    major_min: int
+    major_max: int
+
+
+class Info(NamedTuple):
+    """INFO, from the device for a HELLO of the same nonce: what it is, and the number of the new session."""
+
+    nonce: int
+    major: int
+    minor: int
+    session: int
+    blocks: int
+    adc_bits: int
+    dac_bits: int
+    span_1e4rad: int
+    torque_mnm: tuple[int, int, int]
+    tick_hz: int
+    hold_ms: int
+    zero_ms: int
+    latch_ms: int
+    peak_cn: int
+    continuous_cn: int
+    speed_dms: int
+    geometry: int
+    geometry_crc: int
+    capabilities: int
+
+
+class Arm(NamedTuple):
+    """ARM, from the host: request force."""
+
+    session: int
+
+
+class Disarm(NamedTuple):
+    """DISARM, from the host: end all force."""
+
+    session: int
+    reason: int
+
+
+class Ping(NamedTuple):
+    """PING, from the host: request a REPORT."""
+
+    session: int
+    nonce: int
+
+
+class Fault(NamedTuple):
+    """FAULT, from the device at once and every 100 ms while it is latched."""
+
+    session: int
+    code: int
+    finger: int
+    seq: int
+
+
+class LinkReport(NamedTuple):
+    """REPORT, from the device for a PING of the same nonce: the link, measured on the device's clock.
+
+    The round trips are those of the last 1000 STATEs, from its tick to the whole answer to it or to a newer one.
+    """
+
+    session: int
+    nonce: int
+    ticks: int
+    answered: int
+    late: int
+    rtt_p50_us: int
+    rtt_p99_us: int
+    rtt_max_us: int
+    wire_us: int
+    bad: int
+    stale: int
+    lost: int
+
+
+Frame = DeviceState | Command | Hello | Info | Arm | Disarm | Ping | Fault | LinkReport
+
+_TYPES: Final[dict[type, tuple[int, struct.Struct]]] = {
+    DeviceState: (0x11, struct.Struct("<BBHHI9HBB")),
+    Command: (0x12, struct.Struct("<BBHH9hBB")),
+    Hello: (0x13, struct.Struct("<BHBB")),
+    Info: (0x14, struct.Struct("<BHBBBBBBH3HHBBBHHBBIB")),
+    Arm: (0x15, struct.Struct("<BB")),
+    Disarm: (0x16, struct.Struct("<BBB")),
+    Ping: (0x17, struct.Struct("<BBH")),
+    Fault: (0x18, struct.Struct("<BBBBH")),
+    LinkReport: (0x19, struct.Struct("<BBHIIIHHHHHHH")),
+}
+# the one field of a frame that is itself a tuple: from, to
+_NESTED: Final = {DeviceState: (4, 13), Command: (3, 12), Info: (8, 11)}
+
+
+def _maker(kind: type, at: tuple[int, int] | None) -> Callable[[tuple[int, ...]], Frame]:
+    """Return the function that makes a frame from the numbers of a payload, its type among them."""
+    make: Callable[[tuple[object, ...]], Frame] = kind._make  # type: ignore[attr-defined]
+    if at is None:
+        return lambda numbers: make(numbers[1:])
+    first, last = at[0] + 1, at[1] + 1
+    return lambda numbers: make((*numbers[1:first], numbers[first:last], *numbers[last:]))
+
+
+_MAKERS: Final = {
+    number: (layout.size + 4, layout.unpack_from, _maker(kind, _NESTED.get(kind)))
+    for kind, (number, layout) in _TYPES.items()
+}
+_CRC: Final = struct.Struct("<I")
+_LONGEST: Final = MOST_PAYLOAD + 4 + 1  # bytes between two 0x00
+
+
+def encode(frame: Frame) -> bytes:
+    """Return the bytes of a frame on the line, the closing 0x00 with them.
+
+    Raises:
+        struct.error: a number does not fit its field.
+    """
+    kind = type(frame)
+    number, layout = _TYPES[kind]
+    nested = _NESTED.get(kind)
+    if nested is None:
+        payload = layout.pack(number, *frame)
+    else:
+        at = nested[0]
+        payload = layout.pack(number, *frame[:at], *frame[at], *frame[at + 1 :])  # type: ignore[misc]
+    return stuff(payload + _CRC.pack(zlib.crc32(payload)))
+
+
+def size(kind: type) -> int:
+    """Return the bytes of a frame type on the line."""
+    return _TYPES[kind][1].size + 4 + 2
+
+
+_CODES: Final = [bytes((n,)) for n in range(256)]
+
+
+def stuff(block: bytes) -> bytes:
+    """Return the COBS code of at most 253 bytes, with the closing 0x00."""
+    return b"".join([_CODES[len(run) + 1] + run for run in block.split(b"\0")]) + b"\0"
+
+
+def unstuff(code: bytes) -> bytes | None:
+    """Return the bytes of a COBS code without its closing 0x00, None where it is none."""
+    runs, at, end = [], 0, len(code)
+    while at < end:
+        if not code[at]:
+            return None
+        after = at + code[at]
+        runs.append(code[at + 1 : after])
+        at = after
+    return b"\0".join(runs) if at == end else None
+
+
+class Decoder:
+    """Find the frames in a stream of bytes, wherever it is cut; frames of an unknown type are skipped.
+
+    refused: pieces between two 0x00 that were lost to errors on the line.
+    """
+
+    def __init__(self) -> None:
+        self.refused = 0
+        self._rest = b""
+        self._lost = False  # the piece under way is too long already
+
+    def feed(self, data: bytes) -> list[Frame]:
+        """Return the frames that end in the next bytes, oldest first."""
+        pieces = (self._rest + data).split(b"\0")
+        rest = pieces.pop()
+        if pieces and self._lost:
+            del pieces[0]
+            self._lost = False
+        if len(rest) > _LONGEST:
+            if not self._lost:
+                self.refused += 1
+            self._lost, rest = True, b""
+        self._rest = rest
+        return [frame for piece in pieces if piece and (frame := self._frame(piece)) is not None]
+
+    def _frame(self, piece: bytes) -> Frame | None:
+        block = unstuff(piece) if len(piece) <= _LONGEST else None
+        if block is None or len(block) < 5 or _CRC.unpack_from(block, len(block) - 4)[0] != zlib.crc32(block[:-4]):
+            self.refused += 1
+            return None
+        maker = _MAKERS.get(block[0])
+        if maker is None:
+            return None
+        length, unpack, make = maker
+        if len(block) != length:
+            self.refused += 1
+            return None
+        return make(unpack(block))
+
+
+def seq_newer(seq: int, than: int) -> bool:
+    """Tell whether a 16-bit sequence number comes after another."""
+    return 0 < (seq - than) & 0xFFFF < 0x8000

@@ -1,0 +1,110 @@
+"""The place of a device in a session: fingertips on the way in, and the surface under each on the way out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from ..material import Indenter, law_force
+from ..other_tip import COUNT, FARTHEST
+from ..session import Finger, Session
+from ..solver.motion import Touch
+from ..vectors import ZERO, Vector, along, dot, scaled
+from .limits import SIDEWAYS
+from .orders import ServoReport
+from .surface import Law, Surface
+
+LawAt = Callable[[Sequence[float]], Sequence[float]]
+OtherTip = tuple[float, LawAt]  # its radius [m], and its forces [N] at depths [m] where it is
+
+
+@dataclass(frozen=True, slots=True)
+class Workspace:
+    """The place of the device in a session: x_session = origin + scale * turn @ x_device.
+
+    origin: (3,) [m].
+    scale: how much larger the session is. Forces are divided by it, so that the rendered stiffness is the material's
+        at every scale.
+    turn: (3, 3) rotation.
+    """
+
+    origin: Vector = ZERO
+    scale: float = 1.0
+    turn: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+    def to_session(self, at: Vector) -> Vector:
+        """Return where a point of the device [m] is in the session [m]."""
+        a, b, c = self.turn
+        return along(self.origin, (dot(a, at), dot(b, at), dot(c, at)), self.scale)
+
+    def to_device(self, at: Vector) -> Vector:
+        """Return where a point of the session [m] is on the device [m]."""
+        return scaled(self.turned(along(at, self.origin, -1.0)), 1 / self.scale)
+
+    def turned(self, way: Vector) -> Vector:
+        """Return a direction of the session in the space of the device."""
+        (a, b, c), (x, y, z) = self.turn, way
+        return along(along(scaled(a, x), b, y), c, z)
+
+
+def fingers(report: ServoReport, workspace: Workspace, radius: float) -> list[Finger | None]:
+    """Return a device's fingertips of a radius [m] in a session; None for one whose sensor is not trusted."""
+    return [None if tip.masked else Finger(workspace.to_session(tip.position), radius) for tip in report.tips]
+
+
+def surfaces_of(
+    session: Session, touches: Sequence[Touch | None], workspace: Workspace, now: float
+) -> list[Surface | None]:
+    """Return the surface under each fingertip of a session, see `surface_of`."""
+    return [surface_of(touch, workspace, now, other_tip(session, i)) for i, touch in enumerate(touches)]
+
+
+def other_tip(session: Session, index: int) -> OtherTip | None:
+    """Return what a fingertip of a session is, None where it is the tip that measured the materials."""
+    finger = session.fingers[index] if index < len(session.fingers) else None
+    if finger is None:
+        return None
+    ball = Indenter(shape="sphere", radius=finger.radius)
+    if all(material.indenter == ball for material in session.model.materials):
+        return None
+    return finger.radius, partial(session.law, index)
+
+
+def surface_of(
+    touch: Touch | None, workspace: Workspace, now: float, other: OtherTip | None = None
+) -> Surface | None:
+    """Return the surface under a fingertip in the space of the device, None where there is none.
+
+    Args:
+        touch: how it meets a body.
+        workspace: where the device is in the session.
+        now: [s] of the clock that the servo reads too.
+        other: the tip, where it is not the one that measured.
+    """
+    if touch is None or touch.triangle < 0:
+        return None
+    K1, K2, x0, power = touch.law
+    factors, deepest = _factors(touch.law, *other) if other else ((), 0.0)
+    law = Law(K1, K2, x0 / workspace.scale, power, factors, deepest / workspace.scale)
+    anchor = workspace.to_device(anchor_of(touch)) if touch.depth > 0 else None
+    return Surface(
+        place=workspace.to_device(along(touch.centre, touch.outward, touch.depth)),
+        normal=workspace.turned(touch.outward), anchor=anchor, law=law, friction=touch.friction, stamp=now,
+    )  # fmt: skip
+
+
+def anchor_of(touch: Touch) -> Vector:
+    """Return where friction holds the centre of a fingertip that touches [m]: its force is a spring to there."""
+    pressed, push = dot(touch.force, touch.outward), law_force(touch.depth, *touch.law)
+    if not (pressed > 0 and push > 0):
+        return touch.centre
+    return along(touch.centre, along(touch.force, touch.outward, -pressed), touch.depth / (SIDEWAYS * push))
+
+
+def _factors(law: tuple[float, float, float, float], radius: float, law_at: LawAt) -> tuple[tuple[float, ...], float]:
+    """Return the factors of a tip on a law, and the deepest of their depths [m]."""
+    deepest = FARTHEST * max(radius, law[2])
+    depths = [deepest * (max(k, 0.25) / (COUNT - 1)) ** 2 for k in range(COUNT)]
+    pairs = [(force, law_force(x, *law)) for force, x in zip(law_at(depths), depths, strict=True)]
+    return tuple([force / plain if plain > 0 else 0.0 for force, plain in pairs]), deepest

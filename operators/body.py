@@ -1,0 +1,103 @@
+"""The front door for scripts: a body that is pressed, let go and baked without a window.
+
+    from bl_ext.user_default.dimple import Body
+
+    body = Body.from_object(bpy.data.objects["Suzanne"])
+    body.press(depth=0.015)
+    print(body.force)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+
+import bpy
+
+from ..core.base import DimpleError
+from ..core.messages import about
+from ..core.poke import FINGERS, Kind, PokeEvent, PokeState, fingers, on_event
+from . import baking, final_mesh, press, sessions
+from .object_body import ObjectBody
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Body(ObjectBody):
+    """A soft body in the hands of a script; its object stays as it is until it is baked.
+
+    poke: the fingertips that `press` has put in.
+    """
+
+    poke: PokeState | None = None
+
+    def press(
+        self, at: Sequence[float] | None = None, depth: float = 0.015, *, force: float = 0.0,
+        direction: Sequence[float] = (0.0, 0.0, 0.0), radius: float = 0.0, seconds: float = 0.25, finger: int = 1,
+    ) -> None:
+        """Press with a fingertip, which stays in until `release`.
+
+        Args:
+            at: where [scene units]; None is the top of the body.
+            depth: how deep [m].
+            force: [N] to press with in place of a depth; 0 presses to the depth.
+            direction: in which the fingertip moves; 0 is straight into the surface.
+            radius: of the fingertip [m]; 0 is the scene's.
+            seconds: that it takes to go in.
+            finger: 1, 2 or 3.
+
+        Raises:
+            DimpleError: no surface lies along the direction, or the body is thinner than the depth.
+        """
+        if not 1 <= finger <= FINGERS:
+            raise DimpleError("There are at most {most} fingertips.", most=FINGERS)
+        state = PokeState(
+            radius=radius or bpy.context.scene.dimple.finger_radius_mm / 1e3, depth=depth, force=force,
+            by_force=force > 0, press_s=seconds, active=finger - 1,
+            tips=self.poke.tips if self.poke else (None,) * FINGERS,
+        )  # fmt: skip
+        self.poke = press.pressed({self.link.uid: self}, state, at, direction)
+        self.step(seconds)
+
+    def release(self, *, seconds: float = 0.25) -> None:
+        """Move the fingertip that pressed last out of the body."""
+        if self.poke:
+            self.poke, _ = on_event(replace(self.poke, release_s=seconds), PokeEvent(kind=Kind.RELEASE))
+        self.step(seconds)
+
+    def step(self, seconds: float) -> None:
+        """Let time pass [s], frame by frame of the scene.
+
+        Raises:
+            DimpleError: the simulation blew up, or the object cannot be followed.
+        """
+        obj = self.obj
+        with ExitStack() as shown:
+            if self.link.shaped:
+                shown.enter_context(final_mesh.attached(bpy.context, obj, self.link.cuts))
+            self.follow(bpy.context, obj)
+        for step_s, poke in press.frames(bpy.context.scene, self.poke, seconds):
+            self.poke = poke
+            if poke:
+                self.session.set_fingers(fingers(poke, self.link.uid))
+            if self.session.step(step_s).note:
+                raise DimpleError(about(self.name, self.frame.note))
+
+    def bake(self, first: int | None = None, last: int | None = None, *, target: str = "MESH_CACHE") -> list[str]:
+        """Bake the object over frames of the scene, pressed by its keyframed fingertip objects.
+
+        Args:
+            first, last: frames; None are the scene's.
+            target: "MESH_CACHE" or "SHAPE_KEYS".
+
+        Returns:
+            Sentences for the artist.
+
+        Raises:
+            DimpleError: it cannot be baked; nothing has changed.
+        """
+        messages = sessions.stop_all()  # a bake starts at rest
+        plan = baking.plan_of(bpy.context.scene, [self.obj], first, last, target)
+        for _ in baking.bake(bpy.context, plan, messages):
+            pass
+        return messages

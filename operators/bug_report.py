@@ -1,0 +1,61 @@
+"""The log, and Copy Report: what a bug report should say, in the clipboard."""
+
+import logging
+import platform
+from collections import deque
+
+import bpy
+
+from ..core.messages import read
+from . import polls
+from .messages import LOG, say
+from .names import Op
+
+KEPT = 40  # entries of the log in a report: some presses, and the last error with its traceback
+
+
+class Memory(logging.Handler):
+    """Keep the last entries of the log."""
+
+    entries: deque[str] = deque(maxlen=KEPT)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Take in an entry."""
+        self.entries.append(self.format(record))
+
+
+MEMORY = Memory(logging.INFO)
+MEMORY.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+
+
+class DIMPLE_OT_copy_report(polls.Declared, bpy.types.Operator):
+    """Copy versions, platform and the last messages and errors, to paste them into a bug report"""
+
+    bl_idname = Op.COPY_REPORT
+    bl_label = "Copy Report"
+
+    def run(self, context: bpy.types.Context) -> None:
+        """Fill the clipboard: versions, platform, core, how each body is simulated, and the end of the log."""
+        from ..core import native
+        from ..core.errors import DimpleError
+        from . import cache_files
+
+        try:
+            core = f"ABI {native.ABI}, {native.instructions()}"
+        except DimpleError as error:
+            core = str(error)
+        bodies = [f"{obj.name}: {read(obj.dimple.plan_reason)}" for obj in context.scene.objects if obj.dimple.enabled]
+        versions = f"Dimple {cache_files.version()}, Blender {bpy.app.version_string}, {platform.platform()}"
+        context.window_manager.clipboard = "\n".join([versions, f"Core: {core}", *bodies, *MEMORY.entries])
+        say(self, {"INFO"}, "The report is in the clipboard")
+
+
+def register() -> None:
+    LOG.setLevel(logging.INFO)
+    LOG.addHandler(MEMORY)
+    bpy.utils.register_class(DIMPLE_OT_copy_report)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(DIMPLE_OT_copy_report)
+    LOG.removeHandler(MEMORY)
