@@ -14,7 +14,8 @@ def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
     if two:
         lines.append(("K2", f"{_with_error(record, 'K2')} N/mm"))
         lines.append(("x0", f"{_with_error(record, 'x0')} mm"))
-    lines += _joint(record)
+    lines.append((iface_("First Touch"), f"{record['contact']:.4g} mm"))
+    lines.append((iface_("Tare"), f"{record['tare']:.3g} N"))
     lines.append((iface_("Measured Range"), f"{record['deepest']:.4g} mm, {record['full_scale']:.4g} N"))
     lines += _surface(record)
     if record["damping_ratio_hint"] is not None:
@@ -28,16 +29,6 @@ def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
             number = record["column_numbers"][role]
             lines.append((iface_(label), f"{number}: {record['columns'][role]}, {units[role]}"))
     return [*lines, _noticeable(record)]
-
-
-def _joint(record: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return what several curves determine together, and the error of each; nothing of one curve alone."""
-    if "curves" not in record:
-        return []
-    low, high = record["spread_interval"]
-    spread = f"{record['spread']:.3g} ({low:.3g} – {high:.3g}) mm" if high else iface_("Not determined by these curves")
-    errors = [(each["name"], iface_("{} of full scale").format(f"{each['rms']:.1%}")) for each in record["curves"]]
-    return [(iface_("Spread"), spread), *errors]
 
 
 def headlines(record: dict[str, Any]) -> list[str]:

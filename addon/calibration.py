@@ -38,7 +38,6 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         layout.operator(Op.CALIBRATE, text="Calibrate from File...", icon="IMPORT")
-        layout.operator(Op.CALIBRATE_TOGETHER, text="Calibrate from Several Files...", icon="IMPORT")
         record, settings = shown(context)
         if not record:
             draw_notes(context, layout, ["Drop a force-depth file (CSV, text) into the viewport."])

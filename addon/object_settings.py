@@ -73,10 +73,3 @@ class ContactSettings:
         name="Self Contact", description="Keep the body from passing through itself where it folds",
         default=False, **FIXED,
     )  # fmt: skip
-    move_apart: BoolProperty(
-        name="Move Apart",
-        description="Move intersecting bodies apart before the simulation starts: out by the shortest way or, if "
-        "pinned, flat towards the pins. Faces that pass through each other are left out of Self Contact. "
-        "If this is off, such bodies are refused",
-        default=False, **FIXED,
-    )  # fmt: skip

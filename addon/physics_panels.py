@@ -61,8 +61,7 @@ class DIMPLE_PT_contact(PhysicsPanel, bpy.types.Panel):
         draw_prop(layout, settings, "collider_friction", active=hard, slider=True)
         draw_prop(layout, settings, "is_prop", active=hard)
         draw_prop(layout, settings, "prop_mass_kg", active=hard and settings.is_prop)
-        for name in ("self_contact", "move_apart"):
-            draw_prop(layout, settings, name, active=settings.enabled)
+        draw_prop(layout, settings, "self_contact", active=settings.enabled)
 
 
 class DIMPLE_PT_reduction(PhysicsPanel, bpy.types.Panel):

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
+from .errors import LARGEST as LARGEST
 from .errors import DimpleError as DimpleError  # a module of its own, so that the servo process needs no numpy
 
 Floats = npt.NDArray[np.float64]
@@ -17,16 +18,9 @@ Singles = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
-AIR_PRESSURE = 101_325.0  # [Pa] outside every body
-AIR_EXPONENT = 1.4  # adiabatic: a press is over before heat flows
-# [Pa] a thousandth of real water: a fingertip's few kPa still change the volume by well under 0.5 %, and the pressure
-# wave needs no shorter time steps than the membrane does (tests/physics/test_volume.py)
-LIQUID_BULK_MODULUS = 2e6
-
-FARTHEST = 1e9  # [m] beyond this a coordinate is taken for a mistake
-WELD_SHARE = 1e-6  # of the bounding box: vertices nearer than this are merged
-LEAST_VOLUME = 1e-6  # of size x area: a closed mesh with less encloses no volume
-LEAST_VOLUME_OPEN = 1e-2  # the same of an open mesh: a crumpled sheet encloses none, a hemisphere has 0.17
+EXACT = 1e-9  # of what is summed: a million units in the last place of double precision
+TINY = 1e-30  # keeps a quotient finite: its square is still a number
+LEAST_VOLUME_OPEN = 1e-2  # of size x area, in an open mesh: a crumpled sheet encloses none, a hemisphere has 0.17
 MASS_FLOOR = 1e-2  # of the mean: no vertex is lighter
 STIFFEST = 4.0  # of the median stiffness over mass: the vertex of a sliver above it is made heavier
 TICK = 1e-3  # [s] control step: the 1 kHz of haptics; makes motion independent of the frame rate
@@ -34,7 +28,6 @@ STEP_SAFETY = 0.9  # of the stability bound: springs stiffen a little as they tu
 LONGEST_STEP = 1.35  # over omega: an undamped body stiffens as it folds, and at 1.5 its energy grows
 LONGEST_CONTACT = 1.25e-4  # [s] contact is resolved once a step: with longer ones a free body that is held rocks on
 MAX_SUBSTEPS = 2000  # of a tick: with more, a body could not run live
-FINGER_TRAVEL = 0.25  # of its radius: the most a fingertip may move in a tick, or it would skip over the skin
 ROWS = 1 << 15  # of an array at a time: what is worked out of them stays in the cache
 
 

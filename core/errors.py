@@ -4,6 +4,8 @@ from typing import Any
 
 from .messages import Message
 
+LARGEST = 1e12  # in any SI unit: what is larger is taken for a mistake; its cube is all that single precision holds
+
 
 class DimpleError(ValueError):
     """Its message says what is wrong, where, and what to do, in an artist's words.

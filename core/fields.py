@@ -1,10 +1,12 @@
-"""What can be shown as colours on the surface of a running body, and the profile of its dent."""
+"""What can be read from a running body: colours of its surface, the profile of its dent, its energy."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from .base import Floats, sums_at
+from .body import pressure as fill
+from .body import shape_matching, springs
 from .body.estimate import spread_on
 from .body.forces import forces
 from .body.model import Model, State
@@ -133,3 +135,20 @@ def _mean_of_materials(mesh: Mesh, values: Floats) -> Floats:
     weighted = np.repeat(values[mesh.triangle_material] * area, 3)
     whole = sums_at(mesh.triangles.ravel(), np.repeat(area, 3), n)
     return sums_at(mesh.triangles.ravel(), weighted, n) / np.maximum(whole, 1e-30)
+
+
+def energies(session: Session) -> tuple[float, float]:
+    """Return the energy [J] of a body's shape (springs, fill, shape matching) and that of its motion."""
+    model, x, v = session.bent_model(), session.body.positions(), session.body.velocities()
+    return stored(model, x, None if model.free else pose_now(model, x)), float((v * v).sum(axis=0) @ model.mass) / 2
+
+
+def stored(model: Model, x: Floats, pose: Pose | None) -> float:
+    """Return the energy [J] of a model's shape.
+
+    Args:
+        x: (3, n) positions [m].
+        pose: of the shape at rest where pins hold it, None where it is free.
+    """
+    held = springs.energy(model.springs, x) + fill.energy(model.pressure, x)
+    return held + shape_matching.energy(model.matching, x, pose)

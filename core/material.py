@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .errors import DimpleError  # not of base: the servo process has no numpy
+from .errors import LARGEST, DimpleError  # not of base: the servo process has no numpy
 from .fills import FILLS
 from .messages import Message
 
-_LARGEST = 1e12  # in any unit: beyond it sums overflow
 _PER_UNIT = {"N/mm": 1e-3, "mm": 1e3, "kPa": 1e-3}  # of each in an SI unit
 LEAST_PRESSURE, MOST_PRESSURE = -1e5, 1e6  # [Pa]: nearly a vacuum; and no skin holds more
 TIPS = ("point", "punch", "sphere")
@@ -170,7 +169,7 @@ class Preset:
 def _require(holds: bool, name: str, rule: str, value: float, unit: str = "") -> None:
     """Raise where a rule does not hold, with the value (in SI units) in the unit that it is typed in."""
     given = f"{value * _PER_UNIT.get(unit, 1):.6g} {unit}".rstrip()
-    if abs(value) > _LARGEST:
+    if abs(value) > LARGEST:
         raise DimpleError(
             "{name} is out of range (it is {given}). Change it in Material > Dimple.", name=Message(name), given=given
         )

@@ -16,19 +16,18 @@ from dataclasses import replace
 import numpy as np
 
 from .base import Floats
-from .body.estimate import bed_area, reach, spread_on
+from .body.estimate import TURNS, bed_area, reach, spread_on
+from .constants import FACTORS
 from .fills import FILLS
 from .material import FINGERTIP, Indenter, Material
 
 FORCE = 5.0  # [N] of the fingertip that softness is told by: that of a firm press with a finger
 BODY = 0.1  # [m] the size of what it presses, on which only a spread that is not typed and a point depend
-TURNS = 4  # of scaling: a spread that is not typed moves a little with the stiffness
-COUNT = 33  # depths at which factors are known, as in dimple.h
 FARTHEST = 4.0  # radii, and times x0: the deepest of them
 
 
 def factors(materials: Sequence[Material], radius: float, size: float) -> tuple[Floats, float] | None:
-    """Return the factors (materials, COUNT) on the force of a ball, at depths that grow with the square of their
+    """Return the factors (materials, FACTORS) on the force of a ball, at depths that grow with the square of their
     number, and the deepest [m]; None where it is the one that measured them all.
 
     Args:
@@ -56,7 +55,7 @@ def softness(material: Material) -> float:
 
 def as_soft(material: Material, depth: float) -> Material:
     """Return a material with K1 and K2 scaled so that a fingertip of 10 mm sinks in to a depth [m] with 5 N."""
-    for _ in range(TURNS):
+    for _ in range(TURNS):  # a spread that is not typed moves a little with the stiffness
         scale = FORCE / _fingertip(material)(depth)
         material = replace(material, K1=scale * material.K1, K2=scale * material.K2)
     return material
@@ -69,13 +68,13 @@ def _fingertip(material: Material) -> Callable[[float], float]:
         return material.law
     (values,), end = table
     return lambda depth: material.law(depth) * float(
-        np.interp(math.sqrt(depth / end), np.linspace(0, 1, COUNT), values)
+        np.interp(math.sqrt(depth / end), np.linspace(0, 1, FACTORS), values)
     )
 
 
 @functools.lru_cache(maxsize=64)  # asked for with each press
 def _factors(material: Material, ball: Indenter, size: float, end: float) -> Floats:
-    depths = end * np.linspace(0, 1, COUNT) ** 2
+    depths = end * np.linspace(0, 1, FACTORS) ** 2
     depths[0] = depths[1] / 16
     return area(material, ball, size, depths) / area(material, material.indenter, size, depths)
 

@@ -11,7 +11,6 @@ from . import (
     bug_report,
     calibrate,
     calibrate_apply,
-    calibrate_together,
     command_line,
     device,
     experiment,
@@ -30,7 +29,7 @@ from . import (
 
 PARTS = (
     bug_report, make_soft, start, poke, play, record, bake, export, apply_preset, add_fingertip, key_press, calibrate,
-    calibrate_apply, calibrate_together, softness, measure, twins, device, experiment, command_line,
+    calibrate_apply, softness, measure, twins, device, experiment, command_line,
     handlers,
 )  # fmt: skip
 

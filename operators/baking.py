@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..core.base import DimpleError
-from ..core.crowd import step_all
 from ..core.messages import Message, about
 from ..core.recording import PointCache
+from ..core.session import step_all
 from ..core.steps import Parts, as_share, beside
 from . import (
     bridge,

@@ -16,8 +16,9 @@ from dataclasses import dataclass, replace
 import bpy
 
 from ..core.base import DimpleError
+from ..core.constants import MAX_FINGERTIPS
 from ..core.messages import about
-from ..core.poke import FINGERS, Kind, PokeEvent, PokeState, fingers, on_event
+from ..core.poke import Kind, PokeEvent, PokeState, fingers, on_event
 from . import baking, final_mesh, press, sessions
 from .object_body import ObjectBody
 
@@ -49,12 +50,12 @@ class Body(ObjectBody):
         Raises:
             DimpleError: no surface lies along the direction, or the body is thinner than the depth.
         """
-        if not 1 <= finger <= FINGERS:
-            raise DimpleError("There are at most {most} fingertips.", most=FINGERS)
+        if not 1 <= finger <= MAX_FINGERTIPS:
+            raise DimpleError("There are at most {most} fingertips.", most=MAX_FINGERTIPS)
         state = PokeState(
             radius=radius or bpy.context.scene.dimple.finger_radius_mm / 1e3, depth=depth, force=force,
             by_force=force > 0, press_s=seconds, active=finger - 1,
-            tips=self.poke.tips if self.poke else (None,) * FINGERS,
+            tips=self.poke.tips if self.poke else (None,) * MAX_FINGERTIPS,
         )  # fmt: skip
         self.poke = press.pressed({self.link.uid: self}, state, at, direction)
         self.step(seconds)

@@ -70,10 +70,8 @@ def add_key(body: bpy.types.Object, name: str, offsets: Singles) -> bpy.types.Sh
     return key
 
 
-def paint(body: bpy.types.Object, group: str, weights: Singles, attribute: str, values: Singles) -> None:
-    """Give every vertex a weight (N,) in a vertex group, and a value (N,) of a float attribute."""
+def paint(body: bpy.types.Object, group: str, weights: Singles) -> None:
+    """Give every vertex a weight (N,) in a vertex group."""
     painted = body.vertex_groups.get(group) or body.vertex_groups.new(name=group)
     for vertex, weight in enumerate(weights.tolist()):
         painted.add([vertex], weight, "REPLACE")
-    layer = body.data.attributes.get(attribute) or body.data.attributes.new(attribute, "FLOAT", "POINT")
-    layer.data.foreach_set("value", values.astype(np.float32))

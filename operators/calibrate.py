@@ -6,11 +6,10 @@ Where the file leaves something open a dialog asks the core's question with its 
 from functools import lru_cache
 
 import bpy
-from bpy.props import CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ..core.messages import Message, in_a_row, to_json
 from . import calibration, polls
-from .calibrate_together import several
 from .messages import say, wrapped
 from .names import TIPS, Op
 from .translation import translated
@@ -60,10 +59,6 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         name="Filter", description="Files that are shown", options={"HIDDEN"},
         default=calibration.FILTER,
     )  # fmt: skip
-    directory: StringProperty(
-        name="Folder", description="Of files that are dropped together", subtype="DIR_PATH", options=HIDDEN
-    )
-    files: CollectionProperty(name="Files", type=bpy.types.OperatorFileListElement, options=HIDDEN)
     tip: EnumProperty(name="Tip", description="What pressed the object", items=TIPS)
     tip_radius_mm: FloatProperty(
         name="Tip Radius (mm)", description="Radius of what pressed the object", default=2.0, min=0.01, soft_max=50.0
@@ -123,8 +118,6 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the file, or for what it leaves open; a dropped file that leaves nothing open is read at once."""
-        if not self.asked and (handed_on := several(self)):
-            return handed_on
         body, given = context.object, self.properties.is_property_set
         if body and not given("length_mm") and body.dimple.size_mode == "CUSTOM":
             self.length_mm = body.dimple.size_mm
@@ -162,8 +155,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
                 way_out = Message("Choose them: {labels}.", labels=_labels(error.answers))
             say(self, {"ERROR"}, str(error), way_out)
             return {"CANCELLED"}
-        advice = [Message("If it is known, give {labels}.", labels=_labels(found.unsure))] if found.unsure else []
-        context.scene.dimple.calibration = calibration.to_text(found, advice)
+        context.scene.dimple.calibration = calibration.to_text(found)
         record = calibration.load(context.scene.dimple.calibration)
         for warning in record["warnings"]:
             say(self, {"WARNING"}, translated(warning).partition("\n")[0])

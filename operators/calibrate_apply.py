@@ -46,8 +46,6 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
         record = calibration.load(scene.calibration)
         settings = material_of(body, Path(record["source"]).stem).dimple
         settings.K1, settings.K2, settings.x0 = record["K1"], record["K2"], record["x0"]
-        if record.get("spread_interval", [0, None])[1]:  # several curves have determined it
-            settings.spread_mm = record["spread"]
         k = record["source_of_k"] if self.use_k else ""
         if k:
             settings.k = record["k_to_use"]

@@ -6,7 +6,6 @@ As text they are carried along by undo, by files and by presets.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from datetime import date
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -15,7 +14,6 @@ from ..core.messages import Message, from_json, to_json
 
 if TYPE_CHECKING:
     from ..core.calibration.calibrate import Calibration
-    from ..core.calibration.together import Together
 
 EXTENSIONS = ".csv;.txt;.tsv;.dat;.asc;.tra"
 FILTER = ";".join(f"*{ending}" for ending in EXTENSIONS.split(";"))  # of a file browser
@@ -34,19 +32,13 @@ def load(text: str) -> dict[str, Any]:
     return record if isinstance(record, dict) else {}
 
 
-def to_text(calibration: Calibration, advice: Sequence[str] = ()) -> str:
-    """Return the text that keeps a calibration: the core's record, and what a chart and a material need of it.
-
-    Args:
-        calibration: what was found.
-        advice: sentences that follow the warnings.
-    """
-    from ..core.calibration.misfit import NOTICEABLE_FORCE
+def to_text(calibration: Calibration) -> str:
+    """Return the text that keeps a calibration: the core's record, and what a chart and a material need of it."""
+    from ..core.calibration.doubts import NOTICEABLE_FORCE
     from ..core.calibration.record import to_record
 
     record = to_record(calibration)
     loading, surface = calibration.loading, calibration.surface
-    record["warnings"] += advice
     record["date"], record["noticeable"] = date.today().isoformat(), NOTICEABLE_FORCE
     record["provenance"] = Message(
         "{provenance}, calibrated {date}", provenance=record["provenance"], date=record["date"]
@@ -56,25 +48,6 @@ def to_text(calibration: Calibration, advice: Sequence[str] = ()) -> str:
     record["k_to_use"] = surface.k.value / 1e3 if surface and surface.k else None
     record["unusable"] = _unusable(record)
     return to_json(record)
-
-
-def joint_text(first: Calibration, found: Together) -> str:
-    """Return the text that keeps a joint fit: as that of its first curve alone, with the constants of all."""
-    from ..core.calibration.record import joint_record
-
-    record, joint = load(to_text(first)), joint_record(found)
-    said = joint.pop("lines")
-    names = ", ".join(each.name for each in found.curves)
-    kept = record | joint | {
-        "provenance": Message(
-            "{names}: {law}; {spread}, calibrated {date}",
-            names=names, law=said[0], spread=said[1], date=record["date"]
-        ), "band": [],
-        "warnings": [warning for warning in record["warnings"] if found.knee or "knee" not in warning],
-        "notes": [*record["notes"], *said[2:]], "source": names,
-        "residual_share": max(each.rms for each in found.curves),
-    }  # fmt: skip
-    return to_json(kept | {"unusable": _unusable(kept)})
 
 
 def source(record: dict[str, Any], k: str) -> str:

@@ -72,7 +72,7 @@ class Clip:
 
     def _each(self) -> Keys:
         """Return a shape key for every few frames; from one to the next a straight line leads."""
-        from ..core.animation.basis import error_between
+        from ..core.recording.basis import error_between
 
         frames = sorted({*range(self.first, self.last + 1, self.step), self.last})
         at = [frame - self.first for frame in frames]
@@ -85,7 +85,7 @@ class Clip:
 
     def _few(self) -> Keys:
         """Return the few shapes of which every frame is a sum."""
-        from ..core.animation.basis import reduce
+        from ..core.recording.basis import reduce
 
         basis = reduce(self.samples, self.key_error * float(np.ptp(self.samples[0], axis=0).max()))
         frames = list(range(self.first, self.last + 1))

@@ -71,13 +71,12 @@ def worlds_of(
     found = []
     for scale, uids in _groups(bodies).items():
         itself = [bool(bodies[uid][0].dimple.self_contact) for uid in uids]
-        apart = [bool(bodies[uid][0].dimple.move_apart) for uid in uids]
         if not colliders and not any(itself) and len(uids) < 2:
             continue
         sessions = _moving([bodies[uid][1] for uid in uids])
-        key = (scale, tuple(uids), tuple(itself), tuple(apart), tuple(frictions), sessions)
+        key = (scale, tuple(uids), tuple(itself), tuple(frictions), sessions)
         same = next((world for world in before if world.key == key), None)
-        found.append(same or _make(context, key, scale, [bodies[uid] for uid in uids], colliders, itself, apart))
+        found.append(same or _make(context, key, scale, [bodies[uid] for uid in uids], colliders, itself))
         for uid, note in zip(uids, found[-1].world.notes, strict=True):
             bodies[uid][1].contact_note = note
     return found
@@ -89,7 +88,7 @@ def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
     Raises:
         DimpleError: one is gone, or has other vertices.
     """
-    from ..core.props import PropWorld
+    from ..core.world.props import PropWorld
 
     graph = context.evaluated_depsgraph_get()
     if isinstance(live.world, PropWorld):
@@ -151,10 +150,9 @@ def _make(
     bodies: Sequence[tuple[bpy.types.Object, Session, float]],
     colliders: Sequence[bpy.types.Object],
     itself: Sequence[bool],
-    apart: Sequence[bool],
 ) -> LiveWorld:
-    from ..core.props import PropWorld
     from ..core.world import Collider, World, drop_proxies
+    from ..core.world.props import PropWorld
 
     graph, made = context.evaluated_depsgraph_get(), []
     for obj in colliders:
@@ -173,15 +171,15 @@ def _make(
     falling = {i: (obj.session_uid, obj.name, obj.matrix_world.copy()) for i, obj in enumerate(colliders)}
     falling = {i: prop for i, prop in falling.items() if _mass_of(colliders[i]) is not None}
     running = [session for _, session, _ in bodies]
-    notes = drop_proxies(running, made, apart, names)
+    notes = drop_proxies(running, made, names)
     if falling:
         gravity, ground = _pull(context.scene)
         world: World = PropWorld(
             running, made, masses=[_mass_of(obj) for obj in colliders], gravity=gravity, ground=ground, itself=itself,
-            apart=apart, names=names,
+            names=names,
         )  # fmt: skip
     else:
-        world = World(running, made, itself=itself, apart=apart, names=names)
+        world = World(running, made, itself=itself, names=names)
     world.notes = [in_a_row(each) for each in zip(notes, world.notes, strict=True)]
     key = (*key[:-1], _moving(running))
     uids = tuple(obj.session_uid for obj, _, _ in bodies)

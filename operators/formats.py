@@ -125,7 +125,7 @@ def _pc2(_context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]
 
 
 def _mdd(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    from ..core.animation.mdd import write_mdd
+    from ..core.recording.mdd import write_mdd
 
     yield from write_mdd(path, clip.samples, 1 / timeline.frame_s(context.scene))
 
@@ -212,7 +212,7 @@ def _sequence(context: bpy.types.Context, clip: Clip, path: Path, exporter: str,
 
 def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     """Write the pictures, the mesh with its second UV map, and what a shader must know, into a folder."""
-    from ..core.animation import vertex_texture
+    from ..core.recording import vertex_texture
 
     frames, vertices, _ = clip.samples.shape
     where = vertex_texture.layout(vertices, frames)

@@ -51,7 +51,7 @@ class DIMPLE_OT_key_press(polls.Declared, bpy.types.Operator):
 
 def key(context: bpy.types.Context, press: live_press.LivePress, body: bpy.types.Object) -> tuple[int, int]:
     """Add fingertips that repeat a press, and return its first and last frame."""
-    from ..core.stroke import keys
+    from ..core.poke.stroke import keys
     from . import keyframes, timeline
 
     scene = context.scene

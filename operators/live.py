@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ..core.base import DimpleError
-from ..core.crowd import step_all
+from ..core.constants import MAX_FINGERTIPS
 from ..core.messages import about, in_a_row
-from ..core.session import MAX_FINGERS, Finger
+from ..core.session import Finger
+from ..core.session.clock import step_all
 from ..core.steps import Parts, at_once
 from . import (
     bridge,
@@ -245,7 +246,7 @@ def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:
 
 def merged(fingers: Sequence[Finger | None], pressed: Sequence[Finger | None]) -> tuple[Finger | None, ...]:
     """Return the fingertips of a session: those of a poke, where there are any, else the device's or the objects."""
-    first, second = ([*some, *([None] * MAX_FINGERS)][:MAX_FINGERS] for some in (pressed, fingers))
+    first, second = ([*some, *([None] * MAX_FINGERTIPS)][:MAX_FINGERTIPS] for some in (pressed, fingers))
     return tuple(poked or finger for poked, finger in zip(first, second, strict=True))
 
 

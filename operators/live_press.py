@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 if TYPE_CHECKING:
-    from ..core.stroke import Way
+    from ..core.poke.stroke import Way
     from .sessions import LiveBody
 
 

@@ -65,7 +65,6 @@ class Op(StrEnum):
     KEY_PRESS = "dimple.key_press"
     CALIBRATE = "dimple.calibrate"
     SOFTNESS_FROM_POKES = "dimple.softness_from_pokes"
-    CALIBRATE_TOGETHER = "dimple.calibrate_together"
     APPLY_CALIBRATION = "dimple.apply_calibration"
     DISCARD_CALIBRATION = "dimple.discard_calibration"
     MEASURE = "dimple.measure"

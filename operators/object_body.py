@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     import numpy as np
 
-    from ..core.frame import Frame
     from ..core.session import Session
+    from ..core.session.frame import Frame
     from ..core.steps import Parts
     from .bridge import ObjectLink, Singles
     from .settings import Settings

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 import numpy.typing as npt
 
-from ..core.base import FARTHEST, DimpleError
+from ..core.base import LARGEST, DimpleError
 
 PART = 16384  # vertices
 Floats = npt.NDArray[np.float64]
@@ -100,7 +100,7 @@ def scale_of_body(scene: bpy.types.Scene, body: bpy.types.Object, rest: Singles,
     largest = float((np.array([np.ptp(along) for along in rest.T]) * axes).max())  # axis by axis is far faster
     if largest <= 0:
         raise DimpleError('"{name}": all vertices lie in one point. Give the mesh a size.', name=name)
-    if size is not None and not size <= FARTHEST:
+    if size is not None and not size <= LARGEST:
         raise DimpleError(
             '"{name}": a Custom Size of {size:.3g} mm is too large. Lower it in Physics > Dimple.',
             name=name, size=1e3 * size

@@ -14,10 +14,10 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
+from ..core.constants import MAX_FINGERTIPS
 from ..core.messages import about, in_a_row, kept, read
 from ..core.reduction.planner import Maker, Plan, plan, plan_full_mesh, plan_proxy
 from ..core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
-from ..core.session import MAX_FINGERS
 from ..core.steps import Parts, at_once
 from . import contact
 
@@ -134,10 +134,10 @@ def choosing(scene: bpy.types.Scene, obj: bpy.types.Object) -> Callable[[Model, 
 
 def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
     """Return the processor time [s] per second for the steps of one object, contact apart: at rest the others cost
-    nothing, and no more than MAX_FINGERS are pressed at a time.
+    nothing, and no more than MAX_FINGERTIPS are pressed at a time.
     """
     bodies = 1 + sum(each != obj and each.type == "MESH" and each.dimple.enabled for each in scene.objects)
-    share = scene.dimple.frame_budget_percent / 100 / min(bodies, MAX_FINGERS)
+    share = scene.dimple.frame_budget_percent / 100 / min(bodies, MAX_FINGERTIPS)
     return share / CONTACT if contact.is_on(scene) else share
 
 

@@ -167,7 +167,7 @@ def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, LiveBody], s
     for uid, body in bodies.items():
         scale = body.link.scale
         x, y, z = (scale * c for c in origin)
-        positions = shapes[uid] if uid in shapes else body.session.seen()
+        positions = shapes[uid] if uid in shapes else body.session.positions()
         hit = ray_hit((x, y, z), direction, positions, body.triangles)
         if hit and hit[0] / scale < best:
             best, found = hit[0] / scale, Hit(point=hit[1], normal=hit[2], body=uid)

@@ -12,7 +12,8 @@ from mathutils.bvhtree import BVHTree
 
 from ..core.base import DimpleError
 from ..core.messages import Message
-from ..core.poke import Hit, Kind, PokeEvent, PokeState, Vector, along, fingers, on_event
+from ..core.poke import Hit, Kind, PokeEvent, PokeState, fingers, on_event
+from ..core.vectors import Vector, along
 from . import bridge, live, pointer, polls, record, sessions, timeline
 from .messages import report, say
 from .object_body import ObjectBody

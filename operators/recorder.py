@@ -38,7 +38,7 @@ class ForceTable:
 
     def append(self, number: float, time_s: float, session: Session) -> None:
         """Add the line of one frame of the animation."""
-        from ..core.energy import energies
+        from ..core.fields import energies
 
         frame, row = session.frame, list[float]()
         for i in range(FINGERS):

@@ -18,9 +18,9 @@ from .modal_runs import close_run, runs
 from .object_body import ObjectBody
 
 if TYPE_CHECKING:
+    from ..core.poke.stroke import Hand
     from ..core.session import Finger
     from ..core.steps import Parts
-    from ..core.stroke import Hand
     from .contact import LiveWorld
     from .planning import Around
     from .recorder import Recorder
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def _hand() -> Hand:
-    from ..core.stroke import Hand
+    from ..core.poke.stroke import Hand
 
     return Hand()
 

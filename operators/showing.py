@@ -50,7 +50,7 @@ def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
     """Show a session on its object, unless it shows there as it is: Blender has no work with what sleeps."""
     from . import bridge, offset
 
-    positions = body.session.positions() if body.recorder else body.session.seen()
+    positions = body.session.positions()
     now = body.link, body.matrix, body.rest, positions  # each is another object where it changes
     if body.shown is None or any(a is not b for a, b in zip(now, body.shown, strict=True)):
         offset.show(obj, bridge.offsets_of(*now))

@@ -1,4 +1,4 @@
-"""Paint softness from a table of pokes: a vertex group that every vertex gets a weight in, and the interval it has."""
+"""Paint softness from a table of pokes: a vertex group that every vertex gets a weight in."""
 
 import bpy
 from bpy.props import StringProperty
@@ -8,7 +8,7 @@ from . import polls, sessions
 from .messages import say
 from .names import Op
 
-GROUP, INTERVAL = "Softness from Pokes", "dimple_softness_interval"
+GROUP = "Softness from Pokes"
 PAINTED = 0.02  # of the vertices may lie beyond what a map can say, before a warning
 
 
@@ -41,8 +41,7 @@ class DIMPLE_OT_softness_from_pokes(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Read, map and paint; nothing is lost where that fails."""
         from ..core.base import DimpleError
-        from ..core.calibration.poke_map import map_pokes
-        from ..core.calibration.poke_table import read_pokes
+        from ..core.calibration.pokes import map_pokes, read_pokes
         from . import bridge, bridge_write
 
         body = context.object
@@ -55,7 +54,7 @@ class DIMPLE_OT_softness_from_pokes(bpy.types.Operator):
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         own = model.mesh.source[bridge.nearest_final(link)]
-        bridge_write.paint(body, GROUP, found.weights[own], INTERVAL, found.interval[own])
+        bridge_write.paint(body, GROUP, found.weights[own])
         body.dimple.softness_group = GROUP
         say(self, {"INFO"}, found.text)
         if link.cuts:

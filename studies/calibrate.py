@@ -12,11 +12,10 @@ from typing import Any
 
 from core.base import DimpleError
 from core.calibration.calibrate import Calibration, calibrate
-from core.calibration.misfit import Miss
+from core.calibration.doubts import Miss
 from core.calibration.question import Answers, Undecided, WrongColumns
-from core.calibration.record import joint_record, to_record
+from core.calibration.record import to_record
 from core.calibration.surface import BALANCE_ASSUMES, PAPER_ASSUMES
-from core.calibration.together import curve_of, fit_together, lines
 from core.material import POINT, TIPS, Indenter
 
 from .calibration_plot import save_plot
@@ -27,12 +26,7 @@ DONE, OPEN = 0, 3  # exit codes
 def add_command(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run)
-    command.add_argument(
-        "file", type=Path, metavar="FILE", nargs="+", help="file of an instrument; several are fitted together"
-    )
-    command.add_argument(
-        "--tip", metavar="SHAPE:R", action="append", default=[], help="of each file in turn, R in mm: sphere:10"
-    )
+    command.add_argument("file", type=Path, metavar="FILE", help="file of an instrument")
     command.add_argument("--length-mm", type=float, metavar="L", help="edge of the object, for k")
     command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT.radius, help="of the tip")
     command.add_argument("--indenter", choices=TIPS, default="point", help="shape of the tip; a point is a small punch")
@@ -66,16 +60,13 @@ def option(name: str) -> str:
 
 def run(options: argparse.Namespace) -> int:
     """Calibrate and print the result; return OPEN where a file leaves something open."""
-    tips = _tips(options)
+    tip = Indenter(shape=options.indenter, radius=1e-3 * options.tip_radius_mm)
     try:
         answers = Answers(**{field.name: getattr(options, field.name) for field in fields(Answers)})
-        alone = [
-            calibrate(
-                file, answers, length=_scaled(options.length_mm, 1e-3), tip=tip,
-                section=_scaled(options.section_mm2, 1e-6), youngs_modulus=_scaled(options.youngs_modulus_mpa, 1e6),
-            )
-            for file, tip in zip(options.file, tips, strict=True)
-        ]  # fmt: skip
+        calibration = calibrate(
+            options.file, answers, length=_scaled(options.length_mm, 1e-3), tip=tip,
+            section=_scaled(options.section_mm2, 1e-6), youngs_modulus=_scaled(options.youngs_modulus_mpa, 1e6),
+        )  # fmt: skip
     except Undecided as undecided:
         print("\n".join(question_lines(undecided)), file=sys.stderr)
         if options.json:
@@ -83,43 +74,11 @@ def run(options: argparse.Namespace) -> int:
         return OPEN
     except WrongColumns as error:
         raise DimpleError(f"{error} Choose them with {_options(error.answers)}.") from None
-    if len(alone) > 1:
-        return _together(options, alone)
-    calibration = alone[0]
     print("\n".join(to_lines(calibration)))
     if options.json:
         write_json(options.json, to_record(calibration))
     if options.plot:
         save_plot(calibration, options.plot)
-    return DONE
-
-
-def _tips(options: argparse.Namespace) -> list[Indenter]:
-    """Return the tip of each file.
-
-    Raises:
-        DimpleError: another number of tips than of files, or one that is none.
-    """
-    if not options.tip:
-        return [Indenter(shape=options.indenter, radius=1e-3 * options.tip_radius_mm)] * len(options.file)
-    if len(options.tip) != len(options.file):
-        raise DimpleError(f"There are {len(options.file)} files and {len(options.tip)} tips: give --tip for each file.")
-    tips = []
-    for text in options.tip:
-        shape, _, radius = text.partition(":")
-        try:
-            tips.append(Indenter(shape=shape, radius=1e-3 * float(radius)))
-        except ValueError:
-            raise DimpleError(f'"{text}" is no tip: give its shape and its radius in mm, as in sphere:10.') from None
-    return tips
-
-
-def _together(options: argparse.Namespace, alone: Sequence[Calibration]) -> int:
-    """Fit several files of one object together and print the result."""
-    found = fit_together([curve_of(each) for each in alone], size=_scaled(options.length_mm, 1e-3) or 0.0)
-    print("\n".join(lines(found)))
-    if options.json:
-        write_json(options.json, joint_record(found))
     return DONE
 
 
@@ -145,8 +104,6 @@ def to_lines(calibration: Calibration) -> list[str]:
             lines.append(f"  k = {k}. {BALANCE_ASSUMES}")
     lines += [f"  Note: {note}" for note in c.notes]
     lines += ["  Warning: " + warning.replace("\n", "\n    ") for warning in c.warnings]
-    if c.unsure:
-        lines.append(f"  If it is known, give {_options(c.unsure)}.")
     return lines
 
 

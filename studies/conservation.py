@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.body.model import Model, State
-from core.energy import stored
+from core.fields import stored
 
 from .motion import move
 from .scenes import oscillator

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 
 from core.base import Floats, Ints
-from core.props import PropWorld
 from core.session import Session
+from core.world.props import PropWorld
 
 from .contact_cost import measure_cost
 from .contact_laws import measure_laws

@@ -13,10 +13,10 @@ import numpy as np
 
 from core.base import Floats, Ints
 from core.body.model import build_model
+from core.constants import OFFSET
 from core.material import PRESETS, Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
-from core.solver.scene import OFFSET
 from core.world import Collider, World
 
 from .reference.proximity import find_pairs, join_surfaces

@@ -16,9 +16,9 @@ from core.base import Bools, Floats, Ints
 from core.body.model import build_model
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
-from core.props import PropWorld
 from core.session import Session
 from core.world import Collider, World
+from core.world.props import PropWorld
 
 Shape = tuple[Floats, Ints]
 Lead = Callable[[float], Floats]  # vertices (m, 3) [m] at a share of the time, 0 to 1

@@ -23,9 +23,9 @@ from core.body.model import Model, build_model
 from core.material import PRESETS, Material, law_force
 from core.mesh.ray import ray_hit
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
+from core.native.motion import Touch
 from core.reduction.planner import plan
 from core.session import Finger, Session
-from core.solver.motion import Touch
 
 from .primitives import SIZE, Shape, makers
 from .specimen import SUFFIXES, load_triangles

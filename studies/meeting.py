@@ -16,11 +16,10 @@ import numpy as np
 from core.base import Floats
 from core.body.model import build_model
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
-from core.props import PropWorld
-from core.reduction.planner import Plan, plan, plan_full_mesh
-from core.reduction.processor_time import BUDGET
+from core.reduction.planner import BUDGET, Plan, plan, plan_full_mesh
 from core.session import Session
 from core.world import Collider, World
+from core.world.props import PropWorld
 
 from . import bodies, contact_cost
 from .primitives import icosphere, sized

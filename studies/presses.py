@@ -11,8 +11,8 @@ from core.base import TICK, DimpleError, Floats, Ints, Singles
 from core.body.model import Model
 from core.mesh.surface import Mesh
 from core.native import create
+from core.native.motion import FingertipMotion, Motion
 from core.reduction.cells import vertex_normals
-from core.solver.motion import FingertipMotion, Motion
 
 from .curve import along_curve
 

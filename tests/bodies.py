@@ -9,9 +9,9 @@ import pytest
 
 from core.base import Floats, Ints
 from core.body.model import State
+from core.body.rigid import rotation
 from core.native import Body
 from core.session import Session
-from core.solver.rigid import rotation
 from studies.reference.contact import Skin
 
 Shape = tuple[Floats, Ints]

@@ -22,6 +22,7 @@ from .environment import ENVIRONMENTS, ROOT, Stop, provide_packages, require, sa
 SOURCES = ROOT / "core" / "native"
 BUILD = ROOT / "build" / "native"
 WHEELS = ROOT / "wheels"
+NUMBERS = SOURCES / "constants.h"
 ARCHIVE = SOURCES / "sources.tar.bz2"  # the license asks that sources accompany machine code
 PINS = ROOT / "requirements" / "native.txt"
 ZIG = ENVIRONMENTS / "zig"
@@ -64,12 +65,21 @@ def provide_library(python: str | Path) -> None:
     Raises:
         Stop: it cannot be compiled.
     """
+    (ROOT / "core" / "constants.py").write_text(shared_constants())
     name = this_platform()
     place, built = SOURCES / PLATFORMS[name].library, compile_library(python, name, DOUBLE)
     if not place.exists() or place.read_bytes() != built.read_bytes():
         fresh = place.with_suffix(".new")  # a process that has the old library loaded keeps the old file
         shutil.copyfile(built, fresh)
         os.replace(fresh, place)
+
+
+def shared_constants() -> str:
+    """Return core/constants.py: the numbers of the first section of constants.h."""
+    section = NUMBERS.read_text().partition("/* What Python must know too")[2].partition("\n\n")[0]
+    found = re.findall(r"^#define DM_(\w+) +(\S+)", section, re.MULTILINE)
+    words = '"""What C and Python both must know, written by `dev.py native` from native/constants.h."""\n\n'
+    return words + "".join(f"{name} = {value}\n" for name, value in found)
 
 
 def provide_wheels(python: str | Path) -> list[Path]:
@@ -124,7 +134,7 @@ def this_platform() -> str:
 def version() -> str:
     """Return the version of the wheels; it counts changes of the interface, or Blender would keep an old library."""
     found = re.search('^version = "(.+)"', (ROOT / "blender_manifest.toml").read_text(), re.MULTILINE)
-    abi = re.search(r"^#define DM_ABI (\d+)", (SOURCES / "dimple.h").read_text(), re.MULTILINE)
+    abi = re.search(r"^#define DM_ABI (\d+)", NUMBERS.read_text(), re.MULTILINE)
     assert found and abi
     return f"{found[1]}.post{abi[1]}"
 

@@ -24,7 +24,7 @@ from ..fills import FILLS
 from ..material import HERTZ, Indenter, Material
 
 POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point
-SETTLED = 8  # times the spread is found from the last one: then it is right within a thousandth
+TURNS = 8  # of a fixed point: then it is right within a thousandth
 SPRINGS = 1 / 4  # of the tension: a face under a dragged tip keeps 0.34 of its area (0.07 without); more cost steps
 BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
 SOLID_SKIN = 80.0  # times as stiff as its bed the skin of a solid is
@@ -115,7 +115,7 @@ def spread_on(material: Material, size: float) -> float:
     if material.spread is not None:
         return material.spread
     sheet, spread = 2 * material.k / math.sqrt(3), math.sqrt(material.x0 * size)
-    for _ in range(SETTLED):
+    for _ in range(TURNS):
         gives = _bed(material, size, spread)[0] / sheet + size**-2
         spread = math.sqrt(material.x0 / math.sqrt(2 * gives))
     return spread

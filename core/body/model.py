@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from ..base import (
+    EXACT,
     LONGEST_CONTACT,
     LONGEST_STEP,
     MAX_SUBSTEPS,
@@ -21,6 +22,7 @@ from ..base import (
     mean_of_pairs,
     sums_at,
 )
+from ..constants import ROUNDING
 from ..fills import FILLS
 from ..material import Material
 from ..mesh.surface import Mesh, spans_a_plane
@@ -34,9 +36,7 @@ from .shape_matching import Pose, ShapeMatching
 from .springs import Springs
 
 _ALL_PINS = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
-SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
-LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -223,7 +223,7 @@ def assemble(
 
     membrane = springs.build_springs(mesh, stiffness, dashpots)
     shape = replace(
-        shape, damping=2 * damping * np.sqrt(k1 * mass), mass=np.where(mesh.loose, LOOSE_MASS * mass, mass)
+        shape, damping=2 * damping * np.sqrt(k1 * mass), mass=np.where(mesh.loose, EXACT * mass, mass)
     )
     inside = pressure.build_pressure(mesh, fill, rest_pressure)
     return Model(
@@ -248,7 +248,7 @@ def initial_state(model: Model) -> State:
 def _ground(mesh: Mesh, pinned: Bools, ground: float | None) -> tuple[float | None, tuple[str, ...]]:
     """Return the ground, lowered where a body would start below it and be flung out, and a note on that."""
     heights = mesh.rest_positions[~pinned & ~mesh.loose, 2]
-    if ground is None or not len(heights) or heights.min() >= ground - SUNK * mesh.size:
+    if ground is None or not len(heights) or heights.min() >= ground - ROUNDING * mesh.size:
         return ground, ()
     lowest = float(heights.min())
     return lowest, (Message(

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import AIR_EXPONENT, AIR_PRESSURE, LIQUID_BULK_MODULUS, Floats, Ints, row_parts, sums_at
+from ..base import Floats, Ints, row_parts, sums_at
+from ..constants import AIR_EXPONENT, AIR_PRESSURE, LIQUID_BULK_MODULUS
 from ..fills import FILLS, PressureLaw
 from ..mesh.rings import Rings
 from ..mesh.surface import Mesh, cap_centres

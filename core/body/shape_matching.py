@@ -22,10 +22,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Floats, Ints, sums_at
+from ..base import TINY, Floats, Ints, sums_at
 from ..mesh.surface import Mesh
 
-_TINY = 1e-30
 Pose = tuple[Floats, Floats]  # rotation (3, 3), translation (3,)
 
 
@@ -164,6 +163,6 @@ def rigid_velocity(mass: Floats, x: Floats, v: Floats) -> Floats:
 
 def secant(law: ShapeMatching, u: Floats) -> Floats:
     """Return how stiff each vertex is (n,) [N/m] from its place at rest to a displacement u (3, n) [m]."""
-    d = np.maximum(np.sqrt((u * u).sum(axis=0)), _TINY)
+    d = np.maximum(np.sqrt((u * u).sum(axis=0)), TINY)
     k: Floats = law.k1 + (law.k2 - law.k1) * np.maximum(1 - law.d0 / d, 0)
     return k

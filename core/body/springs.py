@@ -12,11 +12,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..base import Floats, Ints, sums_at
+from ..base import TINY, Floats, Ints, sums_at
 from ..mesh.rings import Rings
 from ..mesh.surface import Mesh
-
-_TINY = 1e-30
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,7 +91,7 @@ def force(law: Springs, x: Floats, v: Floats | None = None, arms: Floats | None 
         arms: `around(law.rings, x)` where the caller has it already.
     """
     d = around(law.rings, x) if arms is None else arms
-    square = np.maximum(np.einsum("csn,csn->sn", d, d), _TINY)
+    square = np.maximum(np.einsum("csn,csn->sn", d, d), TINY)
     tension = np.sqrt(square)
     rest, stiffness = law.in_slots
     np.divide(rest, tension, out=tension)
@@ -115,7 +113,7 @@ def _add_irregular(law: Springs, f: Floats, x: Floats, v: Floats | None) -> None
         return
     i, j = law.pairs[irregular].T
     d = x[:, j] - x[:, i]
-    square = np.maximum((d * d).sum(axis=0), _TINY)
+    square = np.maximum((d * d).sum(axis=0), TINY)
     tension = law.stiffness[irregular] * (1 - law.rest_lengths[irregular] / np.sqrt(square))
     if v is not None:
         tension += law.damping[irregular] * (d * (v[:, j] - v[:, i])).sum(axis=0) / square

@@ -1,9 +1,10 @@
 """From an instrument's file to a material, with numpy alone.
 
-calibrate reads a file and fits the law of Eq. (1). Each of its steps stands on its own:
+calibrate reads a file and fits the law of Eq. (1); record is its result as plain data. Each step stands on its own:
 
-read: load (bytes to lines), dialect, table, vocabulary (headers, units), roles (columns), question, reader.
-prepare: strokes, contact (first touch), prepare.
-fit: segments (two pieces), distributions (t, F), fit, surface (k), calibrate, record (as plain data).
-press: virtual_press (a body under a tip), export (a press as CSV).
+read: reader (bytes to lines), dialect (cells, numbers), table, vocabulary and units, columns, question.
+press: direction (order, signs), strokes (cycles, dwell), press, beginning (air or contact), touch (touch, tare, fit).
+fit: segments (two pieces), parameters, fit, doubts (what may be wrong), surface (k).
+pokes: a map of softness from a robot's table.
+virtual_press presses a body as an instrument would, export writes that as CSV.
 """

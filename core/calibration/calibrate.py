@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,14 +11,14 @@ import numpy as np
 from ..base import DimpleError
 from ..material import POINT, Indenter, law_force, law_power
 from ..messages import Message
-from .contact import settle
-from .doubts import doubts
-from .fit import Fit, fit_law
-from .misfit import Miss, largest_miss
-from .prepare import LoadingCurve, prepare
+from .columns import Measurement
+from .doubts import Miss, doubts, largest_miss
+from .fit import Fit
+from .press import LoadingCurve, check_loss, prepare
 from .question import Answers
-from .reader import Measurement, read_measurement
+from .reader import read_measurement
 from .surface import Surface, surface_constants
+from .touch import settle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,7 +34,6 @@ class Calibration:
     miss: where the law is farthest from the measured points, None where there is no force.
     notes: messages about how the file was read.
     warnings: messages about what may be wrong: a headline, and after a line break what it means.
-    unsure: fields of Answers that were found, but might be otherwise.
     """
 
     measurement: Measurement
@@ -46,7 +45,6 @@ class Calibration:
     miss: Miss | None
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
-    unsure: tuple[str, ...]
 
 
 def calibrate(
@@ -76,14 +74,10 @@ def calibrate(
         if value is not None and not 0 < value < math.inf:
             raise DimpleError("The {name} of the object must be a number greater than 0.", name=Message(name))
     measurement = read_measurement(path, answers)
-    loading, doubt = prepare(measurement, answers), ""
-    if answers and answers.contact_mm is not None:
-        fit = fit_law(loading.depth, loading.force, free=loading.free)
-    else:
-        fit, doubt = settle(loading.depth, loading.force, loading.free, loading.reading)
-    loading = _from_the_touch(loading, fit)
+    loading, fit = settle(prepare(measurement, answers), answers)
+    gained = check_loss(loading, measurement.timed or bool(answers and answers.order))
     miss = largest_miss(loading.depth, loading.force, fit.law(loading.depth))
-    notes = (_columns(measurement), *measurement.notes, *loading.notes, _touch(loading, fit, answers))
+    notes = (_columns(measurement), *measurement.notes, *loading.notes, _touch(loading, answers))
     surface = None
     if length is not None:
         surface = surface_constants(
@@ -101,10 +95,9 @@ def calibrate(
         warnings=(
             *measurement.warnings,
             *loading.warnings,
+            *gained,
             *doubts(fit, loading, length, miss, _as_solid(fit, loading, tip)),
-            *filter(None, [doubt]),
         ),
-        unsure=("contact_mm",) if doubt else (),
     )
 
 
@@ -126,9 +119,14 @@ def provenance(calibration: Calibration) -> str:
     return Message(
         "{source}: {law} (95 %), {rows} rows, residual {misfit:.1f} % of {full_scale:.3g} N, {tip} of {radius:.3g} "
         "mm radius",
-        source=calibration.measurement.source, law=law, rows=fit.rows, misfit=100 * fit.misfit,
-        full_scale=fit.full_scale, tip=Message(tip.shape), radius=1e3 * tip.radius
-    )  # fmt: skip
+        source=calibration.measurement.source,
+        law=law,
+        rows=fit.rows,
+        misfit=100 * fit.misfit,
+        full_scale=fit.full_scale,
+        tip=Message(tip.shape),
+        radius=1e3 * tip.radius,
+    )
 
 
 def source_of_k(calibration: Calibration) -> str:
@@ -152,29 +150,11 @@ def _columns(measurement: Measurement) -> str:
     return Message("The depth is {depth}, the force {force}.", depth=depth, force=force)
 
 
-def _touch(loading: LoadingCurve, fit: Fit, answers: Answers | None) -> str:
-    """Return a message about the touch that was taken."""
+def _touch(loading: LoadingCurve, answers: Answers | None) -> str:
+    """Return a message about the touch and the tare that were taken."""
+    touch, tare = f"{loading.reading(0.0):.4g}", f"{loading.tare:.4g}"
     if answers and answers.contact_mm is not None:
-        return "The touch is as given."
-    at, free = loading.reading(0.0), fit.parameters.free
-    if "tare" in free:
         return Message(
-            "First touch at {at:.3f} mm of the file; {tare:+.4g} N there is no load.", at=at, tare=loading.tare
+            "The first touch is at {touch} mm of the file, as given, the tare {tare} N.", touch=touch, tare=tare
         )
-    if free:
-        return Message("The file begins in contact or near it; the touch is taken at {at:.3f} mm.", at=at)
-    return "The file begins at the touch: depth 0 as the file has it."
-
-
-def _from_the_touch(loading: LoadingCurve, fit: Fit) -> LoadingCurve:
-    """Return a loading curve whose depth and force begin at the first touch as fitted."""
-    contact, tare = fit.contact.value, fit.tare
-    return replace(
-        loading,
-        depth=loading.depth - contact,
-        force=loading.force - tare,
-        unloading_depth=loading.unloading_depth - contact,
-        unloading_force=loading.unloading_force - tare,
-        touch=loading.touch + contact,
-        tare=loading.tare + tare,
-    )
+    return Message("The first touch is at {touch} mm of the file, the tare {tare} N.", touch=touch, tare=tare)

@@ -1,4 +1,4 @@
-"""Which way a recording goes: the order of its rows, the sign of a press, the sign of a depth, and its range."""
+"""Which way a recording goes: the order of its rows, the sign of a press, and the sign of a depth."""
 
 from __future__ import annotations
 
@@ -6,15 +6,12 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message
-from .blocks import MIN_ROWS
+from .columns import Measurement
 from .question import Answers, Candidate, Question, Undecided, WrongColumns
-from .reader import Measurement
-from .strokes import TURN, turns
+from .strokes import turns
+from .table import MIN_ROWS
 
 _EVEN, _UNEVEN = 0.05, 0.35  # scatter of the steps of a driven axis, and of what cannot be one
-_FIRST = 5  # rows at either end that tell the force there
-_TREND = 0.5  # correlation of depth and force up to the largest force that tells a direction
-_LEAST = 0.05  # of the rows: fewer up to the largest force tell nothing
 
 
 def oriented(
@@ -31,21 +28,8 @@ def oriented(
     inward = _inward(depth, force, answers)
     if inward < 0:
         notes.append("The depth falls as the force grows and was turned round.")
-    depth = inward * depth
     _check_columns(measurement, depth, force, answers)
-    keep = np.ones(len(depth), bool)
-    if answers.from_mm is not None:
-        keep &= depth >= inward * answers.from_mm / 1e3
-    if answers.until_mm is not None:
-        keep &= depth <= inward * answers.until_mm / 1e3
-    if keep.sum() < MIN_ROWS:
-        raise DimpleError(
-            "Only {rows} rows lie in the range that was given; a fit needs {least}.",
-            rows=int(keep.sum()), least=MIN_ROWS
-        )  # fmt: skip
-    if not keep.all():
-        notes.append(Message("{rows} rows outside the range that was given were left out.", rows=int((~keep).sum())))
-    return depth[keep], force[keep], inward
+    return inward * depth, force, inward
 
 
 def _in_order(depth: Floats, force: Floats, timed: bool, answers: Answers, notes: list[str]) -> tuple[Floats, Floats]:
@@ -53,13 +37,17 @@ def _in_order(depth: Floats, force: Floats, timed: bool, answers: Answers, notes
     if answers.order == "reversed":
         notes.append("The rows were turned round, from the last to the first.")
         return depth[::-1], force[::-1]
-    if not _begins_deepest(depth, force):
+    first, last = (float(np.median(np.abs(part))) for part in (force[:5], force[-5:]))
+    begins_deepest = first > 0.8 * float(np.abs(force).max()) and first > 2 * last and len(turns(depth)) == 2
+    if not begins_deepest:
         return depth, force
     if timed or answers.order == "written":
         raise DimpleError("The depth never grows: the file holds unloading only, no press.")
-    raise Undecided(which_order(Message(
-        "The file begins with its largest force, {force:.4g} N, and ends with little", force=force[0]
-    )))  # fmt: skip
+    raise Undecided(
+        which_order(
+            Message("The file begins with its largest force, {force:.4g} N, and ends with little", force=force[0])
+        )
+    )
 
 
 def which_order(why: str) -> Question:
@@ -75,19 +63,12 @@ def which_order(why: str) -> Question:
     )
 
 
-def _begins_deepest(depth: Floats, force: Floats) -> bool:
-    """Return whether a recording of one stroke begins with its largest force and ends with little."""
-    first, last = (float(np.median(np.abs(part))) for part in (force[:_FIRST], force[-_FIRST:]))
-    return first > 0.8 * float(np.abs(force).max()) and first > 2 * last and len(turns(depth, TURN)) == 2
-
-
 def _pressing_sign(force: Floats, answers: Answers, notes: list[str]) -> Floats:
     """Return the force with pressing positive."""
-    start = float(np.median(force[:_FIRST]))
+    start = float(np.median(force[:5]))
     up, down = float(force.max()) - start, start - float(force.min())
-    largest = force[np.abs(force).argmax()]
     negative = down > up
-    unsure = min(up, down) > 0.5 * max(up, down) or negative != (largest < 0)
+    unsure = min(up, down) > 0.5 * max(up, down) or negative != (force[np.abs(force).argmax()] < 0)
     if answers.press is None and unsure:
         raise Undecided(
             Question(
@@ -118,9 +99,9 @@ def _inward(depth: Floats, force: Floats, answers: Answers) -> int:
     peak = int(force.argmax())
     for side in (slice(peak + 1), slice(peak, None)):  # beyond it the specimen may be torn
         x, f = depth[side], force[side]
-        if len(x) >= max(2 * MIN_ROWS, _LEAST * len(force)) and min(np.ptp(x), np.ptp(f)) > 0:
+        if len(x) >= max(2 * MIN_ROWS, len(force) // 20) and min(np.ptp(x), np.ptp(f)) > 0:
             trend = float(np.corrcoef(x, f)[0, 1])
-            if abs(trend) > _TREND:
+            if abs(trend) > 0.5:
                 return 1 if trend > 0 else -1
     low, high = np.quantile(depth, [0.05, 0.95])
     agreement = float((force[depth >= high].mean() - force[depth <= low].mean()) / np.ptp(force))
@@ -134,28 +115,27 @@ def _inward(depth: Floats, force: Floats, answers: Answers) -> int:
 
 def _check_columns(measurement: Measurement, depth: Floats, force: Floats, answers: Answers) -> None:
     """Ask where the force advances like a driven axis and the depth does not: the headers may be exchanged."""
-    if answers.depth_column or answers.force_column:
+    if answers.depth_column or answers.force_column or _scatter(force) >= _EVEN or _scatter(depth) <= _UNEVEN:
         return
-    if _scatter(force) < _EVEN and _scatter(depth) > _UNEVEN:
-        (depth_at, force_at), d, f = measurement.columns, measurement.depth_header, measurement.force_header
-        raise Undecided(
-            Question(
-                name="depth_column",
-                text=Message(
-                    "“{force}” advances evenly, like a driven depth, and “{depth}” does not: are the columns "
-                    "swapped? Which one is the depth?",
-                    force=f,
-                    depth=d,
+    (depth_at, force_at), d, f = measurement.columns, measurement.depth_header, measurement.force_header
+    raise Undecided(
+        Question(
+            name="depth_column",
+            text=Message(
+                "“{force}” advances evenly, like a driven depth, and “{depth}” does not: are the columns swapped? "
+                "Which one is the depth?",
+                force=f,
+                depth=d,
+            ),
+            candidates=(
+                Candidate(
+                    value=str(depth_at),
+                    label=Message("{depth}, as the header says (a press driven by its force)", depth=d),
                 ),
-                candidates=(
-                    Candidate(
-                        value=str(depth_at),
-                        label=Message("{depth}, as the header says (a press driven by its force)", depth=d),
-                    ),
-                    Candidate(value=str(force_at), label=Message("{force}: the columns are swapped", force=f)),
-                ),
-            )
+                Candidate(value=str(force_at), label=Message("{force}: the columns are swapped", force=f)),
+            ),
         )
+    )
 
 
 def _scatter(values: Floats) -> float:

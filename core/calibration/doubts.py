@@ -2,17 +2,64 @@
 
 from __future__ import annotations
 
-from ..messages import Message
-from .fit import Fit
-from .misfit import Miss
-from .prepare import LoadingCurve
+from dataclasses import dataclass
 
-_POOR = 0.05  # of full scale, RMS: a law that misses the curve by more gets a warning
-_FAR = 0.25  # of the force: points that the law misses by more get one too
-_LATE = 0.2  # of the depth: a press whose first row lies deeper has begun before
-_VISIBLE, _BETTER = 0.05, 0.5  # of the force: two slopes that miss by more, where a solid does by so many times less
-_WIDENED = 2.0  # times wider intervals are explained
+import numpy as np
+
+from ..base import Floats
+from ..messages import Message
+from .beginning import SURE
+from .fit import Fit
+from .press import LoadingCurve
+from .segments import slope_of
+from .table import MIN_ROWS
+
+NOTICEABLE_FORCE = (0.06, 0.08)  # just-noticeable difference of a force, as a share of it: from, to
+_PARTS = 20  # of the depth, over which points are averaged: their noise is no error of a curve
+_SEEN = 0.05  # of the force, or of full scale: just below what can be felt
+_FAR = 0.2  # of the force, or of the depth: a part of the curve that two slopes do not tell
 _DEPTHS, _FORCES = (2e-5, 0.5), (1e-3, 2e4)  # [m], [N]: presses outside have the wrong unit more often than not
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Miss:
+    """The largest error of a force against measured points.
+
+    share: of the force there.
+    error: curve less points [N].
+    depth: where it is [m].
+    """
+
+    share: float
+    error: float
+    depth: float
+
+
+def largest_miss(depth: Floats, force: Floats, expected: Floats) -> Miss | None:
+    """Find where a curve is farthest from measured points, as a share of their force.
+
+    Args:
+        depth: (n,) of the points [m].
+        force: (n,) of the points [N].
+        expected: (n,) of the curve at their depths [N].
+
+    Returns:
+        the largest error of the means over a twentieth of the depth, of those where the force is at least 5 % of full
+        scale; None where there is no such force.
+    """
+    pressed = depth > 0
+    x, f, e = depth[pressed], force[pressed], expected[pressed]
+    if not len(x) or not f.max() > 0:
+        return None
+    part = np.minimum((x / x.max() * _PARTS).astype(np.int64), _PARTS - 1)
+    counts = np.maximum(np.bincount(part, minlength=_PARTS), 1)
+    mx, mf, me = (np.bincount(part, weights=values, minlength=_PARTS) / counts for values in (x, f, e))
+    large = mf >= _SEEN * f.max()
+    if not large.any():
+        return None
+    shares = np.where(large, np.abs(me - mf) / np.where(large, mf, 1.0), -1.0)
+    at = int(shares.argmax())
+    return Miss(share=float(shares[at]), error=float(me[at] - mf[at]), depth=float(mx[at]))
 
 
 def doubts(
@@ -28,11 +75,13 @@ def doubts(
     found: list[str] = []
     deepest = float(loading.depth.max())
     if fit.model == "one":
-        found.append(Message(
-            "No knee was found down to {depth:.3g} mm.\nOne slope says as much as two (F test p = {knee_p:.2g}): K2 "
-            "equals K1 and x0 is the deepest row.",
-            depth=1e3 * deepest, knee_p=fit.knee_p
-        ))  # fmt: skip
+        found.append(
+            Message(
+                "No knee was found down to {depth:.3g} mm.\nOne slope says as much as two: K2 equals K1 and x0 is "
+                "the deepest row.",
+                depth=1e3 * deepest,
+            )
+        )
     elif fit.falls:
         found.append(
             "The force falls while the depth grows.\nThe best two pieces would fall; these are the best of those that "
@@ -44,47 +93,79 @@ def doubts(
             "whether the columns of depth and force are exchanged."
         )
     first = float(loading.depth[loading.depth > 0].min())
-    if first > _LATE * deepest:
-        found.append(Message(
-            "The file begins {first:.3g} mm after the first touch.\nWhat the object answers before that was not "
-            "measured: K1 and x0 hold only if it is straight down to the touch.",
-            first=1e3 * first
-        ))  # fmt: skip
-    if miss and (fit.misfit > _POOR or miss.share > _FAR):
-        found.append(Message(
-            "The law misses the measured points by up to {share:.0f} % of the force.\nThat is {error:+.3g} N at "
-            "{depth:.3g} mm, and {misfit:.1f} % of full scale (RMS) over all: the curve has another shape than two "
-            "straight slopes.",
-            share=100 * miss.share, error=miss.error, depth=1e3 * miss.depth, misfit=100 * fit.misfit
-        ))  # fmt: skip
-    if miss and as_solid and miss.share > _VISIBLE and as_solid.share < _BETTER * miss.share:
-        found.append(Message(
-            "The curve is that of a solid: choose Fill: Solid.\nIts law with the same constants misses the measured "
-            "points by up to {share:.0f} % of the force, two slopes by {miss:.0f} %.",
-            share=100 * as_solid.share, miss=100 * miss.share
-        ))  # fmt: skip
-    if fit.widened > _WIDENED:
-        found.append(Message(
-            "The curve bends where the law is straight.\nNeighbouring residuals agree with each other (r = "
-            "{correlation:.2f}), so the 95 % intervals are {widened:.1f} times wider than independent rows would "
-            "give.",
-            correlation=fit.correlation, widened=fit.widened
-        ))  # fmt: skip
+    if first > _FAR * deepest:
+        found.append(
+            Message(
+                "The file begins {first:.3g} mm after the first touch.\nWhat the object answers before that was not "
+                "measured: K1 and x0 hold only if it is straight down to the touch.",
+                first=1e3 * first,
+            )
+        )
+    if miss and (fit.misfit > _SEEN or miss.share > _FAR):
+        found.append(
+            Message(
+                "The law misses the measured points by up to {share:.0f} % of the force.\nThat is {error:+.3g} N at "
+                "{depth:.3g} mm, and {misfit:.1f} % of full scale (RMS) over all: the curve has another shape than "
+                "two straight slopes.",
+                share=100 * miss.share,
+                error=miss.error,
+                depth=1e3 * miss.depth,
+                misfit=100 * fit.misfit,
+            )
+        )
+    if miss and as_solid and miss.share > _SEEN and as_solid.share < miss.share / 2:
+        found.append(
+            Message(
+                "The curve is that of a solid: choose Fill: Solid.\nIts law with the same constants misses the "
+                "measured points by up to {share:.0f} % of the force, two slopes by {miss:.0f} %.",
+                share=100 * as_solid.share,
+                miss=100 * miss.share,
+            )
+        )
+    if fit.widened > 2:
+        found.append(
+            Message(
+                "The curve bends where the law is straight.\nNeighbouring residuals agree with each other (r = "
+                "{correlation:.2f}), so the 95 % intervals are {widened:.1f} times wider than independent rows would "
+                "give.",
+                correlation=fit.correlation,
+                widened=fit.widened,
+            )
+        )
     unknown = [name for name in ("K1", "K2", "x0") if (c := getattr(fit, name)).half_width >= abs(c.value)]
     if unknown:
         found.append(
             Message("The curve does not determine {unknown}.\n0 lies within the 95 % interval.", unknown=tuple(unknown))
         )
     if not _DEPTHS[0] < deepest < _DEPTHS[1] or not _FORCES[0] < fit.full_scale < _FORCES[1]:
-        found.append(Message(
-            "{depth:.3g} mm and {full_scale:.3g} N are unlikely for a press: check the units.",
-            depth=1e3 * deepest, full_scale=fit.full_scale
-        ))  # fmt: skip
+        found.append(
+            Message(
+                "{depth:.3g} mm and {full_scale:.3g} N are unlikely for a press: check the units.",
+                depth=1e3 * deepest,
+                full_scale=fit.full_scale,
+            )
+        )
     if length is not None and deepest > length:
-        found.append(Message(
-            "The press is {depth:.3g} mm deep, more than the object's {length:.3g} mm: check the units.",
-            depth=1e3 * deepest, length=1e3 * length
-        ))  # fmt: skip
+        found.append(
+            Message(
+                "The press is {depth:.3g} mm deep, more than the object's {length:.3g} mm: check the units.",
+                depth=1e3 * deepest,
+                length=1e3 * length,
+            )
+        )
+    before = loading.depth < 0
+    if before.sum() >= MIN_ROWS:
+        slope, error = slope_of(loading.depth[before], loading.force[before])
+        if abs(slope) > SURE * error:
+            change = slope * float(np.ptp(loading.depth[before]))
+            found.append(
+                Message(
+                    "The force changes by {change:+.2g} N before the touch.\nThe load cell drifts, and the slopes "
+                    "are off by {per_mm:+.2g} N/mm, or the touch is earlier.",
+                    change=change,
+                    per_mm=slope / 1e3,
+                )
+            )
     if fit.K1.value <= 0:
         found.append("The force does not grow with the depth.\nThere is no material with these constants.")
     return tuple(found)

@@ -8,15 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
-from .distributions import f_above, t_quantile
 from .parameters import Free, Parameters, jacobian_of, law, pressed_residual, residual_of, sum_of_squares
 from .segments import MIN_PIECE, two_pieces
 
-CONFIDENCE = 0.95
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
-_STEPS = 20  # of Gauss-Newton
-_ROWS = 8  # beyond the touch: fewer determine nothing
-_ON_A_PIECE = 2  # rows: fewer leave its slope open
+_ROWS = 7  # beyond the touch: with that, as many as a table has at least
 _LEAST = 20.0  # rows: what even the smoothest systematic misfit is allowed to count as
 _STRAY = 4.0  # standard errors that the joint fit may move the contact
 
@@ -58,7 +54,6 @@ class Fit:
     noise: standard deviation of the residuals [N].
     correlation: of neighbouring residuals.
     full_scale: largest force [N].
-    knee_p: probability, by the F test, of so much gain by a knee where there is none.
     knee_bic: by how much a knee lowers the Bayesian information criterion.
     rows: number of rows in contact.
     parameters: constants, contact and tare as they were fitted.
@@ -76,7 +71,6 @@ class Fit:
     noise: float
     correlation: float
     full_scale: float
-    knee_p: float
     knee_bic: float
     rows: int
     parameters: Parameters
@@ -134,10 +128,10 @@ def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
     if pieces is not None:
         start = _start([pieces.slope1, pieces.slope2, pieces.join], pieces.offset, free)
     if pieces is None or not _has_rows(start, x):
-        return _result(one, x, f, 1.0, 0.0)
+        return _result(one, x, f, 0.0)
     two = _settled(start, x, f)
-    p, bic = _compare(one, two, x, f)
-    return replace(_result(two if bic > 0 else one, x, f, p, bic), falls=falls and bic > 0)
+    bic = _knee_gain(one, two, x, f)
+    return replace(_result(two if bic > 0 else one, x, f, bic), falls=falls and bic > 0)
 
 
 def _start(values: list[float], offset: float, free: Free) -> Parameters:
@@ -153,7 +147,7 @@ def _has_rows(parameters: Parameters, x: Floats) -> bool:
     """Return whether enough rows lie on each piece; a touch or a knee may come to lie beyond them."""
     _, _, x0, contact, _ = parameters.parts(x)
     pressed, beyond = int((x > contact).sum()), int((x > contact + x0).sum())
-    return min(pressed - beyond, beyond) >= _ON_A_PIECE if parameters.knee else pressed >= _ROWS
+    return min(pressed - beyond, beyond) >= 2 if parameters.knee else pressed >= _ROWS
 
 
 def _holds(parameters: Parameters, start: Parameters, x: Floats) -> bool:
@@ -177,7 +171,7 @@ def _settled(start: Parameters, x: Floats, f: Floats) -> Parameters:
     if not start.free:
         return start
     best, least = start, sum_of_squares(start, x, f)
-    for _ in range(_STEPS):
+    for _ in range(20):
         jacobian = jacobian_of(best, x)
         scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
         step = np.linalg.lstsq(jacobian / scale, residual_of(best, x, f), rcond=None)[0] / scale
@@ -222,8 +216,8 @@ def independent_rows(n: int, correlation: float) -> float:
     return min(float(n), max(n * (1 - correlation) / (1 + correlation), _LEAST))
 
 
-def _compare(one: Parameters, two: Parameters, x: Floats, f: Floats) -> tuple[float, float]:
-    """Weigh one slope against two: the F test's probability of so much gain by chance, and the gain in BIC.
+def _knee_gain(one: Parameters, two: Parameters, x: Floats, f: Floats) -> float:
+    """Return by how much two slopes lower the Bayesian information criterion against one.
 
     A knee costs 3 log n: a slope, and a place that is searched for, which weighs as two (Zhang and Siegmund,
     Biometrics 63, 2007).
@@ -232,12 +226,18 @@ def _compare(one: Parameters, two: Parameters, x: Floats, f: Floats) -> tuple[fl
     n = independent_rows(len(after), _correlation(after))
     floor = (_EXACT * float(np.abs(f).max())) ** 2
     s1, s2 = max(float((before**2).mean()), floor), max(float((after**2).mean()), floor)
-    freedom = max(n - len(two.values), 1.0)
-    p = f_above(max(s1 - s2, 0) / 2 / (s2 / freedom), 2, freedom)
-    return p, n * math.log(s1 / s2) - 3 * math.log(max(n, 2.0))
+    return n * math.log(s1 / s2) - 3 * math.log(max(n, 2.0))
 
 
-def _result(parameters: Parameters, x: Floats, f: Floats, p: float, bic: float) -> Fit:
+def t_95(freedom: float) -> float:
+    """Return the t that Student's variable stays within with 95 %, to 1 % from 3 degrees of freedom on.
+
+    Source: Abramowitz and Stegun, Handbook of Mathematical Functions, 26.7.5.
+    """
+    return 1.960 + 2.372 / freedom + 2.823 / freedom**2 + 2.556 / freedom**3
+
+
+def _result(parameters: Parameters, x: Floats, f: Floats, bic: float) -> Fit:
     K1, K2, x0, contact, tare = parameters.parts(x)
     residual = pressed_residual(parameters, x, f)
     r = _correlation(residual)
@@ -245,7 +245,7 @@ def _result(parameters: Parameters, x: Floats, f: Floats, p: float, bic: float) 
     covariance = _covariance(parameters, x, f)
     errors = np.sqrt(np.diag(covariance))
     wider = math.sqrt(len(residual) / count)
-    reach = t_quantile((1 + CONFIDENCE) / 2, max(count - len(parameters.values), 1.0)) * wider
+    reach = t_95(max(count - len(parameters.values), 1.0)) * wider
 
     def constant(value: float, at: int | None) -> Constant:
         error = 0.0 if at is None else float(errors[at])
@@ -262,7 +262,6 @@ def _result(parameters: Parameters, x: Floats, f: Floats, p: float, bic: float) 
         noise=math.sqrt(_variance(parameters, x, f)),
         correlation=r,
         full_scale=float(np.abs(f - tare).max()),
-        knee_p=p,
         knee_bic=bic,
         rows=len(residual),
         parameters=parameters,

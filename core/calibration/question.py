@@ -53,8 +53,11 @@ class Answers:
             if (given := getattr(self, name)) not in (None, *allowed):
                 raise DimpleError(
                     "The answer to “{name}” is {first} or {second} (it is {given}).",
-                    name=name, first=allowed[0], second=allowed[1], given=given
-                )  # fmt: skip
+                    name=name,
+                    first=allowed[0],
+                    second=allowed[1],
+                    given=given,
+                )
         for name in ("table", "cycle"):
             if (number := getattr(self, name)) is not None and number < 1:
                 raise DimpleError(

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from .calibrate import Calibration, provenance, source_of_k
+from .doubts import Miss
 from .fit import Constant
-from .misfit import Miss
 from .surface import BALANCE_ASSUMES, PAPER_ASSUMES
-from .together import Together, lines
 
 
 def to_record(calibration: Calibration) -> dict[str, Any]:
@@ -28,7 +27,7 @@ def to_record(calibration: Calibration) -> dict[str, Any]:
         "K2_interval": _interval(fit.K2, 1e3),
         "x0_interval": _interval(fit.x0, 1e-3) if two else None,
         "units": {"K1": "N/mm", "K2": "N/mm", "x0": "mm", "k": "N/mm", "force": "N", "interval": "95 %"},
-        "knee": {"f_test_p": fit.knee_p, "bic_gain": fit.knee_bic},
+        "knee": {"bic_gain": fit.knee_bic},
         "residual_rms": fit.noise,
         "residual_share": fit.misfit,
         "residual_correlation": fit.correlation,
@@ -41,7 +40,7 @@ def to_record(calibration: Calibration) -> dict[str, Any]:
         "tare": loading.tare,
         "cycle": loading.cycle,
         "cycles": loading.cycles,
-        "loss": loading.loss,
+        "loss": None if loading.loss is None else max(loading.loss, 0.0),
         "damping_ratio_hint": loading.damping_ratio,
         "columns": {"depth": c.measurement.depth_header, "force": c.measurement.force_header},
         "column_numbers": {"depth": c.measurement.columns[0], "force": c.measurement.columns[1]},
@@ -54,36 +53,6 @@ def to_record(calibration: Calibration) -> dict[str, Any]:
         "source_of_k": source_of_k(c),
         "notes": list(c.notes),
         "warnings": list(c.warnings),
-    }
-
-
-def joint_record(found: Together) -> dict[str, Any]:
-    """Return what several curves have in common, as plain data; an interval that has no end ends with None."""
-    low, high = found.interval
-    return {
-        "model": "two" if found.knee else "one",
-        "K1": found.K1.value / 1e3,
-        "K2": found.K2.value / 1e3,
-        "x0": found.x0.value * 1e3,
-        "K1_interval": _interval(found.K1, 1e3),
-        "K2_interval": _interval(found.K2, 1e3),
-        "x0_interval": _interval(found.x0, 1e-3) if found.knee else None,
-        "spread": found.spread.value * 1e3,
-        "spread_interval": [low * 1e3, high * 1e3 if found.determined else None],
-        "tip": found.tip.shape,
-        "tip_radius": found.tip.radius * 1e3,
-        "curves": [
-            {
-                "name": each.name,
-                "tip": each.tip.shape,
-                "tip_radius": each.tip.radius * 1e3,
-                "rms": each.rms,
-                "largest_error": _miss(each.miss),
-                "points": [[1e3 * x, f, e] for x, f, e in zip(each.depth, each.force, each.expected, strict=True)],
-            }
-            for each in found.curves
-        ],
-        "lines": lines(found),
     }
 
 

@@ -15,7 +15,6 @@ import numpy as np
 from ..base import Floats, Ints
 
 MIN_PIECE = 3  # rows and distinct depths in a piece
-_TINY = 1e-300
 _FINALISTS = 8  # running sums leave rounding: the best few are computed again row by row
 
 
@@ -42,7 +41,7 @@ def two_pieces(x: Floats, y: Floats, *, left: str, rising: bool = False) -> Piec
 
     Args:
         x, y: (n,) in any order.
-        left: the first piece: "origin" (a line through 0, 0), "line" (any line) or "level" (no slope).
+        left: the first piece: "origin" (a line through 0, 0) or "line" (any line).
         rising: take the best of those whose pieces both rise.
 
     Returns:
@@ -66,6 +65,15 @@ def two_pieces(x: Floats, y: Floats, *, left: str, rising: bool = False) -> Piec
     )  # fmt: skip
 
 
+def slope_of(x: Floats, y: Floats) -> tuple[float, float]:
+    """Return the slope of the line through rows (n,), and its standard error."""
+    centred = x - x.mean()
+    squares = float(centred @ centred)
+    slope = float(centred @ y) / squares
+    residual = y - y.mean() - slope * centred
+    return slope, float(np.sqrt(residual @ residual / max(len(x) - 2, 1) / squares))
+
+
 def _candidates(x: Floats, y: Floats, left: str) -> Floats:
     """Return every join that may be the best: at a row, or where the two free pieces of a parting meet."""
     n = len(x)
@@ -87,9 +95,7 @@ def _candidates(x: Floats, y: Floats, left: str) -> Floats:
 
 def _left_line(x: Floats, y: Floats, split: Ints, left: str) -> tuple[Floats, Floats]:
     if left == "origin":
-        return np.zeros(len(split)), np.cumsum(x * y)[split] / np.maximum(np.cumsum(x * x)[split], _TINY)
-    if left == "level":
-        return np.cumsum(y)[split] / (split + 1), np.zeros(len(split))
+        return np.zeros(len(split)), np.cumsum(x * y)[split] / np.maximum(np.cumsum(x * x)[split], 1e-300)
     return _line(x, y, split)
 
 
@@ -103,7 +109,7 @@ def _line(x: Floats, y: Floats, last: Ints) -> tuple[Floats, Floats]:
     dx, dy, n = x - cx, y - cy, last + 1
     sx, sy = np.cumsum(dx)[last], np.cumsum(dy)[last]
     sxx, sxy = np.cumsum(dx * dx)[last] - sx * sx / n, np.cumsum(dx * dy)[last] - sx * sy / n
-    slope = sxy / np.maximum(sxx, _TINY)
+    slope = sxy / np.maximum(sxx, 1e-300)
     return cy + sy / n - slope * (cx + sx / n), slope
 
 
@@ -123,10 +129,7 @@ def _residuals(x: Floats, y: Floats, joins: Floats, left: str, rising: bool) -> 
     ab = joins * (tx - joins * right)
     ya, yb = cxy + joins * ty, txy - joins * ty
     a1, b1, y1 = cx + joins * right, tx - joins * right, np.full(len(joins), y.sum())
-    if left == "level":
-        rows = np.stack([np.stack([np.full(len(joins), n), b1], -1), np.stack([b1, bb], -1)], -2)
-        rhs = np.stack([y1, yb], -1)
-    elif left == "origin":
+    if left == "origin":
         rows = np.stack([np.stack([aa, ab], -1), np.stack([ab, bb], -1)], -2)
         rhs = np.stack([ya, yb], -1)
     else:
@@ -142,15 +145,13 @@ def _residuals(x: Floats, y: Floats, joins: Floats, left: str, rising: bool) -> 
 
 def _solve(x: Floats, y: Floats, join: float, left: str) -> Pieces:
     """Solve for the rest at a given join, which is linear."""
-    columns = [np.maximum(x - join, 0)]
-    if left != "level":
-        columns.append(np.minimum(x, join))
+    columns = [np.maximum(x - join, 0), np.minimum(x, join)]
     if left != "origin":
         columns.append(np.ones_like(x))
     design = np.stack(columns, axis=1)
     solution, *_ = np.linalg.lstsq(design, y, rcond=None)
     return Pieces(
         offset=float(solution[-1]) if left != "origin" else 0.0,
-        slope1=float(solution[1]) if left != "level" else 0.0,
+        slope1=float(solution[1]),
         slope2=float(solution[0]), join=join, residual=float(((y - design @ solution) ** 2).sum()),
     )  # fmt: skip

@@ -18,6 +18,7 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from .fit import Constant
+from .segments import slope_of
 
 _CLEAR = 0.05  # of the deepest: nearer the touch the tension is 0/0, all of it noise
 PAPER_ASSUMES = (
@@ -78,8 +79,5 @@ def _line(x: Floats, y: Floats) -> tuple[Constant, float] | None:
     """Return the slope of a line with its error, and where it starts; rows are taken as independent."""
     if len(x) < 8 or np.ptp(x) == 0:
         return None
-    centred = x - x.mean()
-    slope = float(centred @ y / (centred @ centred))
-    residual = y - y.mean() - slope * centred
-    error = math.sqrt(float(residual @ residual) / (len(x) - 2) / float(centred @ centred))
+    slope, error = slope_of(x, y)
     return Constant(value=slope, error=error, half_width=1.96 * error), float(y.mean() - slope * x.mean())

@@ -11,11 +11,13 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message
-from .blocks import MAX_ROWS, MIN_ROWS, find_blocks, which_table
-from .dialect import Dialect, number, number_and_unit, split
-from .question import Answers, Undecided
-from .vocabulary import role_of, split_unit, unit_of
+from .dialect import Dialect, is_row, number, number_and_unit, split
+from .question import Answers, Candidate, Question, Undecided
+from .vocabulary import is_known, role_of, split_unit, unit_of
 
+MAX_ROWS = 100_000  # rows kept of a table, far more than a fit needs; of more, every n-th
+MIN_ROWS = 8  # of a table: two for each piece of the law, with touch, tare and two to spare
+_PREAMBLE = 2000  # lines in which a table must have begun
 _HEADER = 6  # lines above a table that may name its columns
 _NOTHING = frozenset(("", "-", "--", "---", "----", "nan", "n/a", "na", "null", "none"))  # cells left empty
 
@@ -51,18 +53,78 @@ def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers) -> Tabl
         DimpleError: no table, or too few rows.
         Undecided: several tables.
     """
-    blocks = find_blocks(lines, dialect)
-    if not blocks:
+    runs = _find_runs(lines, dialect)
+    if not runs:
         raise DimpleError("There is no table in this file: no run of rows with two or more numbers.")
-    if len(blocks) > 1 and answers.table is None:
-        raise Undecided(which_table(lines, blocks))
+    if len(runs) > 1 and answers.table is None:
+        raise Undecided(_which_table(lines, runs))
     chosen = 0 if answers.table is None else answers.table - 1
-    if not 0 <= chosen < len(blocks):
+    if not 0 <= chosen < len(runs):
         raise DimpleError(
-            "There is no table {table} in this file: it has {tables}.", table=chosen + 1, tables=len(blocks)
+            "There is no table {table} in this file: it has {tables}.", table=chosen + 1, tables=len(runs)
         )
-    above = lines[blocks[chosen - 1].end if chosen else 0 : blocks[chosen].start]
-    return _table(blocks[chosen].lines, above, dialect)
+    above = lines[runs[chosen - 1].end if chosen else 0 : runs[chosen].start]
+    return _table(runs[chosen].lines, above, dialect)
+
+
+@dataclass(slots=True)
+class _Run:
+    """Rows, and lines between them that are none: first line, line after the last, lines that name columns, rows."""
+
+    start: int
+    end: int
+    header: list[str]
+    lines: list[str]
+
+
+def _find_runs(lines: Sequence[str], dialect: Dialect) -> list[_Run]:
+    """Return every run of rows long enough to be fitted, else the first; those under one header, as pages, are one."""
+    runs: list[_Run] = []
+    header: list[str] = []
+    open_run: _Run | None = None
+    for i, line in enumerate(lines):
+        if i > _PREAMBLE and not runs:
+            break
+        if open_run and line[:1].isdigit() and open_run.end == i and len(lines) > MAX_ROWS:
+            open_run.end = i + 1  # a huge file: what begins like a row is one until its numbers are read
+        elif is_row(cells := split(line, dialect.delimiter), dialect):
+            if open_run is None:
+                open_run = _Run(i, i, header, [])
+                runs.append(open_run)
+                header = []
+            open_run.end = i + 1
+        elif line.strip() and _is_header(cells):
+            header.append(line.strip())
+            open_run = None
+    for run in runs:
+        run.lines = [*lines[run.start : run.end]]
+    first = runs[:1]
+    for run in runs[1:]:
+        same = next((one for one in first if one.header and one.header[-len(run.header) :] == run.header), None)
+        if same:
+            same.lines += run.lines
+        else:
+            first.append(run)
+    return [run for run in first if len(run.lines) >= MIN_ROWS] or first[:1]
+
+
+def _is_header(cells: Sequence[str]) -> bool:
+    named = [cell for cell in cells if cell and any(c.isalpha() for c in cell)]
+    return len(named) >= 2 and sum(map(is_known, named)) >= 2
+
+
+def _which_table(lines: Sequence[str], runs: Sequence[_Run]) -> Question:
+    """Ask which of several tables is the measurement."""
+
+    def label(run: _Run) -> str:
+        above = next((lines[i].strip() for i in range(run.start - 1, -1, -1) if lines[i].strip()), "")
+        return Message("lines {start} to {end}, under “{above}”", start=run.start + 1, end=run.end, above=above[:60])
+
+    return Question(
+        name="table",
+        text=Message("The file holds {tables} tables. Which one is the measurement?", tables=len(runs)),
+        candidates=tuple(Candidate(value=str(i + 1), label=label(run)) for i, run in enumerate(runs)),
+    )
 
 
 def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect) -> Table:
@@ -78,8 +140,9 @@ def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect) -> Tabl
     if len(whole) < len(rows):
         text = Message(
             "{count} of {rows} rows have another number of cells and were left out.",
-            count=len(rows) - len(whole), rows=len(rows)
-        )  # fmt: skip
+            count=len(rows) - len(whole),
+            rows=len(rows),
+        )
         (warnings if len(whole) < 0.95 * len(rows) else notes).append(text)
     if len(whole) < MIN_ROWS:
         raise DimpleError("The table has {rows} rows; a fit needs at least {least}.", rows=len(whole), least=MIN_ROWS)

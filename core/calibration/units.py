@@ -9,6 +9,7 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message
+from .dialect import number
 from .question import Candidate, Question
 from .table import Table
 from .vocabulary import role_of, unit_of
@@ -58,24 +59,26 @@ def factor_to_si(
         if found is None or found[0] != kind:
             raise DimpleError(
                 "“{given}” is not a unit of {kind}. Use one of {choices}.",
-                given=given, kind=Message(kind), choices=tuple(_CHOICES[role])
-            )  # fmt: skip
+                given=given,
+                kind=Message(kind),
+                choices=tuple(_CHOICES[role]),
+            )
         return found[1], given
     counts = [value for key, value in table.values.items() if re.search(r"counts\s*(per|/)\s*(unit )?force", key)]
     unit = units[at] if at is not None else ""
     if role == "force" and counts and at is not None:
         units_above = [value for key, value in table.values.items() if re.search(r"force units?", key)]
         found = unit_of(units_above[0]) if units_above else None
-        try:
-            divisor = float(counts[0].replace(",", ""))
-        except ValueError:
+        divisor = number(counts[0], ".")
+        if found is None or found[0] != "force" or divisor is None or not divisor > 0:
             return None
-        if found is None or found[0] != "force" or not divisor > 0:
-            return None
-        notes.append(Message(
-            "Counts were divided by {divisor:g}, as the file says, to get {units_above}.",
-            divisor=divisor, units_above=units_above[0]
-        ))  # fmt: skip
+        notes.append(
+            Message(
+                "Counts were divided by {divisor:g}, as the file says, to get {units_above}.",
+                divisor=divisor,
+                units_above=units_above[0],
+            )
+        )
         return found[1] / divisor, Message(
             "counts of {units_above}/{divisor:g}", units_above=units_above[0], divisor=divisor
         )
@@ -85,15 +88,19 @@ def factor_to_si(
         parts = [unit_of(cell) for cell in unit]
         if any(part is None or part[0] != kind for part in parts):
             return None
-        notes.append(Message(
-            "The unit of {title} changes within the file; each row was converted by its own.",
-            title=title_of(table, at)
-        ))  # fmt: skip
+        notes.append(
+            Message(
+                "The unit of {title} changes within the file; each row was converted by its own.",
+                title=title_of(table, at),
+            )
+        )
         return np.array([part[1] for part in parts if part is not None]), " or ".join(dict.fromkeys(unit))
     if unit.lower().strip("()[]. ") in ("g", "gr", "gram", "grams", "kg", "lb", "lbs", "oz"):
-        notes.append(Message(
-            "{title}: {unit} was taken as a force, the weight of that mass.", title=title_of(table, at), unit=unit
-        ))  # fmt: skip
+        notes.append(
+            Message(
+                "{title}: {unit} was taken as a force, the weight of that mass.", title=title_of(table, at), unit=unit
+            )
+        )
     found = unit_of(unit)
     return (found[1], unit.strip("()[]{}<> ")) if found else None
 

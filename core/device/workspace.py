@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+from ..constants import FACTORS
 from ..material import Indenter, law_force
-from ..other_tip import COUNT, FARTHEST
+from ..native.motion import Touch
+from ..other_tip import FARTHEST
 from ..session import Finger, Session
-from ..solver.motion import Touch
 from ..vectors import ZERO, Vector, along, dot, scaled
 from .limits import SIDEWAYS
 from .orders import ServoReport
@@ -105,6 +106,6 @@ def anchor_of(touch: Touch) -> Vector:
 def _factors(law: tuple[float, float, float, float], radius: float, law_at: LawAt) -> tuple[tuple[float, ...], float]:
     """Return the factors of a tip on a law, and the deepest of their depths [m]."""
     deepest = FARTHEST * max(radius, law[2])
-    depths = [deepest * (max(k, 0.25) / (COUNT - 1)) ** 2 for k in range(COUNT)]
+    depths = [deepest * (max(k, 0.25) / (FACTORS - 1)) ** 2 for k in range(FACTORS)]
     pairs = [(force, law_force(x, *law)) for force, x in zip(law_at(depths), depths, strict=True)]
     return tuple([force / plain if plain > 0 else 0.0 for force, plain in pairs]), deepest

@@ -12,12 +12,11 @@ from itertools import product
 import numpy as np
 from trimesh.grouping import unique_rows
 
-from ..base import Bools, Floats, Ints, sums_at
+from ..base import EXACT, Bools, Floats, Ints, sums_at
 from .edges import edges_of
 
 SLANTED = np.array([0.3517, 0.5843, 0.7313])  # no longer than 1; hardly any two points of a mesh are level along it
 LEVEL = 64  # points that may be level, before all are compared the long way
-ROUNDING = 1e-9  # of the terms of a volume: a part with less is flat, and has neither an inside nor an outside
 
 
 def connected(pairs: Ints, n: int) -> Ints:
@@ -133,7 +132,7 @@ def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, flipped: Bools
     a, b, c = (corners - mean[label][:, None]).transpose(1, 2, 0)
     own = a * np.cross(b, c, axis=0)
     volumes, terms = (sums_at(label, each.sum(axis=0), len(names)) for each in (own, np.abs(own)))
-    for part in np.flatnonzero(volumes < -ROUNDING * terms):
+    for part in np.flatnonzero(volumes < -EXACT * terms):  # flat, it has neither an inside nor an outside
         mine = label == part
         if flipped[mine].any() or not edges_of(faces[mine]).excess.any():
             inward[mine] = not _inside(corners[~mine], corners[mine][0, 0])

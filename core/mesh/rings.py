@@ -13,9 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import Bools, Ints, row_parts
+from ..constants import MAX_RING
 from .edges import Edges
-
-MAX_RING = 12  # one wide fan must not widen every row
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,10 +14,8 @@ import numpy as np
 from trimesh.triangles import area
 
 from ..base import (
-    FARTHEST,
-    LEAST_VOLUME,
+    LARGEST,
     LEAST_VOLUME_OPEN,
-    WELD_SHARE,
     Bools,
     DimpleError,
     Floats,
@@ -27,13 +25,14 @@ from ..base import (
     sums_at,
     sums_of_three,
 )
+from ..constants import ROUNDING
 from ..messages import Message
 from .edges import Edges, edges_of
 from .repair import connected, consistent_winding, inward_parts, weld
 from .rings import Rings, ordered_rings
 
 LEAST = 0.25  # of its cotangent weights a vertex keeps, where nearly all triangles round it are blunt
-LARGEST = 4.0  # of an edge between the long sides of slivers: more would shorten the time step and hold no better
+STEEPEST = 4.0  # of an edge between the long sides of slivers: more would shorten the time step and hold no better
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +97,7 @@ class Mesh:
             area = np.maximum(2 * self.triangle_areas[part], 1e-12 * self.size**2)
             cotangents[part] = (sums_of_three(sides)[:, None] / 2 - sides) / area[:, None]
         total = sums_at(self.triangle_springs.ravel(), cotangents.ravel(), len(ends)) / 2
-        weights = np.clip(total, 0, LARGEST)
+        weights = np.clip(total, 0, STEEPEST)
         wanted, kept = (sums_at(ends.ravel(), np.repeat(w * square, 2), n) for w in (total, weights))
         return weights * mean_of_pairs(np.clip(wanted / np.maximum(kept, 1e-30), LEAST, 1.0), ends)
 
@@ -123,7 +122,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     size = float(np.ptp(positions[~_loose(triangles, len(positions))], axis=0).max())
     if size <= 0:
         raise DimpleError("All vertices lie at one point, so there is nothing to press. Give the mesh a size.")
-    kept, source = weld(positions, WELD_SHARE * size)
+    kept, source = weld(positions, ROUNDING * size)
     if len(kept) < len(positions):
         notes.append(
             Message("{vertices} vertices coincide with others and move with them.", vertices=len(positions) - len(kept))
@@ -153,7 +152,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         ))  # fmt: skip
         triangles, edges = consistent, edges_of(consistent)
     border, cap_loop, volume = _closed(positions, triangles, edges)
-    least = (LEAST_VOLUME_OPEN if len(border) else LEAST_VOLUME) * size * float(areas.sum())
+    least = (LEAST_VOLUME_OPEN if len(border) else ROUNDING) * size * float(areas.sum())
     if volume < -least:
         triangles, border, volume = triangles[:, ::-1].copy(), border[:, ::-1].copy(), -volume
         edges = edges_of(triangles)
@@ -228,13 +227,13 @@ def _check(positions: Floats, triangles: Ints, material: Ints) -> None:
         raise DimpleError("A face refers to a vertex that does not exist. Run Mesh > Clean Up, or rebuild the mesh.")
     if len(material) != len(triangles):
         raise DimpleError("There must be one material index for each triangle.")
-    possible = np.abs(positions) < FARTHEST
+    possible = np.abs(positions) < LARGEST
     if not possible.all():
         bad = np.flatnonzero(~possible.all(axis=1))
         raise DimpleError(
             "Vertex {vertex} has a NaN or infinite coordinate, or one beyond {farthest:g} m ({count} such vertices). "
             "Delete or move them.",
-            vertex=bad[0], farthest=FARTHEST, count=len(bad)
+            vertex=bad[0], farthest=LARGEST, count=len(bad)
         )  # fmt: skip
 
 

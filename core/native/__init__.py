@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ..body.model import Model
+from ..constants import ABI
 from ..errors import DimpleError
 from ..messages import Message
 from .body import AVX2 as AVX2
@@ -24,9 +25,8 @@ from .body import Body as Body
 from .body import NativeError as NativeError
 from .body import step_many as step_many
 from .carry import Binding as Binding
-from .carry import CBinding, CKept
+from .carry import CBinding
 from .carry import carry as carry
-from .carry import carry_moved as carry_moved
 from .cells import CCells
 from .cells import farthest_first as farthest_first
 from .cells import follow_cells as follow_cells
@@ -37,7 +37,6 @@ from .flips import flip_edges as flip_edges
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 26
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 BITS = {"native": 32, "native64": 64}  # of the state, by the name of a backend
 
@@ -52,7 +51,6 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p, c_int64),
     "dm_get_law": (c_void_p, c_int64, c_void_p, c_double, c_int64, c_void_p, c_void_p),
     "dm_carry": (POINTER(CBinding), c_void_p, c_void_p, c_void_p),
-    "dm_carry_moved": (POINTER(CBinding), c_void_p, POINTER(CKept), c_void_p),
     "dm_grow_cells": (POINTER(CCells), c_void_p, c_void_p),
     "dm_follow_cells": (POINTER(CCells), c_void_p, c_int64, c_void_p, c_void_p, c_void_p, c_void_p),
     "dm_flip_edges": (c_int64, c_void_p, c_int64, c_void_p),
@@ -64,11 +62,12 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
         POINTER(c_double),
         c_int64,
         POINTER(ColliderDef),
+        POINTER(CCrossings),
     ),
     "dm_scene_find_crossings": (c_void_p, POINTER(CCrossings)),
     "dm_scene_set_collider": (c_void_p, c_int64, c_void_p),
     "dm_scene_get_collider": (c_void_p, c_int64, c_void_p),
-    "dm_scene_step": (c_void_p, c_void_p, c_void_p, c_double, c_double, c_void_p, c_void_p),
+    "dm_scene_step": (c_void_p, c_void_p, c_void_p, c_double, c_double, c_void_p, c_void_p, c_void_p),
 }
 
 

@@ -8,12 +8,10 @@
 #include <string.h>
 
 #if defined(__x86_64__) || defined(_M_X64)
-#define DM_X86 1
+#define DM_X86
 #include <cpuid.h>
 #include <xmmintrin.h>
 extern const dm_methods dm_avx2_32, dm_avx2_64;
-#else
-#define DM_X86 0
 #endif
 extern const dm_methods dm_base_32, dm_base_64;
 
@@ -34,7 +32,7 @@ struct dm_body {
     double rest_volume;
 };
 
-#if DM_X86
+#ifdef DM_X86
 static int dm_has_avx2(void) {
     unsigned a, b, c, d, low, high;
     if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_FMA) || !(c & bit_OSXSAVE)) return 0;
@@ -45,7 +43,7 @@ static int dm_has_avx2(void) {
 
 static const dm_methods *dm_choose(int32_t bits, int32_t set) {
     if ((bits != 32 && bits != 64) || set < DM_SET_BEST || set > DM_SET_AVX2) return NULL;
-#if DM_X86
+#ifdef DM_X86
     if (set != DM_SET_BASE && dm_has_avx2()) return DM_OF_BITS(avx2);
 #endif
     return set == DM_SET_AVX2 ? NULL : DM_OF_BITS(base);
@@ -53,7 +51,7 @@ static const dm_methods *dm_choose(int32_t bits, int32_t set) {
 
 /* Numbers too small to matter cost a hundred times as much: a body coming to rest would grow slow. */
 static uint64_t dm_flush_denormals(void) {
-#if DM_X86
+#ifdef DM_X86
     uint64_t before = _mm_getcsr();
     _mm_setcsr((unsigned)before | 0x8040);
 #elif defined(__aarch64__)
@@ -67,7 +65,7 @@ static uint64_t dm_flush_denormals(void) {
 }
 
 static void dm_keep_denormals(uint64_t before) {
-#if DM_X86
+#ifdef DM_X86
     _mm_setcsr((unsigned)before);
 #elif defined(__aarch64__)
     __asm__ volatile("msr fpcr, %0" : : "r"(before));
@@ -106,7 +104,7 @@ int32_t dm_abi(void) { return DM_ABI; }
 
 const char *dm_instructions(int32_t set) {
     if (!dm_choose(32, set)) return "";
-#if DM_X86
+#ifdef DM_X86
     return set != DM_SET_BASE && dm_has_avx2() ? "AVX2" : "SSE2";
 #else
     return "NEON";
@@ -146,29 +144,8 @@ static int32_t dm_check_binding(const dm_binding *b) {
 int32_t dm_carry(const dm_binding *b, const double *positions, float *motions, float *skin) {
     if (!positions || !motions || !skin) return DM_SIZE;
     DM_CHECK(dm_check_binding(b));
-    uint8_t *moved = malloc((size_t)b->seeds);
-    if (!moved) return DM_MEMORY;
-    memset(moved, 1, (size_t)b->seeds);
     int32_t code = dm_find_motions(b, positions, motions);
-    if (code == DM_OK) dm_choose(32, DM_SET_BEST)->carry(b, motions, moved, skin);
-    free(moved);
-    return code;
-}
-
-int32_t dm_carry_moved(const dm_binding *b, const double *positions, dm_kept *kept, float *skin) {
-    if (!positions || !skin || !kept || !kept->lengths || !kept->motions || !kept->before)
-        return DM_SIZE;
-    if (!(kept->slack >= 0) || kept->ahead < 0) return DM_NUMBER;
-    DM_CHECK(dm_check_binding(b));
-    float *motions = malloc((size_t)b->seeds * (12 * sizeof *motions + 1));
-    if (!motions) return DM_MEMORY;
-    uint8_t *moved = (uint8_t *)(motions + 12 * b->seeds);
-    int32_t code = dm_find_motions(b, positions, motions);
-    if (code == DM_OK) {
-        dm_keep_moved(b, kept, motions, moved);
-        kept->carried = dm_choose(32, DM_SET_BEST)->carry(b, kept->motions, moved, skin);
-    }
-    free(motions);
+    if (code == DM_OK) dm_choose(32, DM_SET_BEST)->carry(b, motions, skin);
     return code;
 }
 
@@ -214,7 +191,7 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
 
 static int32_t dm_check_def(const dm_body_def *d) {
     int64_t n = d->vertices, w = d->width;
-    if (n < 1 || n > DM_MAX_VERTICES || w < 0 || w > DM_MAX_NEIGHBOURS) return DM_SIZE;
+    if (n < 1 || n > DM_MAX_VERTICES || w < 0 || w > DM_MAX_RING) return DM_SIZE;
     int64_t counts[] = {d->springs, d->irregular, d->triangles, d->fans, d->cap_edges, d->surface_vertices,
                         d->surface_triangles};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) DM_CHECK(DM_COUNT(counts[k]));

@@ -7,35 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DM_BLOCK 32 /* triangles that share a bounding box */
-#define DM_CONTACT_SWEEPS 16 /* as in studies/reference/contact.py */
-#define DM_HELD_PART 0.1
-#define DM_SPEED_SLACK 1e-6
-#define DM_PUSH_FLOOR 1e-8
-#define DM_PLACE_SLACK 1e-3
-#define DM_PINNED_GIVE 0.1
-#define DM_VERTEX_YIELDS 2
-#define DM_FACE_YIELDS 4
-#define DM_MOST_GIVEN 0.5
-#define DM_HARDEST 0.97
-#define DM_NO_WAY 0.1
-#define DM_ROUNDING 1e-6
-#define DM_TOO_NEAR 1e-5
-#define DM_WEIGHT_FLOOR 1e-6
-#define DM_STIFF 0.25
-#define DM_SUNK 0.16
-#define DM_NEAR 0.0625
-#define DM_LIST_MARGIN 0.125 /* of the radius: the more, the longer a list holds, and the longer it is */
-#define DM_SKIN_TRAVEL 0.5 /* as in studies/reference, with what is below */
-#define DM_FINGER_TRAVEL 0.25
-#define DM_LARGEST_GROWTH 100.0
-#define DM_FASTEST 1e6
-#define DM_PIN_BEHIND 1e-4 /* of the size: a pin that is farther from its place was held back */
-#define DM_REST_SPEED 1e-3
-#define DM_REST_TIME 0.25
-#define DM_REST_WAY 1e-6
-#define DM_REST_CLEAR 0.05
-
 /* Vertices lie in the order in which a wave over the surface meets them, so that neighbours are near in memory; runs of
  * eight with about as many neighbours each make a group. */
 typedef struct {

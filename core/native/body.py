@@ -14,11 +14,12 @@ import numpy as np
 
 from ..base import Floats
 from ..body.model import Model
-from ..solver.motion import Frame, Motion, PinMotion, Touch
+from ..constants import MAX_BODIES, MAX_FINGERTIPS
 from .definition import Arrays, constants, define, fields
+from .motion import Frame, Motion, PinMotion, Touch
 
-BEST, BASE, AVX2 = 0, 1, 2  # instruction sets
-WORKERS = min(os.cpu_count() or 1, 64)  # threads; the library takes no more
+BEST, BASE, AVX2 = range(3)  # instruction sets
+WORKERS = min(os.cpu_count() or 1, MAX_BODIES)  # threads; the library takes no more
 
 
 class NativeError(RuntimeError):
@@ -43,7 +44,7 @@ class CMotion(Structure):
 
     _fields_ = [
         *fields(ticks="n", substeps="n", tick="d"),
-        ("fingertips", Fingertip * 3),
+        ("fingertips", Fingertip * MAX_FINGERTIPS),
         *fields(pins_from="p", pins_to="p", pins_first="d", pins_last="d"),
     ]
 
@@ -60,7 +61,7 @@ class CFrame(Structure):
     """What a call came to: dm_frame."""
 
     _fields_ = [
-        ("touches", CTouch * 3),
+        ("touches", CTouch * MAX_FINGERTIPS),
         *fields(volume="d", pressure="d", ticks="n", finite="n", moved="n"),
     ]
 
@@ -283,8 +284,8 @@ def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int
     Raises:
         NativeError: a motion has a number that is none, or a body is there twice; none has moved.
     """
-    if not bodies:
-        return []
+    if len(bodies) <= 1:  # quicker to call alone
+        return [body.step(motion) for body, motion in zip(bodies, motions, strict=True)]
     library, count = bodies[0].library, len(bodies)
     kept = [body.pack(motion, body._motion) for body, motion in zip(bodies, motions, strict=True)]
     places = [(body._handle.value, addressof(body._motion), addressof(body._frame)) for body in bodies]

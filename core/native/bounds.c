@@ -84,7 +84,7 @@ DM_INLINE void dm_last_of(const dm_scene_state *s, const dm_surface *f, const dm
  * is not enough, so far back on its way as it must. */
 static void dm_hold_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
     const double *begin = s->before[vertex];
-    double most = s->slack[vertex] * (1 - 1e-6), share = 1;
+    double most = s->slack[vertex] * (1 - DM_ROUNDING), share = 1;
     dm_shorten(begin, x, most);
     if (s->place[vertex] == DM_NO_VERTEX) return;
     const dm_neighbour *n = s->near + s->place[vertex];
@@ -92,12 +92,12 @@ static void dm_hold_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex
     dm_last_of(s, f, n, from);
     uint32_t count;
     const uint32_t *mine = dm_pairs_of(s, n, &count);
-    for (int sweep = 0; sweep < DM_SWEEPS; sweep++) {
+    for (int sweep = 0; sweep < DM_PROJECTIONS; sweep++) {
         int moved = 0;
         for (uint32_t k = 0; k < count; k++) {
             const dm_plane *plane = s->planes + mine[k] / 4;
             int first = mine[k] % 4 < plane->ones;
-            double short_of = plane->keep[!first] * (1 + 1e-6) - dm_side(plane, first, x);
+            double short_of = plane->keep[!first] * (1 + DM_ROUNDING) - dm_side(plane, first, x);
             if (!(short_of > 0)) continue;
             double by = first ? short_of : -short_of;
             for (int c = 0; c < 3; c++) x[c] += by * plane->normal[c];
@@ -111,7 +111,7 @@ static void dm_hold_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex
         int first = mine[k] % 4 < plane->ones;
         double there = dm_side(plane, first, x), here = dm_side(plane, first, from), keep = plane->keep[!first];
         if (there < keep && here > there) {
-            double part = (here - keep) / (here - there) * (1 - 1e-6);
+            double part = (here - keep) / (here - there) * (1 - DM_ROUNDING);
             share = part < share ? (part > 0 ? part : 0) : share;
         }
     }
@@ -140,7 +140,7 @@ static void dm_set_bound(dm_scene_state *s, dm_surface *f, uint32_t vertex, cons
         return;
     }
     dm_set_lane3(&f->before[i / DM_LANES], i, f->body->records[i].x);
-    most = most * DM_ALERT < fresh ? most * DM_ALERT : fresh, f->near_left = 0;
+    most = most / 2 < fresh ? most / 2 : fresh, f->near_left = 0;
     f->bound[i / DM_LANES][i % DM_LANES] = (dm_real)(most > 0 ? most * most : -1);
 }
 

@@ -8,18 +8,8 @@ typedef uint16_t dm_eight_short __attribute__((vector_size(16)));
 
 DM_INLINE dm_eight dm_all_eight(float a) { return (dm_eight){a, a, a, a, a, a, a, a}; }
 
-DM_INLINE int dm_follows_moved(const dm_binding *of, int64_t g, const uint8_t *moved) {
-    for (int64_t k = of->first[g]; k < of->first[g + 1]; k++)
-        if (moved[of->followed[k]]) return 1;
-    return 0;
-}
-
-/* Carry what follows any vertex of the proxy that has moved (seeds,); return how many eights. */
-static int64_t dm_carry_surface(const dm_binding *of, const float *motions, const uint8_t *moved, float *skin) {
-    int64_t carried = 0;
+static void dm_carry_surface(const dm_binding *of, const float *motions, float *skin) {
     for (int64_t g = 0; 8 * g < of->vertices; g++) {
-        if (!dm_follows_moved(of, g, moved)) continue;
-        carried++;
         dm_eight shift[3] = {{0}}, gradient[3][3] = {{{0}}}, place[6];
         for (int64_t k = of->first[g]; k < of->first[g + 1]; k++) {
             const float *motion = motions + 12 * (int64_t)of->followed[k];
@@ -42,5 +32,4 @@ static int64_t dm_carry_surface(const dm_binding *of, const float *motions, cons
         if (left >= 8) memcpy(skin + 24 * g, to, sizeof to);
         else memcpy(skin + 24 * g, to, (size_t)left * sizeof *to);
     }
-    return carried;
 }

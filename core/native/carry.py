@@ -11,11 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import Floats, Ints, Singles
+from ..constants import LANES
 from .body import NativeError
 from .definition import Arrays, fields
 
-FOLLOWED = 8  # vertices of a proxy that a vertex of its surface follows
-EIGHT = 8  # vertices of a surface that are carried at once
 Shorts = npt.NDArray[np.uint16]
 _Values = TypeVar("_Values", Floats, Singles)
 
@@ -27,12 +26,6 @@ class CBinding(Structure):
         vertices="n", entries="n", first="p", followed="p", weights="p", places="p", seeds="n", coarse_rest="p",
         triangles="n", corners="p", arms="n", ends="p", starts="p", spread="p", upright="p", centre="d3",
     )  # fmt: skip
-
-
-class CKept(Structure):
-    """What a skin was carried by: dm_kept."""
-
-    _fields_ = fields(lengths="p", slack="d", ahead="n", motions="p", before="p", carried="n")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,38 +86,11 @@ def carry(library: ctypes.CDLL, binding: Binding, positions: Floats) -> tuple[Si
     return skin, motions
 
 
-def carry_moved(
-    library: ctypes.CDLL, binding: Binding, positions: Floats, lengths: Floats, slack: float, ahead: int,
-    motions: Singles, before: Singles, skin: Singles,
-) -> int:  # fmt: skip
-    """Carry again what has moved of a surface; return how many eights of its vertices that was.
-
-    Args:
-        positions: of the coarse mesh, (3, m) [m].
-        lengths: (m,) of the edges round each vertex of it [m].
-        slack: over that length, how far a motion may be from the one kept; 0: it is kept to the bit.
-        ahead: calls until there is another chance: what would then be too far is kept now.
-        motions, before: (m, 12) that carried the surface, and that were at the call before; both are brought up to
-            date.
-        skin: (n, 3) [m] where it is, brought up to date.
-    """
-    m = len(binding.coarse_rest)
-    if (lengths.shape, motions.shape, before.shape, skin.shape) != ((m,), (m, 12), (m, 12), (binding.vertices, 3)):
-        raise NativeError("an array has the wrong size")
-    with Arrays() as arrays:
-        given = _given(binding, positions, arrays)
-        kept = CKept(arrays.double(lengths), slack, ahead, motions.ctypes.data, before.ctypes.data, 0)
-        code = library.dm_carry_moved(byref(given), arrays.double(positions), byref(kept), skin.ctypes.data)
-    if code:
-        raise NativeError(library.dm_message(code).decode(), code)
-    return int(kept.carried)
-
-
 def _given(binding: Binding, positions: Floats, arrays: Arrays) -> CBinding:
     n, m, e, t = binding.vertices, len(binding.coarse_rest), len(binding.arms), len(binding.corners)
-    eights, entries = -(-n // EIGHT), len(binding.followed)
+    eights, entries = -(-n // LANES), len(binding.followed)
     shapes = {
-        "first": (eights + 1,), "weights": (entries, EIGHT), "places": (eights, 6, EIGHT), "starts": (m + 1,),
+        "first": (eights + 1,), "weights": (entries, LANES), "places": (eights, 6, LANES), "starts": (m + 1,),
         "spread": (e, 3), "upright": (m, 3), "corners": (t, 3), "arms": (e, 2), "centre": (3,),
     }  # fmt: skip
     if positions.shape != (3, m) or any(getattr(binding, name).shape != shape for name, shape in shapes.items()):

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from ..base import Bools, Floats, Ints
+from ..constants import FOLLOWED, LANES
 from .body import NativeError
-from .carry import EIGHT, FOLLOWED, Shorts
+from .carry import Shorts
 from .definition import Arrays, fields
 
 
@@ -55,9 +56,9 @@ def follow_cells(
     Raises:
         NativeError: a vertex or seed that does not exist.
     """
-    eights = -(-len(place) // EIGHT)
-    first, room = np.empty(eights + 1, np.int64), EIGHT * FOLLOWED * eights
-    followed, weights = np.empty(room, np.uint16), np.empty((room, EIGHT), np.uint16)  # most of it is never touched
+    eights = -(-len(place) // LANES)
+    first, room = np.empty(eights + 1, np.int64), LANES * FOLLOWED * eights
+    followed, weights = np.empty(room, np.uint16), np.empty((room, LANES), np.uint16)  # most of it is never touched
     with Arrays() as arrays:
         surface = _surface(arrays, np.empty((0, 2), np.int64), place, seeds)
         given = byref(surface), arrays.index(cells), around.shape[1], arrays.index(around)

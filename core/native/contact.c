@@ -55,7 +55,7 @@ static dm_quad dm_way_of_push(const dm_state *b, const dm_near *t) {
 static dm_real dm_give_way(dm_state *b, const dm_near *t, dm_contact *h, dm_quad at, dm_real apart) {
     dm_real inverse = 1 / (dm_real)(b->dt * b->dt), gap = apart - h->radius;
     h->part = 1; /* it is as deep as its impulse says, and comes out by that alone */
-    h->yields *= (dm_real)(h->corners > 1 ? DM_FACE_YIELDS : DM_VERTEX_YIELDS) * inverse;
+    h->yields *= (dm_real)(h->corners > 1 ? 2 * DM_YIELDS : DM_YIELDS) * inverse;
     if (gap >= 0) return gap;
     dm_quad way = at + t->radius * t->pushed;
     dm_real length = DM_SQRT(dm_dot3(way, way));
@@ -149,7 +149,7 @@ DM_INLINE dm_real dm_compliance_of(const dm_state *b, dm_contact *h) {
 
 DM_INLINE void dm_share(dm_state *b, const dm_contact *h) {
     for (int j = 0; h->at_work && j < h->corners; j++)
-        b->shares[h->corner[j]] += h->weight[j] > (dm_real)DM_WEIGHT_FLOOR;
+        b->shares[h->corner[j]] += h->weight[j] > (dm_real)DM_ROUNDING;
 }
 
 /* Give the vertices of a contact an impulse. */
@@ -299,10 +299,10 @@ static void dm_resolve_contact(dm_state *b, double ahead) {
         t->pushed = dm_way_of_push(b, t);
         int64_t count = dm_find_contacts(b, t, dt * (2 * fastest + DM_SQRT(dm_dot3(t->velocity, t->velocity))));
         dm_push_as_before(b, count);
-        for (int sweep = 0; sweep < DM_CONTACT_SWEEPS; sweep++)
-            if (dm_sweep_speeds(b, t, count) < (dm_real)DM_SPEED_SLACK * t->radius) break;
+        for (int sweep = 0; sweep < DM_SWEEPS; sweep++)
+            if (dm_sweep_speeds(b, t, count) < (dm_real)DM_ROUNDING * t->radius) break;
         dm_keep_impulses(b, t, count, &moved);
-        for (int sweep = 0; sweep < DM_CONTACT_SWEEPS; sweep++)
+        for (int sweep = 0; sweep < DM_SWEEPS; sweep++)
             if (dm_sweep_places(b, t, count, sweep == 0) < (dm_real)DM_PLACE_SLACK * t->radius) break;
         dm_update_groups(b, moved);
     }

@@ -30,7 +30,7 @@ static int dm_triangles_cross(const dm_scene_state *s, const uint32_t *a, const 
 
 static void dm_note_crossing(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
     const uint32_t *a = s->corners[i], *b = s->corners[j];
-    if (s->leaves_out && (dm_is_left_out(s, a, 3) || dm_is_left_out(s, b, 3))) return;
+    if (f == g && (dm_is_left_out(s, a, 3) || dm_is_left_out(s, b, 3))) return;
     if (!dm_triangles_cross(s, a, b)) return;
     dm_crossings *found = s->found;
     if (found->count++) return;
@@ -45,12 +45,14 @@ static void dm_leave_out_crossing(dm_scene_state *s, const dm_surface *f, const 
     for (int k = 0; k < 3; k++) s->left_out[s->corners[i][k]] = s->left_out[s->corners[j][k]] = 1;
 }
 
-/* Leave out of self contact the vertices of faces that pass through others of their body now, where it is to be so. */
-static void dm_leave_out(dm_scene_state *s) {
-    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
-        if (f->self != DM_LEAVES_OUT) continue;
+/* Leave out of self contact the vertices of faces that pass through others of their body now, and say which they are. */
+static void dm_leave_out(dm_scene_state *s, dm_crossings *left_out) {
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count && f->body; f++) {
+        s->found = left_out++;
+        memset(s->found, 0, sizeof *s->found);
+        if (!f->self) continue;
         dm_note_surface(s, f), dm_fit_boxes(s, f);
-        dm_visit_pairs(s, f, f, 0, dm_leave_out_crossing);
+        dm_visit_pairs(s, f, f, 0, dm_note_crossing), dm_visit_pairs(s, f, f, 0, dm_leave_out_crossing);
     }
 }
 
@@ -63,7 +65,6 @@ static void dm_scene_state_find(dm_scene_state *s, dm_crossings *found) {
     for (int64_t i = 0; i < s->surface_count; i++)
         for (int64_t j = i; j < s->surface_count; j++) {
             const dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
-            s->leaves_out = f == g && f->self == DM_LEAVES_OUT;
             if (dm_may_touch(f, g)) dm_visit_pairs(s, f, g, 0, dm_note_crossing);
         }
     s->due = 1;

@@ -11,6 +11,7 @@
  */
 #ifndef DIMPLE_H
 #define DIMPLE_H
+#include "constants.h"
 #include <stdint.h>
 
 #if defined(_WIN32)
@@ -18,19 +19,6 @@
 #else
 #define DM_API __attribute__((visibility("default")))
 #endif
-
-#define DM_ABI 26 /* changes with anything below */
-#define DM_MAX_FINGERTIPS 3
-#define DM_MAX_STEPS 1000000 /* in one call */
-#define DM_MAX_VERTICES (1 << 24)
-#define DM_MAX_NEIGHBOURS 64 /* of a vertex, in its ring */
-#define DM_MAX_BODIES 4096   /* in one call */
-#define DM_MAX_WORKERS 64
-#define DM_FOLLOWED 8 /* vertices of a proxy that a vertex of its surface follows */
-#define DM_CARRY_REACH 1.5 /* edges of a proxy: as far from a vertex of it a gradient carries what follows it */
-
-#define DM_MAX_SURFACES 1024 /* in one scene */
-#define DM_SCENE_IMPULSES 64
 
 typedef struct dm_body dm_body;
 typedef struct dm_scene dm_scene;
@@ -47,7 +35,6 @@ enum {
 /* of the law of a material: K1, K2 [N/m], x0 [m] and its power, 1 or more; Coulomb's coefficient; damping ratio; and where
  * an elastic solid was measured, the radius of the sphere, or minus that of the flat tip, that did [m], else 0 */
 enum { DM_FRICTION = 4, DM_DAMPING, DM_LAYER, DM_LAW };
-enum { DM_FACTORS = 33 }; /* of another tip, at depths that go up with the square of their number */
 
 enum { DM_FILL_NONE, DM_FILL_AIR, DM_FILL_LIQUID };
 enum { DM_SET_BEST, DM_SET_BASE, DM_SET_AVX2 }; /* base: SSE2 on x86-64, NEON on arm64 */
@@ -115,8 +102,8 @@ typedef struct {
     double radius;                     /* [m] */
     double force;                      /* [N] 0: none pushes it */
     double inward[3];                  /* unit, the way it does */
-    const double *factors;             /* (materials, DM_FACTORS) of the force of this tip; null: it is the measuring one */
-    double factors_end;                /* depth of the last of them [m] */
+    const double *factors;             /* (materials, DM_FACTORS) of the force of this tip, at depths that go up with the square */
+    double factors_end;                /* of their number, to this one [m]; null: it is the measuring tip */
     int64_t down;                      /* 0: this one is lifted and the rest does not count */
     int64_t fresh;                     /* it was not down before, or elsewhere */
 } dm_fingertip;
@@ -210,19 +197,6 @@ typedef struct {
 /* Set the skin (vertices, 3) [m] of a proxy at positions (3, seeds) [m], and the motions (seeds, 12) that carry it. */
 DM_API int32_t dm_carry(const dm_binding *binding, const double *positions, float *motions, float *skin);
 
-/* What a skin was carried by, that only what moves is carried again. */
-typedef struct {
-    const double *lengths; /* (seeds,) of the edges of the proxy round each of its vertices [m] */
-    double slack;          /* over that length, how far a motion may be from the one kept; 0: it is kept to the bit */
-    int64_t ahead;         /* calls until there is another chance: what would then be too far is kept now */
-    float *motions;        /* (seeds, 12) that carried the skin */
-    float *before;         /* (seeds, 12) at the call before */
-    int64_t carried;       /* how many eights of vertices were carried again */
-} dm_kept;
-
-/* Set what has moved of a skin: all of it is then where the motions that are kept carry it. */
-DM_API int32_t dm_carry_moved(const dm_binding *binding, const double *positions, dm_kept *kept, float *skin);
-
 /* Seeds on a fine surface, whose vertices have places in the space of position and normal. */
 typedef struct {
     int64_t vertices;
@@ -287,8 +261,6 @@ typedef struct {
     double taken;       /* momentum that this took [N s] */
     double held_back;   /* the farthest that a collider was behind its way [m] */
     double gap;         /* the least distance at a query [m], infinite where nothing was near */
-    double impulse[DM_SCENE_IMPULSES][3]; /* that each surface got from others [N s]: bodies, then colliders */
-    double moment[DM_SCENE_IMPULSES][3];  /* of those about the origin [N m s] */
 } dm_scene_frame;
 
 typedef struct { /* what passes through each other */
@@ -298,19 +270,21 @@ typedef struct { /* what passes through each other */
 } dm_crossings;
 
 /* Bodies and colliders that nothing passes through, stepped together; the bodies stay the caller's, outlive the scene
- * and are all of one precision and instruction set. self: (bodies,) whether each meets itself too: 0 not, 1 it does, 2 all
- * but those faces of it that pass through others of it now. offset: (bodies,) the distance that each holds [m], 0 for a
- * share of its edges; a collider holds the least. */
+ * and are all of one precision and instruction set. self: (bodies,) whether each meets itself too, but for the faces that
+ * pass through others of it now: left_out (bodies,) says how many. offset: (bodies,) the distance that each holds [m], 0
+ * for a share of its edges; a collider holds the least. */
 DM_API int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, const uint8_t *self,
-                               const double *offset, int64_t colliders, const dm_collider_def *collider);
+                               const double *offset, int64_t colliders, const dm_collider_def *collider,
+                               dm_crossings *left_out);
 DM_API void dm_scene_destroy(dm_scene *scene); /* null is taken */
 DM_API int32_t dm_scene_find_crossings(dm_scene *scene, dm_crossings *found);
 /* Put a collider elsewhere at once. */
 DM_API int32_t dm_scene_set_collider(dm_scene *scene, int64_t collider, const double *positions);
 DM_API int32_t dm_scene_get_collider(const dm_scene *scene, int64_t collider, double *positions);
 /* Run the ticks of motions (bodies,), equal in ticks, substeps and tick; colliders (colliders,) are at the share
- * `first` of their way at the end of the first tick and at `last` of the last. If memory runs out, the tick under way
- * is the last. */
+ * `first` of their way at the end of the first tick and at `last` of the last. passed (bodies + colliders, 6) is set to
+ * the impulse that each got from others [N s] and its moment about the origin [N m s]. If memory runs out, the tick under
+ * way is the last. */
 DM_API int32_t dm_scene_step(dm_scene *scene, const dm_motion *motions, const dm_collider_motion *colliders,
-                             double first, double last, dm_frame *frames, dm_scene_frame *out);
+                             double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed);
 #endif

@@ -46,28 +46,28 @@ double dm_speed_of_prop(const dm_falling *f) { return dm_length3(f->now.velocity
 
 /* List what of a prop may touch the ground in a substep. */
 int dm_find_ground(dm_falling *f, dm_support *to, double h) {
-    static const double to_side[8][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
+    static const double to_side[DM_SIDES][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
     double ground = f->now.ground, near = DM_FALL_LEVEL * f->radius + h * dm_speed_of_prop(f), lowest = INFINITY;
     const double *turn = f->now.turn, *centre = f->now.centre;
     if (!(centre[2] - f->radius < ground + near)) return 0;
-    int64_t corner[DM_FALL_CORNERS] = {0};
-    double most[DM_FALL_CORNERS];
+    int64_t corner[DM_CORNERS] = {0};
+    double most[DM_CORNERS];
     int count = 0;
     for (int64_t k = 0; k < f->count; k++) {
         double height = dm_inner3(turn + 6, f->seen[k]);
         if (height < lowest) lowest = height, corner[0] = k;
     }
     if (!(lowest + centre[2] < ground + near)) return 0;
-    for (int d = 1; d < DM_FALL_CORNERS; d++) most[d] = -INFINITY;
+    for (int d = 1; d < DM_CORNERS; d++) most[d] = -INFINITY;
     for (int64_t k = 0; k < f->count; k++) {
         if (!(dm_inner3(turn + 6, f->seen[k]) < lowest + near)) continue;
         double x = dm_inner3(turn, f->seen[k]), y = dm_inner3(turn + 3, f->seen[k]);
-        for (int d = 1; d < DM_FALL_CORNERS; d++) {
+        for (int d = 1; d < DM_CORNERS; d++) {
             double out = x * to_side[d - 1][0] + y * to_side[d - 1][1];
             if (out > most[d]) most[d] = out, corner[d] = k;
         }
     }
-    for (int d = 0; d < DM_FALL_CORNERS; d++) {
+    for (int d = 0; d < DM_CORNERS; d++) {
         int known = 0;
         for (int e = 0; e < d; e++) known |= corner[e] == corner[d];
         if (known) continue;
@@ -239,7 +239,7 @@ void dm_watch_prop(dm_falling *f, double tick) {
     if (f->quiet < DM_REST_TIME) return;
     for (int k = 0; k < 9; k++) turn += (pose[3 + k] - f->still[3 + k]) * (pose[3 + k] - f->still[3 + k]);
     for (int c = 0; c < 3; c++) way[c] = pose[c] - f->still[c];
-    f->quiet = 0, f->rested = dm_length3(way) + sqrt(turn) * f->radius <= DM_REST_WAY * size;
+    f->quiet = 0, f->rested = dm_length3(way) + sqrt(turn) * f->radius <= DM_ROUNDING * size;
 }
 
 DM_FAST

@@ -4,13 +4,8 @@
 #include "body.h"
 
 #define DM_NO_VERTEX UINT32_MAX
-#define DM_BACK 0.2           /* of what it has slipped, what sticks goes back in a substep */
-#define DM_PART 0.6           /* of what is too near, is brought apart in a substep */
-#define DM_ROLL_ARM 0.005     /* of its size: arm of rolling resistance, as in studies/reference/rolling.py */
-#define DM_FALL_SWEEPS 20    /* over all that props touch, at most */
-#define DM_FALL_SETTLED 1e-7 /* of all impulses: what a sweep may still change */
-#define DM_FALL_LEVEL 2e-4   /* of its radius: what is no higher above the lowest vertex lies on the ground with it */
-#define DM_FALL_CORNERS 9    /* of a prop that lies on the ground: the lowest, and the farthest in eight directions */
+
+enum { DM_SIDES = 8, DM_CORNERS = 1 + DM_SIDES }; /* of what lies on the ground: the lowest corner, and the farthest to each side */
 
 typedef struct { /* a prop */
     double mass, damping, skin, radius, inverse[9]; /* skin: from what does not give it keeps so far [m] */

@@ -9,12 +9,6 @@
  * contact.c; its impulses shape the dent and are not felt. */
 #include "foot.h"
 
-#define DM_STICK (2 / 3.0) /* of the normal stiffness, what is soft and keeps its volume has sideways. Mindlin 1949 */
-#define DM_PUSH_TIME 0.02  /* [s] in which a force brings a fingertip to its depth: a tenth of a press */
-#define DM_BACK_TIME 0.2   /* [s] in which depth is counted from the surface at rest again, when another contact that had
-                              moved the skin has gone: as long as a dent takes to come back */
-#define DM_BOTTOM 1e3      /* [m] a law that has not answered a force by then never does */
-
 /* How many times as stiff an elastic layer that keeps its volume is under a contact of a radius as one without an end.
  * share: the radius over the thickness. Source: Dimitriadis and others 2002, bonded below. */
 static double dm_layer(double share) {

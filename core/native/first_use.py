@@ -6,40 +6,39 @@ import ctypes
 
 import numpy as np
 
+from ..base import TICK
 from ..body.model import Model, build_model
+from ..constants import ROUNDING
 from ..material import Material
 from ..mesh.surface import mesh_from_triangles
 from ..messages import Message
-from ..solver.motion import Motion
 from .body import Body, NativeError
-
-AGREEMENT = 1e-6  # of the size: single precision is off by a hundredth of it
-STRETCH, GRAVITY, TICKS, TICK = 1.1, 9.81, 4, 1e-3  # of the size at rest, [m/s2], and of [s]
+from .motion import Motion
 
 
-def check(library: ctypes.CDLL) -> None:
+def check(library: ctypes.CDLL, *, ticks: int = 4, stretch: float = 1.1, gravity: float = 9.81) -> None:
     """Let a stretched octahedron go: it swings, and its centre falls as if it did not.
 
     Raises:
         NativeError: it does not.
     """
-    model = octahedron()
-    steps, before = TICKS * model.substeps(TICK), STRETCH * model.matching.rest
+    model = octahedron(gravity)
+    steps, before = ticks * model.substeps(TICK), stretch * model.matching.rest
     body = Body(model, library)
     body.set_state(before)
-    body.step(Motion(ticks=TICKS, substeps=model.substeps(TICK), tick=TICK))
+    body.step(Motion(ticks=ticks, substeps=model.substeps(TICK), tick=TICK))
     after, size = body.positions(), model.mesh.size
-    fallen = GRAVITY * (TICKS * TICK) ** 2 / 2 * (1 + 1 / steps)  # by semi-implicit Euler
+    fallen = gravity * (ticks * TICK) ** 2 / 2 * (1 + 1 / steps)  # by semi-implicit Euler
     centre = (after - before) @ model.mass / model.mass.sum()
     off = float(np.abs(centre + (0.0, 0.0, fallen)).max())
     swung = float(np.abs(np.ptp(after, axis=1) - np.ptp(before, axis=1)).min())
-    if not (off < AGREEMENT * size < swung < size):
+    if not (off < ROUNDING * size < swung < size):
         raise NativeError(Message("its check is off by {off:.3g} mm", off=1000 * off))
 
 
-def octahedron() -> Model:
+def octahedron(gravity: float) -> Model:
     """Return a soft one in the air."""
     corners = np.concatenate([np.eye(3), -np.eye(3)]) * 0.05
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
     material = Material(K1=600, K2=7000, x0=0.01, k=600, mass=0.1)
-    return build_model(mesh_from_triangles(corners, faces), [material], gravity=(0.0, 0.0, -GRAVITY))
+    return build_model(mesh_from_triangles(corners, faces), [material], gravity=(0.0, 0.0, -gravity))

@@ -8,8 +8,6 @@
 #include <stdlib.h>
 
 enum { DM_LOOKS = 20 }; /* at an edge, on average: rounding must not flip it to and fro for ever */
-#define DM_AS_FLAT 0.5  /* cosine: the two new triangles must face nearly as the old ones did */
-#define DM_BLUNT 1e-9   /* of a cotangent: what is no more negative is rounding */
 
 typedef struct { /* an edge and the triangles beside it; the second is -1 unless there are two */
     int64_t edge, beside[2];

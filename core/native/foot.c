@@ -30,13 +30,13 @@ static void dm_look_round(const dm_state *b, int64_t first, const double *x, dou
     r->near = sqrt(dm_inner3(r->offset, r->offset));
     for (int64_t k = 0; k < b->facet_box_count; k++) {
         double reach = r->near > seat ? r->near * (1 + 1e-9) : seat;
-        if (k % DM_FACET_BLOCK == 0 && dm_gap_to_box(b->facet_regions[k / DM_FACET_BLOCK], x) > reach) {
-            k += DM_FACET_BLOCK - 1;
+        if (k % DM_BLOCK == 0 && dm_gap_to_box(b->facet_regions[k / DM_BLOCK], x) > reach) {
+            k += DM_BLOCK - 1;
             continue;
         }
         if (dm_gap_to_box(b->facet_boxes[k], x) > reach) continue;
-        int64_t end = (k + 1) * DM_FACET_BLOCK < b->facet_count ? (k + 1) * DM_FACET_BLOCK : b->facet_count;
-        for (int64_t i = k * DM_FACET_BLOCK; i < end; i++) {
+        int64_t end = (k + 1) * DM_BLOCK < b->facet_count ? (k + 1) * DM_BLOCK : b->facet_count;
+        for (int64_t i = k * DM_BLOCK; i < end; i++) {
             const dm_facet *f = b->facets + i;
             if (dm_apart(x, f->middle) > (1 + 1e-9) * (reach + f->extent)) continue;
             dm_offset_from(f, x, offset), dm_note_facet(r, f, offset, seat);

@@ -4,12 +4,6 @@
 #include "body.h"
 
 enum { DM_SETTLING = 24, DM_CONE_SWEEPS = 32, DM_FOOT_STEPS = 4 };
-#define DM_MARCH 0.25      /* of the radius: a sphere goes over the surface in such parts, so that it cannot pass a wall */
-#define DM_SEATED 1e-4     /* of the radius: a sphere is laid on the surface as exactly */
-#define DM_HELD 2e-4       /* of the radius: what is as near to a sphere holds it */
-#define DM_STRAIGHT 1e-3   /* of the radius: a foot that is so little aside is straight above */
-#define DM_SAME_WAY 0.9998 /* cosine: normals as near are one */
-#define DM_INSIDE 0.75     /* of all directions: half way between a sheet and a closed body */
 
 typedef struct { /* what lies round a sphere: the way from the nearest facet to its centre, and the normals that hold it */
     const dm_facet *facet;

@@ -6,24 +6,6 @@ DM_INLINE void dm_minus(const double *a, const double *b, double *r) {
     for (int c = 0; c < 3; c++) r[c] = a[c] - b[c];
 }
 
-/* Find the weights of the point of a triangle nearest to p.
- * Source: Ericson, Real-Time Collision Detection, 5.1.5. */
-static void dm_weights_on_face(const double *p, const double *a, const double *b, const double *c, double *w) {
-    double ab[3], ac[3], ap[3], bp[3], cp[3];
-    dm_minus(b, a, ab), dm_minus(c, a, ac), dm_minus(p, a, ap), dm_minus(p, b, bp), dm_minus(p, c, cp);
-    double d1 = dm_inner3(ab, ap), d2 = dm_inner3(ac, ap), d3 = dm_inner3(ab, bp), d4 = dm_inner3(ac, bp);
-    double d5 = dm_inner3(ab, cp), d6 = dm_inner3(ac, cp);
-    double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2, v, u;
-    if (d1 <= 0 && d2 <= 0) v = 0, u = 0;
-    else if (d3 >= 0 && d4 <= d3) v = 1, u = 0;
-    else if (d6 >= 0 && d5 <= d6) v = 0, u = 1;
-    else if (vc <= 0 && d1 >= 0 && d3 <= 0) v = d1 / (d1 - d3), u = 0;
-    else if (vb <= 0 && d2 >= 0 && d6 <= 0) v = 0, u = d2 / (d2 - d6);
-    else if (va <= 0 && d4 >= d3 && d5 >= d6) u = (d4 - d3) / ((d4 - d3) + (d5 - d6)), v = 1 - u;
-    else v = vb / (va + vb + vc), u = vc / (va + vb + vc);
-    w[0] = 1 - v - u, w[1] = v, w[2] = u;
-}
-
 DM_INLINE double dm_share_of(double a) { return a < 0 ? 0 : a > 1 ? 1 : a; }
 
 /* Find how far along the segments ab and cd their nearest points lie. Source: Ericson, 5.1.9. */

@@ -1,6 +1,7 @@
 /* Eight vertices at once, as the compiler's own vectors: the same source and the same sums on every machine. */
 #ifndef DM_LANES_H
 #define DM_LANES_H
+#include "constants.h"
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -26,7 +27,6 @@
 #define DM_SMALL
 #define DM_FAST
 #endif
-#define DM_LANES 8
 #define DM_TINY ((dm_real)1e-30)
 
 #if DM_BITS == 32

@@ -133,7 +133,7 @@ static void dm_run_batch(dm_batch *batch) {
 
 int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *const *motions, dm_frame *const *frames,
                      int64_t workers) {
-    if (count < 0 || count > DM_MAX_BODIES || workers < 1 || workers > DM_MAX_WORKERS) return DM_SIZE;
+    if (count < 0 || count > DM_MAX_BODIES || workers < 1 || workers > DM_MAX_BODIES) return DM_SIZE;
     if (count && (!bodies || !motions || !frames)) return DM_SIZE;
     for (int64_t k = 0; k < count; k++) {
         int32_t code = frames[k] ? dm_check_step(bodies[k], motions[k]) : DM_SIZE;

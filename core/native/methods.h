@@ -22,15 +22,16 @@ typedef struct {
     void (*step)(dm_state *state, const dm_motion *motion, int64_t from, int64_t to, dm_frame *frame);
     void (*get_law)(const dm_state *state, int64_t fingertip, const double *factors, double factors_end, int64_t count,
                     const double *depths, double *forces);
-    int64_t (*carry)(const dm_binding *binding, const float *motions, const uint8_t *moved, float *skin);
+    void (*carry)(const dm_binding *binding, const float *motions, float *skin);
     /* null where this library has none: in double precision, but for tests */
     int32_t (*scene_create)(dm_scene_state **scene, int64_t bodies, dm_state *const *body, const uint8_t *self,
-                            const double *offset, int64_t colliders, const dm_collider_def *collider);
+                            const double *offset, int64_t colliders, const dm_collider_def *collider,
+                            dm_crossings *left_out);
     void (*scene_destroy)(dm_scene_state *scene);
     void (*scene_find)(dm_scene_state *scene, dm_crossings *found);
     void (*scene_place)(dm_scene_state *scene, int64_t collider, const double *positions);
     void (*scene_read)(const dm_scene_state *scene, int64_t collider, double *positions);
     int32_t (*scene_step)(dm_scene_state *scene, const dm_motion *motions, const dm_collider_motion *colliders,
-                          double first, double last, dm_frame *frames, dm_scene_frame *out);
+                          double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed);
 } dm_methods;
 #endif

@@ -50,38 +50,3 @@ int32_t dm_find_motions(const dm_binding *b, const double *positions, float *mot
     free(x);
     return DM_OK;
 }
-
-/* How far apart two motions move what follows seed i, over the length of its edges. */
-static double dm_motion_gap(const dm_binding *b, int64_t i, double length, const float *one, const float *other) {
-    const double *rest = b->coarse_rest + 3 * i;
-    double shift[3], turned = 0;
-    for (int c = 0; c < 3; c++) shift[c] = (double)one[c] - other[c];
-    for (int d = 0; d < 3; d++)
-        for (int c = 0; c < 3; c++) {
-            double gradient = (double)one[3 + 3 * d + c] - other[3 + 3 * d + c];
-            shift[c] += gradient * (rest[d] - b->centre[d]);
-            turned += gradient * gradient;
-        }
-    double way = sqrt(shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]);
-    return UINT16_MAX * (way / length + DM_CARRY_REACH * sqrt(turned));
-}
-
-void dm_keep_moved(const dm_binding *b, const dm_kept *kept, const float *motions, uint8_t *moved) {
-    for (int64_t i = 0; i < b->seeds; i++) {
-        const float *now = motions + 12 * i;
-        float *was = kept->motions + 12 * i, *before = kept->before + 12 * i;
-        int gone = 0;
-        for (int k = 0; k < 12; k++) gone |= now[k] != was[k];
-        if (gone && kept->slack > 0) {
-            double gap = dm_motion_gap(b, i, kept->lengths[i], now, was);
-            gone = !(gap <= kept->slack);
-            if (!gone && kept->ahead) {
-                double rate = dm_motion_gap(b, i, kept->lengths[i], now, before);
-                gone = !(gap + (double)kept->ahead * rate <= kept->slack);
-            }
-        }
-        memcpy(before, now, 12 * sizeof *now);
-        if (gone) memcpy(was, now, 12 * sizeof *now);
-        moved[i] = (uint8_t)gone;
-    }
-}

@@ -6,6 +6,4 @@
 /* Set the motions (seeds, 12) of a proxy at positions (3, seeds) [m], over 65535: half of a shift [m], and the columns
  * of half of a gradient. */
 int32_t dm_find_motions(const dm_binding *binding, const double *positions, float *motions);
-/* Keep the motions (seeds, 12) of those that have moved, and mark them (seeds,). */
-void dm_keep_moved(const dm_binding *binding, const dm_kept *kept, const float *motions, uint8_t *moved);
 #endif

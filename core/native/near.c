@@ -25,7 +25,7 @@ static void dm_note_candidate(dm_scene_state *s, const dm_surface *f, const dm_s
         const double *rest[4];
         double w[4], between[3];
         for (int j = 0; j < 4; j++) rest[j] = s->rest[close->at[j]];
-        double far = DM_SELF_SHARE * dm_measure_pair(rest, p->ones, w, between);
+        double far = dm_measure_pair(rest, p->ones, w, between) / 2;
         made.touch = far < made.touch ? far : made.touch;
     }
     if (!(made.weight > 0) || gap > made.touch + DM_STALE * (s->reach - s->touch) * 1.5) return;

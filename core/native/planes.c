@@ -15,7 +15,7 @@ DM_INLINE double dm_closest_of(const dm_surface *f, const dm_surface *g) {
 /* How near one of two may come to the plane between them, where its part of the distance is `whole`. */
 DM_INLINE double dm_keep_of(double whole, double gap, double closest) {
     double least = whole / 2 < closest / 2 ? whole / 2 : closest / 2;
-    return gap > closest ? least + (1 - DM_BOUND) * (whole - least) : whole * (1 - 1e-6);
+    return gap > closest ? least + (1 - DM_BOUND) * (whole - least) : whole * (1 - DM_ROUNDING);
 }
 
 /* Set the plane between the nearest points of a pair at positions x, and how near each may come to it. share: of the
@@ -89,7 +89,7 @@ DM_INLINE double dm_left_of(const dm_scene_state *s, uint32_t which, const doubl
     int first = which % 4 < plane->ones;
     double side = dm_side(plane, first, x), left = side - plane->keep[!first];
     double used = stride > DM_QUICK * plane->way ? gone : plane->way - left;
-    *spent |= plane->renewed ? side * (1 - DM_BOUND) < DM_SPENT * (plane->keep[0] + plane->keep[1]) / 2
-                             : used > DM_SPENT / 2 * plane->way;
+    *spent |= plane->renewed ? side * (1 - DM_BOUND) < (plane->keep[0] + plane->keep[1]) / 4
+                             : used > plane->way / 4;
     return left;
 }

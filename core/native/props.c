@@ -16,7 +16,7 @@ static int32_t dm_lay_prop(dm_surface *f, const dm_collider_def *d) {
             p->arms[k][c] = d->arms[c * p->count + k], p->seen[k][c] = d->seen[c * p->count + k];
         p->radius = fmax(p->radius, sqrt(dm_inner3(p->seen[k], p->seen[k])));
     }
-    f->closest = 2 * DM_CLOSEST * p->radius;
+    f->closest = 2 * DM_TOO_NEAR * p->radius;
     return DM_OK;
 }
 
@@ -66,7 +66,7 @@ static void dm_begin_supports(dm_scene_state *s) {
     s->standing = s->support_count;
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         if (!f->prop || f->prop->asleep || !(f->prop->now.ground > -INFINITY)) continue;
-        for (uint32_t room = 0; room < DM_FALL_CORNERS; room++)
+        for (uint32_t room = 0; room < DM_CORNERS; room++)
             s->supports = dm_grown(s, s->supports, s->standing + room, &s->support_room, sizeof *s->supports);
         if (!dm_has_room(s)) return;
         int count = dm_find_ground(f->prop, s->supports + s->standing, s->dt);
@@ -124,7 +124,7 @@ static void dm_move_prop(dm_scene_state *s, const dm_surface *f) {
             gone += (x - s->before[i][c]) * (x - s->before[i][c]), since += to * to;
         }
         if (gone > s->stale[i] * s->stale[i]) s->due = 1;
-        double roam = s->roam[i] > 0 ? DM_ALERT * s->roam[i] : -1;
+        double roam = s->roam[i] > 0 ? s->roam[i] / 2 : -1;
         if (share == 1 && s->place[i] != DM_NO_VERTEX && !(roam > 0 && since <= roam * roam)) dm_note_held(s, i);
     }
 }

@@ -81,7 +81,7 @@ DM_INLINE int dm_is_left_out(const dm_scene_state *s, const uint32_t *at, int co
 
 DM_INLINE void dm_keep_close(dm_scene_state *s, uint32_t ones, dm_close close) {
     uint32_t k = ones - 1;
-    if (s->leaves_out && dm_is_left_out(s, close.at, 4)) return;
+    if (s->within && dm_is_left_out(s, close.at, 4)) return;
     s->waiting[k][s->waiting_count[k]++] = close;
     if (s->waiting_count[k] == DM_WAITING) dm_keep_waiting(s, ones);
 }

@@ -111,7 +111,7 @@ static void dm_search(dm_scene_state *s) {
         for (uint32_t j = i; j < s->surface_count && dm_has_room(s); j++) {
             const dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
             if (!dm_may_touch(f, g) || (f != g && dm_boxes_apart(f->low, f->high, g->low, g->high) > s->wide)) continue;
-            s->leaves_out = f == g && f->self == DM_LEAVES_OUT;
+            s->within = f == g;
             dm_visit_pairs(s, f, g, s->wide, dm_keep_triangles);
             dm_keep_waiting(s, 1), dm_keep_waiting(s, 2);
             s->runs = dm_grown(s, s->runs, s->run_count, &s->run_room, sizeof *s->runs);
@@ -160,7 +160,7 @@ static void dm_set_bounds(dm_scene_state *s, dm_surface *f) {
         int near = 0;
         for (int l = 0; l < DM_LANES; l++) {
             uint32_t i = f->first + (uint32_t)(g * DM_LANES + l);
-            double way = s->roam[i] * DM_ALERT, due = s->stale[i];
+            double way = s->roam[i] / 2, due = s->stale[i];
             f->bound[g][l] = (dm_real)(way < 1e18 ? way * way : 1e36);
             f->due[g][l] = (dm_real)(due < 1e18 ? due * due : 1e36);
             near |= s->place[i] != DM_NO_VERTEX;

@@ -156,7 +156,7 @@ static void dm_carry_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
             if (f->force > 0) way[c] += b->fingers[k].way * f->inward[c];
             far += way[c] * way[c];
         }
-        double most = DM_FINGER_TRAVEL * f->radius, slow = sqrt(far) > most ? most / sqrt(far) : 1;
+        double most = DM_TRAVEL * f->radius, slow = sqrt(far) > most ? most / sqrt(far) : 1;
         for (int c = 0; c < 3; c++) {
             way[c] *= slow, here[c] += way[c];
             at[c] = here[c] - b->origin[c], way[c] /= m->tick;
@@ -193,9 +193,9 @@ static void dm_find_near(dm_state *b, const dm_motion *m) {
     for (int k = 0; !hold && k < DM_MAX_FINGERTIPS; k++) b->touches[k].listed = 0;
     for (int k = 0; k < b->finger_count; k++) {
         dm_near *to = b->touches + k;
-        if (!hold) dm_list_near(b, to, asked[k] + DM_LIST_MARGIN * (double)to->radius);
+        if (!hold) dm_list_near(b, to, asked[k] + 2 * DM_NEAR * (double)to->radius);
         dm_pick_near(b, to, (dm_real)asked[k]);
-        double travel = DM_SKIN_TRAVEL * (double)to->radius;
+        double travel = 2 * DM_TRAVEL * (double)to->radius; /* or the skin would pass the fingertip */
         if (to->vertex_count + to->face_count > 0 && (b->skin_travel == 0 || travel < b->skin_travel))
             b->skin_travel = travel;
     }

@@ -10,7 +10,7 @@ static double dm_clear_of(const dm_state *b, const dm_near *t) {
         double gap = below > above ? below : above;
         away += gap > 0 ? gap * gap : 0;
     }
-    return sqrt(away) - (t->reach + DM_REST_CLEAR * (double)t->radius);
+    return sqrt(away) - (t->reach + DM_NEAR * (double)t->radius);
 }
 
 /* Is a fingertip where it was when the body fell asleep? */
@@ -20,7 +20,7 @@ static int dm_finger_rests(const dm_state *b, const dm_near *t) {
         double step = b->fingers[t->finger].centre[c] - b->fingers[t->finger].rests_at[c];
         way += step * step;
     }
-    return (double)t->radius == b->fingers[t->finger].rests_radius && sqrt(way) <= DM_REST_WAY * (double)t->radius;
+    return (double)t->radius == b->fingers[t->finger].rests_radius && sqrt(way) <= DM_ROUNDING * (double)t->radius;
 }
 
 /* Tell whether a fingertip, or a pin that is led elsewhere, wakes a body in the tick that begins. */
@@ -66,7 +66,7 @@ static int dm_stays(const dm_state *b) {
         most = dm_vmax(dm_dot(way, way), most);
     }
     for (int l = 0; l < DM_LANES; l++)
-        if (sqrt((double)most[l]) > DM_REST_WAY * b->size) return 0;
+        if (sqrt((double)most[l]) > DM_ROUNDING * b->size) return 0;
     return 1;
 }
 

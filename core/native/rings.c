@@ -48,7 +48,7 @@ DM_INLINE void dm_add_fan(dm_vec3 *arm, int64_t count, dm_vec3 *normal) {
 /* Add the forces of the springs of a ring, and six times the normal of its fan. */
 DM_INLINE void dm_add_ring(const dm_state *b, const dm_slot *s, int64_t count, dm_vec3 x, dm_vec3 v, dm_vec3 *force,
                            dm_vec3 *normal) {
-    dm_vec3 arm[DM_MAX_NEIGHBOURS + 2];
+    dm_vec3 arm[DM_MAX_RING + 2];
     /* each force a slot late: its root and division take as long as the next one's gather */
     dm_strain strain = dm_gather_slot(b, s, x, v, arm);
     for (int64_t k = 1; k < count; k++) {
@@ -62,7 +62,7 @@ DM_INLINE void dm_add_ring(const dm_state *b, const dm_slot *s, int64_t count, d
 
 /* Set what comes next of a group that is pinned: it keeps its velocity. Return its part of the volume. */
 static __attribute__((noinline)) dm_wide dm_pass_pinned(dm_state *b, int64_t g) {
-    dm_vec3 arm[DM_MAX_NEIGHBOURS + 2], none = {dm_splat(0), dm_splat(0), dm_splat(0)}, normal = none, x = b->state[g].x;
+    dm_vec3 arm[DM_MAX_RING + 2], none = {dm_splat(0), dm_splat(0), dm_splat(0)}, normal = none, x = b->state[g].x;
     int64_t count = b->ring.start[g + 1] - b->ring.start[g];
     const dm_slot *s = b->ring.slots + b->ring.start[g];
     dm_lanes fourth;

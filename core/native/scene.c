@@ -40,7 +40,7 @@ static int32_t dm_lay_body(dm_scene_state *s, dm_surface *f) {
     for (int64_t k = 0; k < 3 * b->triangle_count; k++)
         s->corners[f->first_triangle + k / 3][k % 3] = f->first + b->triangles[k / 3][k % 3];
     f->before = dm_alloc(b->groups, sizeof *f->before), f->bound = dm_alloc(b->groups, sizeof *f->bound);
-    f->due = dm_alloc(b->groups, sizeof *f->due), f->closest = DM_CLOSEST * b->size;
+    f->due = dm_alloc(b->groups, sizeof *f->due), f->closest = DM_TOO_NEAR * b->size;
     f->near_groups = dm_alloc(b->groups, sizeof *f->near_groups);
     return f->before && f->bound && f->due && f->near_groups ? DM_OK : DM_MEMORY;
 }
@@ -99,7 +99,8 @@ static int32_t dm_lay_surfaces(dm_scene_state *s, int64_t bodies, const dm_colli
 }
 
 static int32_t dm_scene_state_create(dm_scene_state **made, int64_t bodies, dm_state *const *body, const uint8_t *self,
-                                     const double *offset, int64_t colliders, const dm_collider_def *collider) {
+                                     const double *offset, int64_t colliders, const dm_collider_def *collider,
+                                     dm_crossings *left_out) {
     dm_scene_state *s = *made = dm_alloc(1, sizeof *s);
     if (!s) return DM_MEMORY;
     s->surfaces = dm_alloc(bodies + colliders, sizeof *s->surfaces);
@@ -119,7 +120,7 @@ static int32_t dm_scene_state_create(dm_scene_state **made, int64_t bodies, dm_s
     s->due = 1, s->renewal = 1;
     int32_t code = dm_allocate_scene(s);
     if (code == DM_OK) code = dm_lay_surfaces(s, bodies, collider);
-    if (code == DM_OK) dm_leave_out(s);
+    if (code == DM_OK) dm_leave_out(s, left_out);
     if (code != DM_OK) dm_scene_state_destroy(s), *made = NULL;
     return code;
 }
@@ -198,7 +199,7 @@ static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, in
 }
 
 static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, const dm_collider_motion *colliders,
-                             double first, double last, dm_frame *frames, dm_scene_frame *out) {
+                             double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed) {
     int64_t bodies = 0, substeps = motions->substeps, ticks = motions->ticks;
     memset(out, 0, sizeof *out);
     out->gap = INFINITY;
@@ -237,8 +238,8 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     for (int64_t k = bodies; k < s->surface_count; k++)
         if (s->surfaces[k].prop && colliders[k - bodies].prop) *colliders[k - bodies].prop = s->surfaces[k].prop->now;
     for (int64_t k = 0; k < bodies; k++) dm_end_motion(s->surfaces[k].body, motions + k, frames + k);
-    for (int64_t k = 0; k < s->surface_count && k < DM_SCENE_IMPULSES; k++)
-        memcpy(out->impulse[k], s->surfaces[k].impulse, sizeof out->impulse[k]),
-            memcpy(out->moment[k], s->surfaces[k].moment, sizeof out->moment[k]);
+    for (int64_t k = 0; k < s->surface_count; k++)
+        for (int c = 0; c < 3; c++)
+            passed[6 * k + c] = s->surfaces[k].impulse[c], passed[6 * k + 3 + c] = s->surfaces[k].moment[c];
     return s->code;
 }

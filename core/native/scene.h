@@ -11,35 +11,7 @@
 #include "falling.h"
 #include <stddef.h>
 
-#define DM_LEAF 4             /* triangles in a leaf of a tree */
-#define DM_WAITING 64         /* pairs that a search measures together */
-#define DM_DEEPEST 128        /* pairs of nodes that wait: twice the depth of two trees */
-#define DM_OFFSET 0.05        /* of the mean edge: each of two surfaces holds this distance, as in core/solver/scene.py */
-#define DM_REACH_EDGE 0.3     /* of the mean edge: the farthest a query looks */
-#define DM_LEAST_REACH 2.5    /* of the distance at which surfaces touch */
-#define DM_WIDE 3.0           /* of the reach: how far a search looks, of which several queries live */
-#define DM_REACH_TIME 1.5     /* ticks that a query is to last */
-#define DM_BOUND 0.9          /* of half the distance: what two primitives may go towards each other */
-#define DM_ROAM 0.99          /* of half the reach: what is near nothing may go */
-#define DM_STALE 0.8          /* of the way after which something unknown might touch */
-#define DM_CLOSEST 1e-5       /* of a body's size: nearer, nothing goes nearer still; rounding is far smaller */
-#define DM_LEAST_SHARE 0.1    /* of the distance that a side gets at least; more the faster it comes; */
-#define DM_SOFT_SHARE 0.3     /* where both are soft */
-#define DM_SLOW 1e-3          /* [m/s] below this, both sides count as equally fast */
-#define DM_ALERT 0.5          /* of the way it may go, after which a vertex gets new planes */
-#define DM_SPENT 0.5          /* of half the distance: when a vertex is nearer to a plane, that is set anew; of the query, */
-                              /* when it has gone half as much of its way towards it, or, */
-#define DM_QUICK 0.05         /* of its way, where it goes farther than that in a substep, anywhere */
-#define DM_SWEEPS 4           /* projections on the planes of a vertex before its way is cut short */
-#define DM_LOOK 0.5           /* of the touching distance: when anything near has moved so far, normals are set anew */
-#define DM_FLAT 0.01           /* slope of the faces beside an edge below which it is none, */
-#define DM_ON_BORDER 1e-9     /* weight of a corner below which a point of a face lies on the border opposite it */
-#define DM_SHARP 0.05          /* and above which it is one */
-#define DM_ROLL_PART 0.1      /* of rolling resistance, as in studies/reference/rolling.py */
-#define DM_ROLL_KEPT 0.0025
-#define DM_LEAVES_OUT 2       /* of `self`: a body meets itself, but for the faces that pass through others of it at the start */
-#define DM_HALVINGS 8         /* of the way of a prop that is held back */
-#define DM_SELF_SHARE 0.5     /* of the distance at rest: nearer, a body touches itself */
+enum { DM_WAITING = DM_LANES * DM_LANES }; /* pairs that a search measures together */
 
 typedef struct { /* the surface of a body, or a collider */
     dm_state *body; /* null: a collider */
@@ -175,7 +147,7 @@ typedef struct dm_scene_state {
     int32_t code;
     dm_scene_frame *out;
     dm_crossings *found;
-    int leaves_out; /* what is searched now is a body that leaves some of itself out */
+    int within;           /* one surface is searched now, for what of it is near itself */
 } dm_scene_state;
 
 /* Make room for one more; null where there is none, and the scene knows. */

@@ -1,4 +1,4 @@
-"""Bodies and colliders that meet in the library: the structures of dimple.h by which a scene is made and stepped."""
+"""Bodies and colliders that meet in the library: what goes into a call, what comes out, and its structures in C."""
 
 from __future__ import annotations
 
@@ -6,16 +6,104 @@ import ctypes
 import weakref
 from collections.abc import Sequence
 from ctypes import Structure, addressof, byref, c_double, c_int64, c_uint8, c_void_p
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base import Floats
-from ..solver.motion import Motion
-from ..solver.rigid import RigidState
-from ..solver.scene import MAX_IMPULSES, Collider, Crossings, Fall, SceneFrame, Way
+from ..base import Floats, Ints
+from ..body.rigid import RigidShape, RigidState
 from .body import Body, CFrame, CMotion, NativeError
 from .definition import Arrays, fields
+from .motion import Frame, Motion
+
+
+class Falling(NamedTuple):
+    """A rigid body that a collider is, which falls.
+
+    shape: of what touches.
+    seen: (m, 3) its vertices from the centre as they are seen: they stand on the ground [m].
+    damping: while it touches a soft body [N s/m].
+    skin: from what does not give, it keeps so far [m].
+    """
+
+    shape: RigidShape
+    seen: Floats
+    damping: float
+    skin: float
+
+
+class Collider(NamedTuple):
+    """A mesh that bodies meet and that goes where it is led; it may be open, and both its sides count.
+
+    positions: (3, m) [m].
+    triangles: (t, 3) corners.
+    friction: coefficient.
+    falling: what it is where it falls; None: it is led.
+    """
+
+    positions: Floats
+    triangles: Ints
+    friction: float = 0.5
+    falling: Falling | None = None
+
+
+class ColliderMotion(NamedTuple):
+    """Where a collider is led: an even way of each vertex from start to end, (3, m) [m]."""
+
+    start: Floats
+    end: Floats
+
+
+class Fall(NamedTuple):
+    """How a collider falls in a call: `state` is changed in place.
+
+    gravity: (3,) [m/s2].
+    ground: height of a plane [m], -inf where there is none.
+    """
+
+    state: RigidState
+    gravity: Floats
+    ground: float = -np.inf
+
+
+Way = ColliderMotion | Fall | None  # of a collider in a call; None where one rests
+
+
+class SceneFrame(NamedTuple):
+    """What a call came to.
+
+    frames: of each body.
+    ticks: done.
+    queries: of who is near whom.
+    pairs: the most that were near each other.
+    touching: the most that touched.
+    truncated: times that a vertex was held back from passing through something.
+    taken: momentum that this took [N s].
+    held_back: the farthest that a collider was behind its way [m].
+    gap: the least distance at a query [m], infinite where nothing was near.
+    impulses: that each surface got from others [N s], (k, 3): bodies, then colliders.
+    moments: of those about the origin [N m s], (k, 3).
+    """
+
+    frames: tuple[Frame, ...]
+    ticks: int
+    queries: int
+    pairs: int
+    touching: int
+    truncated: int
+    taken: float
+    held_back: float
+    gap: float
+    impulses: Floats
+    moments: Floats
+
+
+class Crossings(NamedTuple):
+    """What passes through each other: how many pairs of triangles, and of the first both surfaces and the place [m]."""
+
+    pairs: int
+    surfaces: tuple[int, int]
+    place: tuple[float, float, float]
 
 
 class ColliderDef(Structure):
@@ -42,11 +130,9 @@ class CColliderMotion(Structure):
 class CSceneFrame(Structure):
     """What a call came to: dm_scene_frame."""
 
-    _fields_ = [
-        *fields(ticks="n", queries="n", pairs="n", touching="n", truncated="n", taken="d", held_back="d", gap="d"),
-        ("impulse", c_double * 3 * MAX_IMPULSES),
-        ("moment", c_double * 3 * MAX_IMPULSES),
-    ]
+    _fields_ = fields(
+        ticks="n", queries="n", pairs="n", touching="n", truncated="n", taken="d", held_back="d", gap="d"
+    )
 
 
 class CCrossings(Structure):
@@ -62,9 +148,11 @@ class Scene:
         bodies: of one precision; they may still be given other numbers, and be put elsewhere between two calls.
         colliders: meshes that go where they are led.
         library: that runs it.
-        itself: whether each body meets itself too; LEAVES_OUT: but for what passes through itself now.
+        itself: whether each body meets itself too, but for the faces that pass through others of it now.
         offsets: the distance [m] that each body holds, 0 for a share of its edges, as all do by default; colliders hold
             the least of them.
+
+    left_out: of each body, the faces that are left out of its self contact.
 
     Raises:
         NativeError: the library refused it.
@@ -76,29 +164,26 @@ class Scene:
         colliders: Sequence[Collider],
         library: ctypes.CDLL,
         *,
-        itself: Sequence[int],
+        itself: Sequence[bool],
         offsets: Sequence[float] = (),
     ) -> None:
         self._library, self.bodies, self._handle = library, list(bodies), c_void_p()
         self._shapes = [np.shape(collider.positions) for collider in colliders]
         handles = (c_void_p * len(bodies))(*(body.handle for body in bodies))
         flags, kept = (c_uint8 * len(bodies))(*itself), (c_double * len(bodies))(*offsets)
+        out = (CCrossings * len(bodies))()
         with Arrays() as arrays:
-            made = (ColliderDef * max(len(colliders), 1))(
-                *(_collider(c, arrays) for c in colliders)
-            )
+            made = (ColliderDef * max(len(colliders), 1))(*(_collider(c, arrays) for c in colliders))
             self._call(
-                "dm_scene_create", byref(self._handle), len(bodies), handles, flags, kept, len(colliders), made
+                "dm_scene_create", byref(self._handle), len(bodies), handles, flags, kept, len(colliders), made, out
             )
+        self.left_out = [_crossings(found) for found in out]
         weakref.finalize(self, library.dm_scene_destroy, self._handle.value)
         self._motions = (CMotion * len(bodies))()
         self._ways = (CColliderMotion * max(len(colliders), 1))()
         self._props = (CProp * max(len(colliders), 1))()
-        self._frames, self._memory = (CFrame * len(bodies))(), bytearray(ctypes.sizeof(CSceneFrame))
-        self._out = CSceneFrame.from_buffer(self._memory)
-        # far faster to read than the structure: impulses, then moments
-        passed = np.frombuffer(self._memory, np.float64, 6 * MAX_IMPULSES, CSceneFrame.impulse.offset)
-        self._passed = passed.reshape(2, MAX_IMPULSES, 3)[:, : len(bodies) + len(self._shapes)]
+        self._frames, self._out = (CFrame * len(bodies))(), CSceneFrame()
+        self._passed = np.zeros((len(bodies) + len(colliders), 2, 3))
 
     def step(
         self, motions: Sequence[Motion], ways: Sequence[Way], first: float, last: float
@@ -124,15 +209,16 @@ class Scene:
                         raise NativeError(f"a collider must have the shape {shape}")
                     to.from_, to.to = arrays.double(way.start), arrays.double(way.end)
             self._call(
-                "dm_scene_step", self._handle, self._motions, self._ways, first, last, self._frames, byref(self._out)
-            )
+                "dm_scene_step", self._handle, self._motions, self._ways, first, last, self._frames, byref(self._out),
+                self._passed.ctypes.data,
+            )  # fmt: skip
         del kept
         for way, prop in zip(ways, self._props, strict=False):
             if isinstance(way, Fall):
                 _unpack(_rows_of(prop), way.state)
         out = self._out
         frames = [b.unpack(m, f) for b, m, f in zip(self.bodies, motions, self._frames, strict=True)]
-        impulses, moments = self._passed.copy()
+        impulses, moments = self._passed.transpose(1, 0, 2).copy()
         return SceneFrame(
             tuple(frames), out.ticks, out.queries, out.pairs, out.touching, out.truncated, out.taken, out.held_back,
             out.gap, impulses, moments,
@@ -142,9 +228,7 @@ class Scene:
         """Return what passes through each other now."""
         found = CCrossings()
         self._call("dm_scene_find_crossings", self._handle, byref(found))
-        a, b = found.surfaces
-        x, y, z = found.place
-        return Crossings(found.count, (a, b), (x, y, z))
+        return _crossings(found)
 
     def set_collider(self, index: int, positions: Floats) -> None:
         """Put a collider at positions (3, m) [m] at once."""
@@ -164,6 +248,12 @@ class Scene:
         code = getattr(self._library, name)(*values)
         if code:
             raise NativeError(f"{name}: {self._library.dm_message(code).decode()}", code)
+
+
+def _crossings(found: CCrossings) -> Crossings:
+    a, b = found.surfaces
+    x, y, z = found.place
+    return Crossings(found.count, (a, b), (x, y, z))
 
 
 def _collider(c: Collider, arrays: Arrays) -> ColliderDef:

@@ -20,10 +20,12 @@ static int32_t dm_check_collider(const dm_collider_def *d) {
 }
 
 int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, const uint8_t *self,
-                        const double *offset, int64_t colliders, const dm_collider_def *collider) {
+                        const double *offset, int64_t colliders, const dm_collider_def *collider,
+                        dm_crossings *left_out) {
     if (!scene) return DM_SIZE;
     *scene = NULL;
-    if (bodies < 1 || colliders < 0 || bodies + colliders > DM_MAX_SURFACES || !body || !self || !offset) return DM_SIZE;
+    if (bodies < 1 || colliders < 0 || bodies + colliders > DM_MAX_BODIES) return DM_SIZE;
+    if (!body || !self || !offset || !left_out) return DM_SIZE;
     DM_CHECK(DM_ARRAY(colliders, collider));
     DM_CHECK(dm_check_numbers(bodies, offset, 1));
     int64_t total = 0;
@@ -49,7 +51,7 @@ int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, 
         for (int64_t k = 0; k < bodies; k++) states[k] = body[k]->state, made->body[k] = body[k];
         for (int64_t k = 0; k < colliders; k++) made->collider_vertices[k] = collider[k].vertices;
         made->does = body[0]->does, made->bodies = bodies, made->colliders = colliders;
-        code = made->does->scene_create(&made->state, bodies, states, self, offset, colliders, collider);
+        code = made->does->scene_create(&made->state, bodies, states, self, offset, colliders, collider, left_out);
     }
     free(states);
     if (code != DM_OK) return dm_scene_destroy(made), code;
@@ -85,8 +87,8 @@ int32_t dm_scene_get_collider(const dm_scene *scene, int64_t collider, double *p
 }
 
 int32_t dm_scene_step(dm_scene *scene, const dm_motion *motions, const dm_collider_motion *colliders, double first,
-                      double last, dm_frame *frames, dm_scene_frame *out) {
-    if (!scene || !motions || !frames || !out || (scene->colliders && !colliders)) return DM_SIZE;
+                      double last, dm_frame *frames, dm_scene_frame *out, double *passed) {
+    if (!scene || !motions || !frames || !out || !passed || (scene->colliders && !colliders)) return DM_SIZE;
     for (int64_t k = 0; k < scene->bodies; k++) {
         const dm_motion *m = motions + k;
         if (m->ticks != motions->ticks || m->substeps != motions->substeps || m->tick != motions->tick) return DM_SIZE;
@@ -103,7 +105,7 @@ int32_t dm_scene_step(dm_scene *scene, const dm_motion *motions, const dm_collid
         DM_CHECK(dm_check_numbers(count, colliders[k].from, 0) | dm_check_numbers(count, colliders[k].to, 0));
     }
     uint64_t before = dm_flush_denormals();
-    int32_t code = scene->does->scene_step(scene->state, motions, colliders, first, last, frames, out);
+    int32_t code = scene->does->scene_step(scene->state, motions, colliders, first, last, frames, out, passed);
     dm_keep_denormals(before);
     return code;
 }

@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DM_BIN_POINTS 100.0 /* per square of bins along a side: some 20 a bin on a surface */
-#define DM_MOST_BINS 48     /* along a side */
-
 typedef struct {
     double low[6], high[6]; /* of the places in it */
     double most;            /* of `near` of its points, and the first point that has it */
@@ -59,8 +56,7 @@ static int dm_sort_points(dm_grid *g, int64_t n, const double *place) {
             double x = place[6 * k + c];
             low[c] = x < low[c] ? x : low[c], high[c] = x > high[c] ? x : high[c];
         }
-    int64_t side = (int64_t)sqrt((double)n / DM_BIN_POINTS);
-    side = side < 1 ? 1 : side > DM_MOST_BINS ? DM_MOST_BINS : side;
+    int64_t side = 1 + (int64_t)cbrt((double)n / DM_BIN_POINTS);
     for (int c = 0; c < 3; c++) width = fmax(width, (high[c] - low[c]) / (double)side);
     int64_t all = side * side * side, *start = calloc((size_t)all + 2, sizeof *start);
     g->points = malloc((size_t)n * sizeof *g->points), g->bins = malloc((size_t)all * sizeof *g->bins);

@@ -3,9 +3,6 @@
 #include "body.h"
 #include "profile.h"
 
-enum { DM_AIR_PRESSURE = 101325, DM_LIQUID_BULK_MODULUS = 2000000 }; /* [Pa], core/base.py */
-static const double DM_AIR_EXPONENT = 1.4;
-
 static double dm_pressure_at(const dm_state *b) {
     if (b->fill == DM_FILL_LIQUID)
         return DM_LIQUID_BULK_MODULUS * (b->rest_volume - b->volume) / b->rest_volume + b->rest_pressure;
@@ -169,7 +166,7 @@ static int dm_is_finite(dm_state *b, double tick, double *centre) {
     b->fastest = 0;
     for (int l = 0; l < DM_LANES; l++) {
         double speed = sqrt((double)fastest[l]);
-        if (!(probe[l] == 0 && speed * tick < DM_FASTEST * b->size)) return 0;
+        if (!(probe[l] == 0 && speed * tick < DM_LARGEST_GROWTH * b->size)) return 0;
         b->fastest = speed > b->fastest ? speed : b->fastest;
     }
     double bottom[3] = {INFINITY, INFINITY, INFINITY}, top[3] = {-INFINITY, -INFINITY, -INFINITY};

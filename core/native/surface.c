@@ -1,8 +1,6 @@
 /* The surface at rest, below which fingertips are measured: its facets, and which of them are near a point. */
 #include "body.h"
 
-enum { DM_FACET_BLOCK = 16 }; /* facets that share a bounding box, and boxes that share one */
-
 static double dm_apart(const double *from, const double *to) {
     double way[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
     return sqrt(dm_inner3(way, way));
@@ -26,17 +24,17 @@ static void dm_shape_facets(dm_state *b, const double *x, int64_t n) {
             double away = dm_apart(f->corner[p], f->middle);
             f->extent = away > f->extent ? away : f->extent;
         }
-        double *box = b->facet_boxes[k / DM_FACET_BLOCK];
+        double *box = b->facet_boxes[k / DM_BLOCK];
         for (int p = 0; p < 3; p++)
             for (int c = 0; c < 3; c++) {
                 double a = f->corner[p][c];
-                int first = k % DM_FACET_BLOCK == 0 && p == 0;
+                int first = k % DM_BLOCK == 0 && p == 0;
                 box[c] = first || a < box[c] ? a : box[c], box[3 + c] = first || a > box[3 + c] ? a : box[3 + c];
             }
     }
     for (int64_t k = 0; k < b->facet_box_count; k++) {
-        double *whole = b->facet_regions[k / DM_FACET_BLOCK], *box = b->facet_boxes[k];
-        if (k % DM_FACET_BLOCK == 0) memcpy(whole, box, sizeof *b->facet_regions);
+        double *whole = b->facet_regions[k / DM_BLOCK], *box = b->facet_boxes[k];
+        if (k % DM_BLOCK == 0) memcpy(whole, box, sizeof *b->facet_regions);
         for (int c = 0; c < 3; c++) {
             whole[c] = box[c] < whole[c] ? box[c] : whole[c];
             whole[3 + c] = box[3 + c] > whole[3 + c] ? box[3 + c] : whole[3 + c];
@@ -70,9 +68,9 @@ static int32_t dm_lay_surface(dm_state *b, const dm_body_def *d) {
     double *middles = dm_alloc(3 * t, sizeof(double));
     dm_keyed *keys = dm_alloc(t, sizeof(dm_keyed));
     b->facets = dm_alloc(t, sizeof(dm_facet));
-    b->facet_box_count = (t + DM_FACET_BLOCK - 1) / DM_FACET_BLOCK;
+    b->facet_box_count = (t + DM_BLOCK - 1) / DM_BLOCK;
     b->facet_boxes = dm_alloc(b->facet_box_count, sizeof *b->facet_boxes);
-    b->facet_regions = dm_alloc(b->facet_box_count / DM_FACET_BLOCK + 1, sizeof *b->facet_regions);
+    b->facet_regions = dm_alloc(b->facet_box_count / DM_BLOCK + 1, sizeof *b->facet_regions);
     b->painted = dm_alloc(n, sizeof *b->painted);
     int whole = middles && keys && b->facets && b->facet_boxes && b->facet_regions && b->painted;
     for (int64_t k = 0; whole && k < t; k++)
@@ -96,27 +94,30 @@ static int32_t dm_lay_surface(dm_state *b, const dm_body_def *d) {
     return DM_OK;
 }
 
-/* The weights of the corners in the point of a triangle that is nearest to a point. Source: Ericson, Real-Time Collision
- * Detection, 5.1.5. */
-static void dm_weights_at(const dm_facet *f, const double *point, double *weights) {
-    const double *a = f->corner[0], *b = f->corner[1], *c = f->corner[2];
-    double ab[3], ac[3], pa[3], pb[3], pc[3], v, w;
+/* Find the weights of the point of a triangle nearest to p. Source: Ericson, Real-Time Collision Detection, 5.1.5. */
+static void dm_weights_on_face(const double *p, const double *a, const double *b, const double *c, double *w) {
+    double ab[3], ac[3], ap[3], bp[3], cp[3], v, u;
     for (int k = 0; k < 3; k++) {
         ab[k] = b[k] - a[k], ac[k] = c[k] - a[k];
-        pa[k] = point[k] - a[k], pb[k] = point[k] - b[k], pc[k] = point[k] - c[k];
+        ap[k] = p[k] - a[k], bp[k] = p[k] - b[k], cp[k] = p[k] - c[k];
     }
-    double d1 = dm_inner3(ab, pa), d2 = dm_inner3(ac, pa), d3 = dm_inner3(ab, pb), d4 = dm_inner3(ac, pb);
-    double d5 = dm_inner3(ab, pc), d6 = dm_inner3(ac, pc);
+    double d1 = dm_inner3(ab, ap), d2 = dm_inner3(ac, ap), d3 = dm_inner3(ab, bp), d4 = dm_inner3(ac, bp);
+    double d5 = dm_inner3(ab, cp), d6 = dm_inner3(ac, cp);
     double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
     double whole = va + vb + vc, beside = (d4 - d3) + (d5 - d6);
-    if (d1 <= 0 && d2 <= 0) v = 0, w = 0;
-    else if (d3 >= 0 && d4 <= d3) v = 1, w = 0;
-    else if (d6 >= 0 && d5 <= d6) v = 0, w = 1;
-    else if (vc <= 0 && d1 >= 0 && d3 <= 0) v = fabs(d1 - d3) > 1e-30 ? d1 / (d1 - d3) : 0, w = 0;
-    else if (vb <= 0 && d2 >= 0 && d6 <= 0) v = 0, w = fabs(d2 - d6) > 1e-30 ? d2 / (d2 - d6) : 0;
-    else if (va <= 0 && d4 >= d3 && d5 >= d6) w = fabs(beside) > 1e-30 ? (d4 - d3) / beside : 0, v = 1 - w;
-    else v = fabs(whole) > 1e-30 ? vb / whole : vb, w = fabs(whole) > 1e-30 ? vc / whole : vc;
-    weights[0] = 1 - v - w, weights[1] = v, weights[2] = w;
+    if (d1 <= 0 && d2 <= 0) v = 0, u = 0;
+    else if (d3 >= 0 && d4 <= d3) v = 1, u = 0;
+    else if (d6 >= 0 && d5 <= d6) v = 0, u = 1;
+    else if (vc <= 0 && d1 >= 0 && d3 <= 0) v = fabs(d1 - d3) > 1e-30 ? d1 / (d1 - d3) : 0, u = 0;
+    else if (vb <= 0 && d2 >= 0 && d6 <= 0) v = 0, u = fabs(d2 - d6) > 1e-30 ? d2 / (d2 - d6) : 0;
+    else if (va <= 0 && d4 >= d3 && d5 >= d6) u = fabs(beside) > 1e-30 ? (d4 - d3) / beside : 0, v = 1 - u;
+    else v = fabs(whole) > 1e-30 ? vb / whole : vb, u = fabs(whole) > 1e-30 ? vc / whole : vc;
+    w[0] = 1 - v - u, w[1] = v, w[2] = u;
+}
+
+/* The weights of the corners of a facet in its point that is nearest to another. */
+static void dm_weights_at(const dm_facet *f, const double *point, double *weights) {
+    dm_weights_on_face(point, f->corner[0], f->corner[1], f->corner[2], weights);
 }
 
 /* The offset of a point from the nearest one of a triangle. */

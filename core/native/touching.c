@@ -145,7 +145,7 @@ static void dm_begin_contact(dm_scene_state *s) {
         dm_real square = dm_dot3(*to, *to);
         far = square > far ? square : far;
     }
-    if (s->looks || (double)far > DM_LOOK * DM_LOOK * s->touch * s->touch) dm_look(s), s->wakes = 1;
+    if (s->looks || (double)far > s->touch * s->touch / 4) dm_look(s), s->wakes = 1;
 }
 
 /* After bodies and colliders have moved: resolve what touches. */

@@ -148,6 +148,7 @@ static void dm_visit_leaves(dm_scene_state *s, const dm_surface *f, const dm_sur
 /* Visit the triangles of two surfaces, or of one, whose boxes are nearer than a distance: each pair once. */
 static void dm_visit_pairs(dm_scene_state *s, const dm_surface *f, const dm_surface *g, double distance,
                            dm_visit visit) {
+    enum { DM_DEEPEST = 128 }; /* pairs of nodes that wait: two trees of 2^24 / DM_LEAF leaves are 22 deep, and each step adds two */
     uint32_t wait[DM_DEEPEST][2], count = 0;
     if (!f->node_count || !g->node_count) return;
     wait[count][0] = f->first_node, wait[count++][1] = g->first_node;

@@ -18,7 +18,7 @@ DM_FAST
 #include "fingertip.c"
 DM_SMALL
 #include "reach.c"
-#include "constants.c"
+#include "matter.c"
 #include "body.c"
 #include "moved_rest.c"
 #include "rest.c"

@@ -8,11 +8,12 @@ import numpy as np
 
 from .. import native
 from ..base import Floats, Ints, Singles, distinct, row_parts, sums_at
+from ..constants import FOLLOWED, LANES
 from ..mesh.surface import Mesh
-from ..native.carry import EIGHT, FOLLOWED, Binding, Shorts, in_rows
+from ..native.carry import Binding, Shorts, in_rows
 from .cells import vertex_normals
 
-WHOLE = 65535  # what the weights of a vertex add up to
+WHOLE = int(np.iinfo(np.uint16).max)  # what the weights of a vertex add up to
 _Values = TypeVar("_Values", Floats, Singles)
 
 
@@ -27,9 +28,9 @@ def bind(rest: Floats, coarse: Mesh, place: Floats, seeds: Ints, cells: Ints) ->
     """
     lists = _followed(coarse, place, seeds, cells)
     centre, middle = rest.mean(axis=0), sums_of(*lists, coarse.rest_positions)
-    places = np.zeros((len(middle), 6, EIGHT), np.float32)
+    places = np.zeros((len(middle), 6, LANES), np.float32)
     for c in range(3):
-        at = np.append(rest[:, c], np.zeros(-len(rest) % EIGHT)).reshape(-1, EIGHT)
+        at = np.append(rest[:, c], np.zeros(-len(rest) % LANES)).reshape(-1, LANES)
         places[:, c], places[:, 3 + c] = at, 2 * at - centre[c] - middle[:, c] / WHOLE
     arms, spread, upright = _gradient(coarse)
     return Binding(
@@ -59,8 +60,8 @@ def blend(binding: Binding, values: Floats) -> Floats:
 def sums_of(first: Ints, followed: Shorts, weights: Shorts, values: _Values) -> _Values:
     """Return the sums (g, c, 8), by weights, of values (m, c) of the coarse vertices that each fine one follows."""
     count = np.diff(first)
-    sums = np.zeros((len(count), values.shape[1], EIGHT), values.dtype)
-    for part in row_parts(len(count), EIGHT):
+    sums = np.zeros((len(count), values.shape[1], LANES), values.dtype)
+    for part in row_parts(len(count), LANES):
         least = count[part].min()
         for k in range(count[part].max()):
             longer = np.flatnonzero(count[part] > k) if k >= least else slice(None)

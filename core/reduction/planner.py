@@ -11,14 +11,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from ..base import DimpleError
+from ..base import TICK, DimpleError
 from ..body.model import Model
 from ..messages import Message
-from .processor_time import BUDGET, ESTIMATED, cost_of, speed_of, work_of
 from .proxy import SMALLEST, Proxy, build_proxy, most_of
 
-TRIES = 5
-DENSER = 1.25  # where no proxy can be made, the factor of vertices to the next attempt
+BUDGET = 0.6  # [s] per second for the simulation; Blender needs the rest to draw
+COST = 1.4e-8  # [s] a vertex and step: measured once (tests/bench), and kept
+ESTIMATED = 1.05  # times the budget may what runs live be expected to cost: no cost is known better than that
 
 Maker = Callable[[Model, int], Proxy]  # of a proxy of so many vertices
 
@@ -134,13 +134,13 @@ def surface_error(spacing: float, radius: float) -> float:
 
 
 def _first(vertices: int, make: Callable[[int], Proxy]) -> tuple[Proxy, int]:
-    """Return what `make` returns for a number of vertices or the next larger one that works, and that number.
+    """Return what `make` returns for a number of vertices, or for up to twice as many, and that number.
 
     Raises:
         DimpleError: no number of vertices works; the message is that of the first.
     """
     why: DimpleError | None = None
-    for asked in (math.ceil(vertices * DENSER**k) for k in range(TRIES)):
+    for asked in (vertices * quarters // 4 for quarters in (4, 5, 6, 8)):
         try:
             return make(asked), asked
         except DimpleError as error:
@@ -151,3 +151,19 @@ def _first(vertices: int, make: Callable[[int], Proxy]) -> tuple[Proxy, int]:
 
 def _full_mesh(cost: float, reason: str) -> Plan:
     return Plan(proxy=None, asked=0, cost=cost, error=0.0, reason=reason)
+
+
+def cost_of(model: Model) -> float:
+    """Return the processor time [s] that a second of motion should take."""
+    return COST * len(model.mass) * model.substeps(TICK) / TICK
+
+
+def work_of(model: Model) -> str:
+    return Message(
+        "{vertices:,} vertices at {substeps} steps per millisecond",
+        vertices=len(model.mass), substeps=model.substeps(TICK)
+    )  # fmt: skip
+
+
+def speed_of(cost: float, budget: float) -> str:
+    return f"{budget / cost:.2g}x"

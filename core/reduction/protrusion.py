@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import Floats, Ints
+from ..constants import OFFSET
 from ..mesh.nearest import weights_on_face
 from ..mesh.surface import Mesh
-from ..solver.scene import OFFSET
+from .cells import MANY
 
-LOOKED = 20_000  # vertices of a finer mesh that are looked at
 CLEAR = 90.0  # percent of a mesh that keep at least its own distance
 LEAST = 1 / 3  # of the distance that a mesh of such edges holds: nearer, what comes fast is held back by its planes
 
@@ -30,7 +30,7 @@ def held_distance(mesh: Mesh, coarse: Mesh, cells: Ints, spacing: float) -> floa
 
 def _looked(mesh: Mesh) -> Ints:
     used = np.flatnonzero(~mesh.loose)
-    return used[:: -(-len(used) // LOOKED)]
+    return used[:: -(-len(used) // MANY)]
 
 
 def protrusion(mesh: Mesh, proxy: Mesh, cells: Ints, looked: Ints) -> Floats:

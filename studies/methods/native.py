@@ -7,7 +7,7 @@ import numpy as np
 from core import native
 from core.base import Floats
 from core.body.model import Model, State
-from core.solver.motion import FingertipMotion, Motion
+from core.native.motion import FingertipMotion, Motion
 
 from ..reference.path import FingerPath
 

@@ -8,13 +8,8 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 
-from .proximity import BOUND, Pairs, Surfaces, planes_between
-
-ALERT = 0.5  # of the way it may go, after which the planes of a vertex are looked at
-SPENT = 0.5  # of half the distance: when a vertex is nearer to a plane, that is set anew; one of the query, when it has
-# gone half as much of its way towards it, or,
-QUICK = 0.05  # of its way, where it goes farther than that in a substep, anywhere
-SWEEPS = 4  # projections on the planes of a vertex before its way is cut short
+from .constants import BOUND, PROJECTIONS, QUICK, ROUNDING
+from .proximity import Pairs, Surfaces, planes_between
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,7 +114,7 @@ def renewed(
 def beyond(b: Bounds, x: Floats) -> Bools:
     """Return which vertices at x (n, 3) have gone so far that their planes must be looked at, (n,)."""
     way = x - b.since
-    far: Bools = np.einsum("nc,nc->n", way, way) > np.where(b.roam > 0, (b.roam * ALERT) ** 2, -1.0)
+    far: Bools = np.einsum("nc,nc->n", way, way) > np.where(b.roam > 0, (b.roam / 2) ** 2, -1.0)
     return far
 
 
@@ -132,14 +127,14 @@ def is_allowed(b: Bounds, vertex: int, x: Floats) -> bool:
 
 def hold_back(b: Bounds, vertex: int, x: Floats, last: Floats) -> Floats:
     """Return where a vertex that goes from last to x, both (3,), may be: on its planes, else so far back on its way."""
-    most, before = b.slack[vertex] * (1 - 1e-6), b.before[vertex]
+    most, before = b.slack[vertex] * (1 - ROUNDING), b.before[vertex]
     x = _shortened(before, x, most)
     planes, pairs = _planes(b, vertex), b.pairs
     sign = np.where(b.corners[b.start[vertex] : b.start[vertex + 1]] < pairs.ones[planes], 1.0, -1.0)
-    for _ in range(SWEEPS):
+    for _ in range(PROJECTIONS):
         moved = False
         for plane, way, keep in zip(planes, sign, _kept(b, vertex), strict=True):
-            short = keep * (1 + 1e-6) - way * (pairs.normal[plane] @ x - pairs.level[plane])
+            short = keep * (1 + ROUNDING) - way * (pairs.normal[plane] @ x - pairs.level[plane])
             if short > 0:
                 x, moved = x + way * short * pairs.normal[plane], True
         if not moved:
@@ -147,7 +142,7 @@ def hold_back(b: Bounds, vertex: int, x: Floats, last: Floats) -> Floats:
         x = _shortened(before, x, most)
     there, here, keep = _sides(b, vertex, x), _sides(b, vertex, last), _kept(b, vertex)
     late = (there < keep) & (here > there)
-    part = (here[late] - keep[late]) / (here[late] - there[late]) * (1 - 1e-6)
+    part = (here[late] - keep[late]) / (here[late] - there[late]) * (1 - ROUNDING)
     share = min(1.0, max(float(part.min(initial=1.0)), 0.0))
     x = last + share * (x - last)
     return x if is_allowed(b, vertex, x) else last.copy()
@@ -160,9 +155,9 @@ def _planes(b: Bounds, vertex: int) -> Ints:
 def _spent(b: Bounds, vertex: int, x: Floats, soft: Bools, stride: float) -> Ints:
     """Return the planes that are due to be set anew for a vertex at x (3,) that goes a stride [m] in a substep."""
     planes, ways, gone = _planes(b, vertex), _ways(b, vertex), float(np.linalg.norm(x - b.before[vertex]))
-    near = _sides(b, vertex, x) * (1 - BOUND) < SPENT * b.pairs.keep[planes].mean(axis=1)
+    near = _sides(b, vertex, x) * (1 - BOUND) < b.pairs.keep[planes].mean(axis=1) / 2
     used = np.where(stride > QUICK * ways, gone, ways - _left(b, vertex, x))
-    near = np.where(b.anew[planes], near, used > SPENT / 2 * ways)
+    near = np.where(b.anew[planes], near, used > ways / 4)
     spent: Ints = planes[near | ~soft[b.pairs.at[planes]].all(axis=1)]
     return spent
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from core.base import Floats, Singles
-from core.native.carry import EIGHT, Binding, in_rows
+from core.constants import LANES
+from core.native.carry import Binding, in_rows
 from core.reduction.binding import WHOLE, sums_of
 from core.reduction.cells import vertex_normals
-
-REACH = 1.5  # edges of a proxy: as far from a vertex of it a gradient carries what follows it
 
 
 def motions_of(binding: Binding, positions: Floats) -> Singles:
@@ -32,35 +31,6 @@ def motions_of(binding: Binding, positions: Floats) -> Singles:
 def carry(binding: Binding, motions: Singles) -> Singles:
     """Return the surface (n, 3) [m] that some motions (m, 12) make."""
     way = sums_of(binding.first, binding.followed, binding.weights, motions)
-    gradient = way[:, 3:].reshape(-1, 3, 3, EIGHT)
+    gradient = way[:, 3:].reshape(-1, 3, 3, LANES)
     moved = binding.places[:, :3] + (way[:, :3] + np.einsum("gdci,gdi->gci", gradient, binding.places[:, 3:]))
     return in_rows(moved, binding.vertices)
-
-
-def carry_moved(
-    binding: Binding, coarse: Floats, lengths: Floats, slack: float, ahead: int, kept: Singles, before: Singles,
-    skin: Singles,
-) -> int:  # fmt: skip
-    """Carry again what has moved of a surface; see `native.carry_moved`."""
-    motions = motions_of(binding, coarse)
-    moved = (motions != kept).any(axis=1)
-    if slack:
-        rate = motion_gaps(binding, lengths, motions, before)
-        moved &= ~(motion_gaps(binding, lengths, motions, kept) + ahead * rate <= slack)
-    before[:] = motions
-    kept[moved] = motions[moved]
-    if not moved.any():
-        return 0
-    eights = np.bitwise_or.reduceat(moved[binding.followed], binding.first[:-1])
-    rows = np.repeat(eights, EIGHT)[: len(skin)]
-    skin[rows] = carry(binding, kept)[rows]
-    return int(eights.sum())
-
-
-def motion_gaps(binding: Binding, lengths: Floats, motions: Singles, others: Singles) -> Floats:
-    """Return how far apart motions (m, 12) and others move what follows them (m,), over the lengths of the edges."""
-    gap = motions.astype(np.float64) - others
-    gradient = gap[:, 3:].reshape(-1, 3, 3)
-    shift = gap[:, :3] + np.einsum("mdc,md->mc", gradient, binding.coarse_rest - binding.centre)
-    away = np.sqrt((shift**2).sum(axis=1)) / lengths
-    return np.asarray(WHOLE * (away + REACH * np.sqrt((gradient**2).sum(axis=(1, 2)))))

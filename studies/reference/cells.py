@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from core.base import Bools, Floats, Ints
-from core.native.carry import EIGHT, FOLLOWED, Shorts
+from core.constants import FOLLOWED, LANES
+from core.native.carry import Shorts
 from core.reduction.binding import WHOLE
 
 
@@ -86,10 +87,10 @@ def nearest_seeds(place: Floats, seeds: Ints, cells: Ints, around: Ints) -> tupl
         parts = (share / sum(share.T)[:, None] * WHOLE).astype(np.uint16)
         parts[:, 0] += (WHOLE - parts.sum(axis=1, dtype=np.int64)).astype(np.uint16)  # the sum is exact
         weights[part] = parts
-    eight, lane = np.divmod(np.arange(n), EIGHT)
+    eight, lane = np.divmod(np.arange(n), LANES)
     there = followed >= 0
     pairs, entry = np.unique(((eight << 16)[:, None] + followed)[there], return_inverse=True)
-    listed = np.zeros((len(pairs), EIGHT), np.uint16)
+    listed = np.zeros((len(pairs), LANES), np.uint16)
     listed[entry, np.broadcast_to(lane[:, None], there.shape)[there]] = weights[there]
-    first = np.searchsorted(pairs, np.arange(-(-n // EIGHT) + 1) << 16)
+    first = np.searchsorted(pairs, np.arange(-(-n // LANES) + 1) << 16)
     return first, (pairs & 0xFFFF).astype(np.uint16), listed

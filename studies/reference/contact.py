@@ -29,24 +29,23 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 
-from .facets import SUNK, bulge, faces_near, inward_normals, met_radius, nearest_on_triangles
+from .constants import (
+    HARDEST,
+    HELD_PART,
+    MOST_GIVEN,
+    NO_WAY,
+    PINNED_GIVE,
+    PLACE_SLACK,
+    PUSH_FLOOR,
+    ROUNDING,
+    SUNK,
+    SWEEPS,
+    TOO_NEAR,
+    YIELDS,
+)
+from .facets import bulge, faces_near, inward_normals, met_radius, nearest_on_triangles
 
 _TINY = 1e-30
-HELD_PART = 0.1  # of its gap or depth that what was held loses in a step; all of it would make facets rock
-CONTACT_SWEEPS = 16  # at most, in one step, over speeds and over places
-SPEED_SLACK = 1e-6  # of the radius: speeds that carry nothing farther in the step need no further sweep
-PUSH_FLOOR = 1e-8  # of the radius: an impulse that moves its point less far in the step is rounding, and holds nothing
-PLACE_SLACK = 1e-3  # of the radius: what is no deeper needs none either
-ROUNDING = 1e-6  # of the radius: what was brought to the surface is on it, whatever its last digits say
-TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction of its own
-NEAR = 0.0625  # of the radius: farther from a fingertip than that, what is at rest stays clear of it for a tick
-WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
-PINNED_GIVE = 0.1  # of a free vertex: what a face gives at least where pinned vertices carry the rest of it
-# times the compliance of the skin at a vertex: half of it is that of vertices, half that of twice as many faces
-VERTEX_YIELDS, FACE_YIELDS = 2.0, 4.0
-MOST_GIVEN = 0.5  # of the radius: as deep it would be as hard as can be, so that no fingertip passes it; it
-HARDEST = 0.97  # hardens to this share of that
-NO_WAY = 0.1  # of the radius: so near to the point behind its centre there is no way from that
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,13 +128,13 @@ def resolve(x: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: Skin
     push = (met.held * met.normal).sum(axis=0)
     met.held[:, push <= 0] = 0
     met.move(v, met.held)
-    for _ in range(CONTACT_SWEEPS):
-        if _sweep_speeds(v, touch, met, inverse_mass, step.dt) < SPEED_SLACK * touch.radius:
+    for _ in range(SWEEPS):
+        if _sweep_speeds(v, touch, met, inverse_mass, step.dt) < ROUNDING * touch.radius:
             break
     moved = np.unique(met.members)
     moved = moved[inverse_mass[moved] > 0]
     x[:, moved] = before[:, moved] + v[:, moved] * step.slip(np.sqrt((v[:, moved] ** 2).sum(axis=0)))
-    for sweep in range(CONTACT_SWEEPS):
+    for sweep in range(SWEEPS):
         if _sweep_places(x, touch, met, inverse_mass, first=sweep == 0) < PLACE_SLACK * touch.radius:
             break
     if touch.kept is not None:
@@ -199,7 +198,7 @@ class _Contacts:
 
         The vertex then takes the mean of what its contacts at work do.
         """
-        counted = self.members[at_work][self.weights[at_work] > WEIGHT_FLOOR]
+        counted = self.members[at_work][self.weights[at_work] > ROUNDING]
         count = np.bincount(counted, minlength=len(inverse_mass))
         give = np.maximum((self.mobility * self.weights * count[self.members]).sum(axis=1), _TINY)
         # beside pinned vertices: a free one must not be flung away to move a point it hardly carries
@@ -236,7 +235,7 @@ def _find(before: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: S
     normal[:, inward] = inward_normals(before[:, members[inward]])
     here, share = members[met], weights[met]
     compliance, friction = ((each[here] * share).sum(axis=1) for each in (skin.compliance, skin.friction))
-    yields = np.where(is_face[met], FACE_YIELDS, VERTEX_YIELDS) * compliance / dt**2
+    yields = YIELDS * np.where(is_face[met], 2.0, 1.0) * compliance / dt**2
     friction = (1 - touch.slides) * friction
     part = np.where(was_held[met] & (yields == 0), HELD_PART, 1.0)  # what yields comes out by its impulse alone
     gap, normal = (apart - radius)[met], normal[:, met]

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.base import Bools, Floats, Ints
-from core.solver.scene import Crossings
+from core.native.scene import Crossings
 
 from .proximity import Surfaces, near_boxes
 
 
-def find_crossings(s: Surfaces, x: Floats, free: Bools, itself: Sequence[int], left_out: Bools) -> Crossings:
+def find_crossings(s: Surfaces, x: Floats, free: Bools, itself: Sequence[bool], left_out: Bools) -> Crossings:
     """Count the pairs of triangles that pass through each other at positions x (n, 3) [m], and say where the first is.
 
     Args:

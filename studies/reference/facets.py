@@ -18,9 +18,9 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 
+from .constants import STIFF
+
 _TINY = 1e-30
-STIFF = 0.25  # of the radius: the bulge of a facet that is met whole
-SUNK = 0.16  # of the radius: how far a fingertip may be inside a small facet
 
 
 def faces_near(x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats, reach: float) -> Ints:

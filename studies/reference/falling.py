@@ -16,18 +16,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from core.base import Floats, Ints
-from core.solver import rigid
-from core.solver.scene import Fall, Falling
+from core.body import rigid
+from core.native.scene import Fall, Falling
 
-from .rest import REST_SPEED, REST_TIME, REST_WAY
-from .rolling import ARM
-from .touching import BACK, PART, ROUNDING
+from .constants import BACK, FALL_LEVEL, FALL_SETTLED, FALL_SWEEPS, PART, REST_SPEED, REST_TIME, ROLL_ARM, ROUNDING
 
-FALL_SWEEPS = 20  # over all that props touch, at most
-FALL_SETTLED = 1e-7  # of all impulses: what a sweep may still change
-FALL_LEVEL = 2e-4  # of its radius: what is no higher above the lowest vertex lies on the ground with it
 SIDES = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]])  # of the ground
-FALL_CORNERS = 9  # of a prop that lies on the ground: the lowest, and the farthest to these sides
 NOBODY = -1  # surface of the ground
 
 
@@ -110,7 +104,7 @@ class Prop:
         if self.quiet >= REST_TIME:
             way, turn = (now - then for now, then in zip((self.state.centre, self.state.turn), self.still, strict=True))
             gone = float(np.linalg.norm(way) + np.linalg.norm(turn) * self.radius)
-            self.quiet, self.rested = 0.0, gone <= REST_WAY * size
+            self.quiet, self.rested = 0.0, gone <= ROUNDING * size
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -217,7 +211,7 @@ class Support:
         square = float(spin @ spin)
         if square > 0 and self.push > 0:
             give = sum(float(spin @ prop.inverse @ spin) for prop in self.props if prop is not None)
-            self.pass_on(np.zeros(3), -min(square / give, ARM * size * self.push / square**0.5) * spin)
+            self.pass_on(np.zeros(3), -min(square / give, ROLL_ARM * size * self.push / square**0.5) * spin)
 
     def part(self, dt: float) -> None:
         """Bring apart what would be nearer than it touches, and let the anchor follow where it slides."""

@@ -16,25 +16,17 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 from core.body.shape_matching import Pose
+from core.constants import FACTORS
 from core.material import law_force
 from core.mesh.surface import Mesh
-from core.other_tip import COUNT as FACTORS
-from core.solver.motion import FingertipMotion
+from core.native.motion import FingertipMotion
 
+from .constants import BACK_TIME, BOTTOM, HELD, INSIDE, MARCH, PUSH_TIME, SAME_WAY, SEATED, STRAIGHT
 from .facets import nearest_on_triangles
 
 SETTLING, CONE_SWEEPS, FOOT_STEPS = 24, 32, 4
 NORMALS = 8  # that hold a sphere: more walls than a fingertip touches at once
-MARCH = 0.25  # of the radius: a sphere goes over the surface in such parts, so that it cannot pass a wall
-SEATED = 1e-4  # of the radius: a sphere is laid on the surface as exactly
-HELD = 2e-4  # of the radius: what is as near to a sphere holds it
-STRAIGHT = 1e-3  # of the radius: a foot that is so little aside is straight above
-SAME_WAY = 0.9998  # cosine: normals as near are one
-INSIDE = 0.75  # of all directions: half way between a sheet and a closed body
 STICK = 2 / 3  # of the normal stiffness, what is soft and keeps its volume has sideways
-PUSH_TIME = 0.02  # [s] in which a force brings a fingertip to its depth
-BACK_TIME = 0.2  # [s] in which depth is counted from the surface at rest again
-BOTTOM = 1e3  # [m] a law that has not answered a force by then never does
 FRICTION, DAMPING, LAYER = 4, 5, 6  # of a material's law, behind K1, K2, x0 and the power
 
 

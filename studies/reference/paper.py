@@ -18,9 +18,10 @@ from core.body.springs import Springs, build_springs
 from core.material import Material, law_force
 from core.mesh.surface import Mesh
 
-from .contact import ROUNDING, Step, Touch
+from .constants import ROUNDING, TRAVEL
+from .contact import Step, Touch
 from .path import FingerPath
-from .ticks import SKIN_TRAVEL, each_tick, meet, moved_back, slow_down
+from .ticks import each_tick, meet, moved_back, slow_down
 
 _TINY = 1e-30
 
@@ -61,7 +62,7 @@ def run(model: Model, state: Literal, path: FingerPath, *, tick: float, substeps
     In each substep Eqs. (6) to (8) move it, and vertices are kept out of fingertips; faces are not.
     """
     total, dt = np.zeros((len(path.radii), 3)), tick / substeps
-    limit = min(path.radii, default=np.inf) * SKIN_TRAVEL
+    limit = min(path.radii, default=np.inf) * 2 * TRAVEL
     for touches in each_tick(model, state, path, tick):
         met = [_of_vertices(touch) for touch in touches]
         for i in range(substeps):

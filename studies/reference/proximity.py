@@ -17,13 +17,7 @@ import numpy.typing as npt
 from core.base import Bools, Floats, Ints
 from core.mesh.nearest import weights_on_face
 
-BOUND = 0.9  # of the distance: what two primitives may go towards each other
-LEAST_SHARE = 0.1  # of that which a side gets at least; more the faster it comes
-SOFT_SHARE = 0.3  # where both are soft: they come and go, and a side that is slow now is soon fast
-SLOW = 1e-3  # [m/s] below this, both sides count as equally fast
-CLOSEST = 1e-5  # of a body's size: nearer, nothing goes nearer still; rounding is far smaller
-FLAT, SHARP = 0.01, 0.05  # slopes of the faces beside an edge between which it begins to count as one
-SELF_SHARE = 0.5  # of the distance at rest: nearer, a body touches itself
+from .constants import BOUND, FLAT, LEAST_SHARE, ROUNDING, SHARP, SLOW, SOFT_SHARE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,7 +177,7 @@ def touching_distance(s: Surfaces, pairs: Pairs, offsets: Floats, skins: Floats,
     a, b = s.of_vertex[pairs.at[:, 0]], s.of_vertex[pairs.at[:, 3]]
     touch = np.where((a < bodies) | (b < bodies), offsets[a] + offsets[b], skins[a] + skins[b])
     same = a == b
-    touch[same] = np.minimum(touch[same], SELF_SHARE * measure(s.rest[pairs.at[same]], pairs.ones[same])[2])
+    touch[same] = np.minimum(touch[same], measure(s.rest[pairs.at[same]], pairs.ones[same])[2] / 2)
     return touch
 
 
@@ -220,7 +214,7 @@ def planes_between(x: Floats, v: Floats, at: Ints, ones: Ints, closest: Floats, 
     one = np.where(gap > closest, np.clip(u / (u + back), least, 1 - least), 0.5)
     whole = np.stack([one, 1 - one], axis=1) * gap[:, None]
     least = np.minimum(whole, closest[:, None]) / 2
-    keep = np.where((gap > closest)[:, None], least + (1 - BOUND) * (whole - least), whole * (1 - 1e-6))
+    keep = np.where((gap > closest)[:, None], least + (1 - BOUND) * (whole - least), whole * (1 - ROUNDING))
     level = _dot(normal, other + (1 - one)[:, None] * between)
     return Planes(normal, level, keep, whole - keep, gap, w, point, other)
 

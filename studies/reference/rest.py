@@ -1,6 +1,6 @@
 """Bodies at rest sleep: they are not stepped until something wakes them, and go on from the very state they were in.
 
-A body falls asleep when for REST_TIME it has been slower than REST_SPEED and no vertex is farther than REST_WAY from
+A body falls asleep when for REST_TIME it has been slower than REST_SPEED and no vertex is farther than ROUNDING from
 where it was when that began. Its velocities stay as they are, so neither position nor velocity jumps when it wakes.
 Under a fingertip that stands still it sleeps too.
 """
@@ -13,10 +13,7 @@ import numpy as np
 
 from core.base import Floats
 
-REST_SPEED = 1e-3  # sizes a second: what moves faster is not at rest
-REST_TIME = 0.25  # [s] what has been slower for so long, and
-REST_WAY = 1e-6  # of its size: is no farther from where it was then, sleeps
-REST_CLEAR = 0.05  # of a fingertip's radius: nearer to the box round a body, it keeps it awake
+from .constants import NEAR, REST_SPEED, REST_TIME, ROUNDING
 
 
 @dataclass(slots=True)
@@ -62,17 +59,17 @@ class Rest:
 
     def _stays(self, x: Floats, size: float) -> bool:
         way = x - (x if self.still is None else self.still)
-        return bool(np.sqrt((way * way).sum(axis=0).max(initial=0)) <= REST_WAY * size)
+        return bool(np.sqrt((way * way).sum(axis=0).max(initial=0)) <= ROUNDING * size)
 
     def lies_under(self, finger: int, centre: Floats, radius: float) -> bool:
         """Tell whether a fingertip is where it was when the body fell asleep."""
         if finger not in self.under:
             return False
         before, size = self.under[finger]
-        return size == radius and float(np.linalg.norm(centre - before)) <= REST_WAY * radius
+        return size == radius and float(np.linalg.norm(centre - before)) <= ROUNDING * radius
 
 
 def reaches(x: Floats, start: Floats, end: Floats, radius: float) -> bool:
     """Tell whether a fingertip going from start to end (3,) in a tick comes near the box of a body (3, n) [m]."""
     gap = np.maximum(np.maximum(x.min(axis=1) - end, end - x.max(axis=1)), 0)
-    return float(np.linalg.norm(gap)) < (1 + REST_CLEAR) * radius + 2 * float(np.linalg.norm(end - start))
+    return float(np.linalg.norm(gap)) < (1 + NEAR) * radius + 2 * float(np.linalg.norm(end - start))

@@ -18,9 +18,7 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 
-ARM = 0.005  # of its size: a hundredth of a ball's radius
-PART = 0.1  # of what would stop it in a substep
-KEPT = 0.0025  # that is added to what is kept; PART^2 / 4: critical
+from .constants import ROLL_ARM, ROLL_PART
 
 
 @dataclass(slots=True)
@@ -74,9 +72,9 @@ def resist(bodies: Sequence[Turning | None], surfaces: Ints, pushes: Floats, dt:
             body.kept = np.zeros(3)
             continue
         stop = body.inertia @ (body.spin - beside[i] / load[i]) / dt
-        most = ARM * body.size * load[i] / dt
-        resisting[i] = _limited(body.kept + PART * stop, most)
-        body.kept = _limited(body.kept + KEPT * stop, most)
+        most = ROLL_ARM * body.size * load[i] / dt
+        resisting[i] = _limited(body.kept + ROLL_PART * stop, most)
+        body.kept = _limited(body.kept + ROLL_PART**2 / 4 * stop, most)
     for i, moment in resisting.items():
         bodies[i].moment += moment  # type: ignore[union-attr]
     for (i, j), push in zip(surfaces.tolist(), pushes.tolist(), strict=True):

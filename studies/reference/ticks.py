@@ -12,10 +12,9 @@ from core.body.forces import forces
 from core.body.model import Model, State
 
 from . import contact
+from .constants import NEAR, TRAVEL
 from .contact import Step, Touch
 from .path import FingerPath
-
-SKIN_TRAVEL = 0.5  # of a fingertip's radius: the most the skin may move in a substep, or it would pass the fingertip
 
 # advance(model, state, dt, acceleration): move a state in place by dt [s], contact apart. The acceleration (3, n)
 # [m/s2] at the start is given where the step before left it, and returned where the next one may have it.
@@ -32,7 +31,7 @@ def run_ticks(advance: Advance, model: Model, state: State, path: FingerPath, *,
     acceleration = None
     for touches in each_tick(model, state, path, tick):
         near = [h for h in touches if len(h.vertices) or len(h.triangles)]
-        alone, limit = model.ground is None and not near, min((h.radius for h in near), default=np.inf) * SKIN_TRAVEL
+        alone, limit = model.ground is None and not near, min((h.radius for h in near), default=np.inf) * 2 * TRAVEL
         for i in range(substeps):
             before = state.positions.copy() if near else state.positions
             try:
@@ -87,7 +86,7 @@ def reach(
 ) -> Touch:
     """Find what a fingertip going from start to end (3,) may touch in a tick [s], vertices moving at speed [m/s]."""
     # what a body at rest touches is near too, though nothing moves
-    margin = 2 * float(np.linalg.norm(end - start)) + 2 * speed * tick + contact.NEAR * radius
+    margin = 2 * float(np.linalg.norm(end - start)) + 2 * speed * tick + NEAR * radius
     corners = model.mesh.triangles
     vertices, faces, radii = contact.candidates(
         state.positions, model.matching.rest, corners, model.inverse_mass, end, radius, margin

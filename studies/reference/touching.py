@@ -19,13 +19,8 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 
-from .proximity import FLAT, Pairs, Surfaces, measure
-
-BACK = 0.2  # of what it has slipped, what sticks goes back in a substep
-PART = 0.6  # of what is too near, is brought apart in a substep
-ROUNDING = 1e-6  # of friction's most: what is so near it slides
-ON_BORDER = 1e-9  # weight of a corner below which a point of a face lies on the border opposite it
-LOOK = 0.5  # of the touching distance: when anything near has moved so far, normals are set anew
+from .constants import BACK, FLAT, ON_BORDER, PART, ROUNDING
+from .proximity import Pairs, Surfaces, measure
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

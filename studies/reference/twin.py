@@ -7,28 +7,23 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from core.base import FINGER_TRAVEL, Bools, Floats, Ints
+from core.base import Bools, Floats, Ints
 from core.body import pressure
 from core.body.model import Model, State, initial_state
 from core.body.moved_rest import on_its_way, with_rest
 from core.body.shape_matching import Pose, carried_pose, fit_pose
 from core.material import law_force
-from core.solver.motion import FingertipMotion, Frame, Motion, PinMotion, Touch
+from core.native.motion import FingertipMotion, Frame, Motion, PinMotion, Touch
 
 from . import fingertip, semi_implicit
+from .constants import BACK_TIME, LARGEST_GROWTH, TRAVEL
 from .contact import Step
 from .contact import Touch as Near
 from .fingertip import Around, RestSurface, Tip, rest_surface
 from .path import FingerPath
 from .rest import Rest, reaches
 from .rolling import Turning
-from .ticks import SKIN_TRAVEL, each_tick, meet, moved_back, slow_down
-
-LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
-FASTEST = 1e6  # sizes a tick: and so has one as fast
-
-LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
-FASTEST = 1e6  # sizes in a tick: so has one as fast
+from .ticks import each_tick, meet, moved_back, slow_down
 
 
 @dataclass(slots=True, kw_only=True)
@@ -217,7 +212,7 @@ class Twin:
         model, state, dt = self.model, self._state, call.motion.tick / call.motion.substeps
         before = state.positions.copy()
         near = [h for h in touches if len(h.vertices) or len(h.triangles)]
-        limit = min((h.radius for h in near), default=np.inf) * SKIN_TRAVEL
+        limit = min((h.radius for h in near), default=np.inf) * 2 * TRAVEL
         if model.free:
             self._fitted = self._pose()
             self._press_free(call, touches, left + 1, dt)
@@ -297,7 +292,7 @@ class Twin:
         if not self.model.free or self._rest.asleep:
             self._press_held(call)
         back = self._comes_back - call.motion.tick
-        self._comes_back = fingertip.BACK_TIME if self._is_beside_others(None) else back
+        self._comes_back = BACK_TIME if self._is_beside_others(None) else back
         if self._rest.asleep:
             return
         state, tick, path = self._state, call.motion.tick, call.path
@@ -399,7 +394,7 @@ class Twin:
         """Tell whether every number is finite and the body neither far larger than at rest nor far too fast."""
         state, mesh = self._state, self.model.mesh
         speed = float(np.sqrt((state.velocities**2).sum(axis=0).max()))
-        if not (np.isfinite(state.positions).all() and speed * tick < FASTEST * mesh.size):
+        if not (np.isfinite(state.positions).all() and speed * tick < LARGEST_GROWTH * mesh.size):
             return False
         used = state.positions[:, ~mesh.loose]
         return bool(np.ptp(used, axis=1).max() < LARGEST_GROWTH * mesh.size)
@@ -415,7 +410,7 @@ def _moved(here: Floats, tip: FingertipMotion, share: float, pushed: float) -> F
     way = first + share * (np.array(tip.last) - first) - here
     if tip.force > 0:
         way += pushed * np.array(tip.inward)
-    most = FINGER_TRAVEL * tip.radius
+    most = TRAVEL * tip.radius
     return here + way * min(1.0, most / max(math.hypot(*way), 1e-30))
 
 

@@ -7,14 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.base import Floats, Ints
-from core.solver.scene import Collider, ColliderMotion, Fall, Way
+from core.native.scene import Collider, ColliderMotion, Fall, Way
 
 from .bounds import Bounds, is_allowed
+from .constants import HALVINGS
 from .falling import NOBODY, Prop, Support, ground_supports, resolve_supports
 from .proximity import Surfaces
 from .touching import Meetings
-
-HALVINGS = 8  # of the way of a prop that is held back
 
 
 class Props:

@@ -7,23 +7,18 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.base import Bools, Floats, Ints
-from core.solver.motion import Motion
-from core.solver.scene import LEAVES_OUT, OFFSET, Collider, ColliderMotion, Crossings, SceneFrame, Way
+from core.native.motion import Motion
+from core.native.scene import Collider, ColliderMotion, Crossings, SceneFrame, Way
 
 from . import touching
 from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed
+from .constants import LEAST_REACH, OFFSET, REACH_EDGE, REACH_TIME, ROAM, STALE, TOO_NEAR
 from .crossing import crossing_vertices, find_crossings
 from .islands import let_sleep, woken
-from .proximity import CLOSEST, Pairs, find_pairs, join_surfaces, touching_distance
+from .proximity import Pairs, find_pairs, join_surfaces, touching_distance
 from .rolling import Turning, resist
 from .twin import Call, Twin
 from .twin_props import Props, move
-
-REACH_EDGE = 0.3  # of the mean edge: the farthest a query looks
-LEAST_REACH = 2.5  # of the distance at which surfaces touch
-REACH_TIME = 1.5  # ticks that a query is to last
-ROAM = 0.99  # of half the reach: what is near nothing may go
-STALE = 0.8  # of the way after which something unknown might touch
 
 
 class TwinScene:
@@ -38,7 +33,7 @@ class TwinScene:
         bodies: Sequence[Twin],
         colliders: Sequence[Collider],
         *,
-        itself: Sequence[int],
+        itself: Sequence[bool],
         offsets: Sequence[float] = (),
     ) -> None:
         self._bodies, self._itself = list(bodies), list(itself)
@@ -61,7 +56,7 @@ class TwinScene:
         self._rates = [np.zeros_like(x) for x in self._here]
         sizes = [body.model.mesh.size for body in bodies]
         sizes += [2 * prop.radius if prop else 0.0 for prop in self._props.of[len(bodies) :]]
-        self._sizes = CLOSEST * np.array(sizes)
+        self._sizes = TOO_NEAR * np.array(sizes)
         self._turning: list[Turning | None] = [Turning(b.model.mesh.size) if b.model.free else None for b in bodies]
         self._turning += [None] * len(colliders)
         self._touched = np.zeros(len(self._part), bool)  # of the surfaces, in the last substep
@@ -69,7 +64,10 @@ class TwinScene:
         self._looks, self._looked, self._near = True, self._positions(), np.zeros(0, np.int64)
         self._known = [(body.model, body.positions()) for body in bodies]
         self._left_out = np.zeros(len(s.of_vertex), bool)  # of self contact
-        for i in np.flatnonzero(np.array(self._itself) == LEAVES_OUT).tolist():
+        itself_alone = [[k == i and meets for k, meets in enumerate(itself)] for i in range(len(bodies))]
+        none, nothing = np.zeros_like(self._free), self._left_out
+        self.left_out = [find_crossings(s, self._positions(), none, each, nothing) for each in itself_alone]
+        for i in np.flatnonzero(self._itself).tolist():
             self._left_out[crossing_vertices(s, self._positions(), i)] = True
 
     def crossings(self) -> Crossings:
@@ -290,7 +288,7 @@ class TwinScene:
         self._held: list[int] = []
         self._looks = self._looks or bool(
             ((self._last[self._near] - self._looked[self._near]) ** 2).sum(axis=1).max(initial=0)
-            > (touching.LOOK * self._touch) ** 2
+            > (self._touch / 2) ** 2
         )
         if not self._looks:
             return

@@ -23,12 +23,12 @@ import numpy as np
 from core import native
 from core.base import Floats
 from core.body.model import Model, build_model
-from core.crowd import TICKS_AT_ONCE
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices
 from core.native import Body
+from core.native.motion import FingertipMotion, Motion
 from core.session import Finger, Session
-from core.solver.motion import FingertipMotion, Motion
+from core.session.clock import TICKS_AT_ONCE
 from studies.reference.twin import Twin
 from studies.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube
 from tests.bench.chart import draw

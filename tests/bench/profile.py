@@ -9,8 +9,8 @@ import time
 import numpy as np
 
 from core import native
-from core.crowd import TICKS_AT_ONCE
-from core.solver.motion import Motion
+from core.native.motion import Motion
+from core.session.clock import TICKS_AT_ONCE
 from tests.bench import bench
 from tools.native import compile_library, this_platform
 

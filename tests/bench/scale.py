@@ -21,13 +21,13 @@ import numpy as np
 from core import native
 from core.base import TICK
 from core.body.model import build_model
-from core.crowd import step_all
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.native.body import step_many
+from core.native.motion import Motion
 from core.reduction.binding import carry
 from core.reduction.planner import plan
 from core.session import Finger, Session
-from core.solver.motion import Motion
+from core.session.clock import step_all
 from studies import bodies, scenes
 from studies.presses import Press, dent_error, pressed
 from tests.bench.bench import stir, straight
@@ -170,13 +170,13 @@ def million(*, full: bool) -> dict[str, Any]:
     at = int(mesh.rest_positions[:, 2].argmax())
     outward = np.array([0.0, 0.0, 1.0])
     press = Press(at=mesh.rest_positions[at], outward=outward, radius=RADIUS, depth=RADIUS / 2)
-    frames_ms, exact_ms = live(session, press)
+    frames_ms = live(session, press)
     found: dict[str, Any] = {
         "vertices": len(mesh.rest_positions), "moving": len(session.body.model.mass),
         "mesh_s": round(meshed - started, 2), "model_s": round(modelled - meshed, 2),
         "plan_s": round(planned - modelled, 3),
         "setup_s": round(ready - started, 2), "setup_cpu_s": round(spent, 2),
-        "frame_ms": frames_ms[f"{SPEEDS[0]} mm/s"], "frames_ms": frames_ms, "exact_ms": exact_ms,
+        "frame_ms": frames_ms[f"{SPEEDS[0]} mm/s"], "frames_ms": frames_ms,
         "memory_gb": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6, 3),
         "surface_error": None,
     }  # fmt: skip
@@ -187,33 +187,26 @@ def million(*, full: bool) -> dict[str, Any]:
     return found
 
 
-def live(session: Session, press: Press) -> tuple[dict[str, float], dict[str, float]]:
-    """Return what frames of a press take in the median [ms], by its speed, held and released: what is seen, and exact.
-
-    Frame by frame the one comes first or the other; the step is part of both.
-    """
-    seen, exact = {}, {}
+def live(session: Session, press: Press) -> dict[str, float]:
+    """Return what a frame of a press takes in the median [ms], step and skin, by its speed, held and released."""
+    found = {}
     for speed in SPEEDS:
         session.reset()
-        session.seen()
         count = round(60e3 * press.depth / speed)
         parts: dict[str, list[int | None]] = {f"{speed} mm/s": list(range(1, count + 1))}
         if speed == SPEEDS[0]:
             parts |= {"held": [count] * HELD, "released": [None] * HELD}
         for part, depths in parts.items():
             costs = []
-            for frame, depth in enumerate(depths):
+            for depth in depths:
                 where = press.at + press.outward * (press.radius - press.depth * (depth or 0) / count)
                 session.set_fingers([None if depth is None else Finger(tuple(where.tolist()), press.radius)])
-                took = []
-                for do in (lambda: session.step(FRAME), *(session.seen, session.positions)[:: 1 if frame % 2 else -1]):
-                    began = time.process_time()
-                    do()
-                    took.append(time.process_time() - began)
-                step, one, other = took
-                costs.append((step + one, step + other) if frame % 2 else (step + other, step + one))
-            seen[part], exact[part] = (round(1e3 * median(each), 2) for each in zip(*costs, strict=True))
-    return seen, exact
+                began = time.process_time()
+                session.step(FRAME)
+                session.positions()
+                costs.append(time.process_time() - began)
+            found[part] = round(1e3 * median(costs), 2)
+    return found
 
 
 def main(*, full: bool) -> dict[str, Any]:

@@ -16,9 +16,9 @@ import numpy as np
 from core import native
 from core.base import Floats
 from core.body.model import build_model
-from core.crowd import TICKS_AT_ONCE
 from core.mesh.surface import base_vertices
-from core.solver.motion import Motion
+from core.native.motion import Motion
+from core.session.clock import TICKS_AT_ONCE
 from tests.bench import bench
 from tools.native import compile_library, this_platform
 

@@ -105,7 +105,7 @@ def test_every_panel_draws_on_a_mesh_on_nothing_and_on_a_curve(bpy: ModuleType, 
     assert drawn == {panel.__name__ for panel in found} - {f"DIMPLE_PT_{name}" for name in waiting}
 
 
-def test_move_apart_is_offered_for_a_pinned_body_too(bpy: ModuleType, body: Any) -> None:
+def test_self_contact_is_offered_for_a_pinned_body_too(bpy: ModuleType, body: Any) -> None:
     class Active(Layout):
         """A layout that notes what is greyed out."""
 
@@ -122,7 +122,7 @@ def test_move_apart_is_offered_for_a_pinned_body_too(bpy: ModuleType, body: Any)
     bpy.types.DIMPLE_PT_contact.draw(
         SimpleNamespace(layout=Active(bpy, drawn)), SimpleNamespace(object=body)
     )
-    assert "move_apart True" in drawn and "self_contact True" in drawn and "is_prop False" in drawn
+    assert "self_contact True" in drawn and "is_prop False" in drawn
 
 
 def test_a_wrong_constant_is_reported_under_the_constants(bpy: ModuleType, body: Any) -> None:

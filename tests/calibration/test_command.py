@@ -89,11 +89,6 @@ def test_the_command_names_its_own_options(write, capsys):
     rows = "".join(f"{i / 10},{5 + rng.random():.4f}\n" for i in range(200))
     assert main(["calibrate", str(write("Depth (mm),Force (N)\n" + rows)), "--press", "positive"]) == 2
     assert "Choose them with --depth-column and --force-column." in capsys.readouterr().err
-    depth = np.linspace(-1, 22, 200)
-    force = [PRESETS[1].material.law(max(x, 0.0) / 1e3) for x in depth.tolist()] + rng.normal(size=200)
-    rows = "".join(f"{x + 1:.4f},{f:.4f}\n" for x, f in zip(depth, force, strict=True))
-    assert main(["calibrate", str(write("Depth (mm),Force (N)\n" + rows))]) == 0
-    assert "If it is known, give --contact-mm." in capsys.readouterr().out
 
 
 def test_an_unusable_file_exits_with_2_and_says_why(write, capsys):

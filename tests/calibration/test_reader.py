@@ -227,7 +227,7 @@ def test_numbers_that_may_be_thousands_or_decimals_are_asked(write):
 
 def test_several_tables_are_asked(curve, write):
     one = table(curve, lambda i, d, f: f"{d:.5f},{f:.5f}", head="Depth (mm),Force (N)\n")
-    two = table(curve, lambda i, d, f: f"{d:.5f},{f / 2:.5f}", head="Depth (mm),Force (N)\n")
+    two = table(curve, lambda i, d, f: f"{d:.5f},{f / 2:.5f}", head="Weg (mm),Kraft (N)\n")
     path = write(one + "\n" + two)
     assert asked(path) == ("table",)
     check(path, curve, Answers(table=1))

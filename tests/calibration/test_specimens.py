@@ -9,9 +9,8 @@ import pytest
 
 from core.base import DimpleError
 from core.calibration.calibrate import Calibration, calibrate
-from core.calibration.load import load_lines
 from core.calibration.question import Answers, Undecided
-from core.calibration.reader import read_measurement
+from core.calibration.reader import load_lines, read_measurement
 from core.calibration.record import to_record
 from studies.__main__ import main
 from studies.calibrate import to_lines
@@ -24,7 +23,8 @@ ASKED = {
     "preload": {"contact_mm"}, "slight_preload": {"", "contact_mm"}, "begun": {"contact_mm"},
     "preload_doubled": {"contact_mm"}, "preload_rising": {"contact_mm"}, "preload_of_a_bent_curve": {"contact_mm"},
     "torn": {"until_mm"}, "reversed_rows": {"", "order"}, "side_by_side": {"depth_column"},
-    "unit_unknown": {"force_unit"}, "mixed": {"", "order", "until_mm", "contact_mm", "table"},
+    "adhesion": {"", "contact_mm"}, "dead_travel": {"", "contact_mm"}, "unit_unknown": {"force_unit"},
+    "mixed": {"", "order", "until_mm", "contact_mm", "table"},
 }  # fmt: skip
 # the likeliest answer to which unit it is may be wrong; of these files some begin too late to know
 UNKNOWABLE = {"unit_unknown"}
@@ -130,7 +130,7 @@ def test_the_touch_in_the_note_is_the_one_that_was_used(write):
         truth = specimen(specimens.approach, seed)
         done = calibrate(write(truth.content))
         (note,) = (note for note in done.notes if "ouch" in note)
-        assert f"{done.loading.reading(0):.3f} mm" in note or "depth 0 as the file has it" in note
+        assert f"{done.loading.reading(0):.4g} mm" in note and f"tare {done.loading.tare:.4g} N" in note
         assert to_record(done)["contact"] == pytest.approx(done.loading.reading(0))
 
 
@@ -300,9 +300,9 @@ def test_pages_of_two_specimens_stay_apart(write):
     head, rows = "Depth (mm),Force (N)\n", table(depth, law(depth)).split("\n")[1:-1]
     other = table(depth, 0.4 * law(depth)).split("\n")[1:-1]
     text = "".join(head + "\n".join(each[at : at + 20]) + "\n" for each in (rows, other) for at in (0, 20, 40))
-    with pytest.raises(Undecided, match="holds 2 tables"):
+    with pytest.raises(Undecided, match="holds 2 presses"):
         calibrate(write(text))
-    assert calibrate(write(text), Answers(table=2)).fit.K2.value / 1e3 == pytest.approx(0.4 * 7.23, rel=0.01)
+    assert calibrate(write(text), Answers(cycle=2)).fit.K2.value / 1e3 == pytest.approx(0.4 * 7.23, rel=0.01)
 
 
 def test_the_force_beside_a_depth_that_was_chosen_is_of_the_same_test(write):

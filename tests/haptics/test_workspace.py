@@ -12,8 +12,8 @@ from core.device.surface import Contact, Surface, is_sane
 from core.device.workspace import Workspace, fingers, surface_of, surfaces_of
 from core.material import PRESETS, law_force
 from core.mesh.surface import base_vertices
+from core.native.motion import Touch
 from core.session import Finger, Session
-from core.solver.motion import Touch
 from core.vectors import Vector
 from studies.scenes import cube
 

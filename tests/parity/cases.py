@@ -12,7 +12,7 @@ from core.body.model import Model, build_model
 from core.material import FINGERTIP, PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.native import Body
-from core.solver.motion import FingertipMotion, Frame, Motion, PinMotion
+from core.native.motion import FingertipMotion, Frame, Motion, PinMotion
 from tests.bodies import REAL, ball, hemisphere, joined, real, sheet, soup
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2, fill="liquid")

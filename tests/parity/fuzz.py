@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from core import native
 from core.native.body import CFrame, CMotion
-from core.native.carry import CBinding, CKept
+from core.native.carry import CBinding
 from core.native.cells import CCells
 from core.native.definition import BodyDef, Constants
 from core.native.scene import CColliderMotion, CCrossings, ColliderDef, CProp, CSceneFrame
@@ -145,8 +145,8 @@ class Scenes:
         colliders = (ColliderDef * 3)(*(self.fuzzer.collider() for _ in range(3)))
         flags = (ctypes.c_uint8 * 4)(*rng.integers(0, 2, 4).tolist())
         held = (ctypes.c_double * 4)(*(rng.choice([0.0, 1e-3, -1.0], 4, p=[0.6, 0.38, 0.02])))
-        create = native.library().dm_scene_create
-        code = int(create(ctypes.byref(handle), len(some), handles, flags, held, count, colliders))
+        create, out = native.library().dm_scene_create, (CCrossings * 4)()
+        code = int(create(ctypes.byref(handle), len(some), handles, flags, held, count, colliders, out))
         if code:
             bodies += some
         else:
@@ -188,7 +188,8 @@ class Scenes:
                 self.fuzzer.fill(prop, 1)
                 way.prop = ctypes.addressof(prop)
         frames, first, last = (CFrame * len(bodies))(), *rng.uniform(0, 1, 2).tolist()
-        code = int(library.dm_scene_step(handle, motions, ways, first, last, frames, address(CSceneFrame())))
+        out, passed = address(CSceneFrame()), self.fuzzer.array("passed", 8)
+        code = int(library.dm_scene_step(handle, motions, ways, first, last, frames, out, passed))
         for frame in frames:
             check(frame)
         return code
@@ -223,10 +224,7 @@ def main(seed: int) -> None:
             code = library.dm_set_constants(body, address(constants))
         elif name == "carry":
             room = (fuzzer.array(a, 8) for a in ("positions", "motions", "skin"))
-            bound = address(fuzzer.binding())
-            code = library.dm_carry(bound, *room)
-            kept = address(fuzzer.fill(CKept(), 8))
-            code = max(code, library.dm_carry_moved(bound, fuzzer.array("positions", 8), kept, fuzzer.array("skin", 8)))
+            code = library.dm_carry(address(fuzzer.binding()), *room)
         elif name == "cells":
             cells, around, joined, *lists = (
                 fuzzer.array(a, 6) for a in ("cells", "around", "joined", "first", "followed", "weights")

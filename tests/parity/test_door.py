@@ -14,40 +14,23 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core import base, native
+from core import native
 from core.base import DimpleError, Floats
 from core.body.model import Model
+from core.constants import FACTORS
 from core.mesh.surface import mesh_from_triangles
 from core.native import first_use
 from core.native.body import CFrame, CMotion, CTouch, Fingertip
-from core.native.carry import CBinding, CKept
+from core.native.carry import CBinding
 from core.native.cells import CCells
 from core.native.definition import Arrays, BodyDef, Constants, define
+from core.native.motion import FingertipMotion, Motion
 from core.native.scene import CColliderMotion, ColliderDef, CProp
-from core.other_tip import COUNT as FACTORS
 from core.reduction import binding
-from core.session import MAX_FINGERS, Session
-from core.solver import motion, scene
-from core.solver.motion import FingertipMotion, Motion
-from studies.reference import (
-    bounds,
-    carry,
-    contact,
-    facets,
-    falling,
-    fingertip,
-    proximity,
-    rest,
-    rolling,
-    ticks,
-    touching,
-    twin,
-    twin_props,
-    twin_scene,
-)
+from core.session import Session
 from tests.bodies import TETRAHEDRON, after
 from tests.parity.cases import CASES, TICK, build, run
-from tools.native import SOURCES
+from tools.native import SOURCES, shared_constants
 
 HERE = Path(__file__).parent
 SIZE, INDEX, NUMBER, OPTION = 1, 2, 3, 5  # dimple.h
@@ -55,7 +38,6 @@ HEADER = (SOURCES / "dimple.h").read_text()
 STRUCTURES = {
     "dm_constants": Constants, "dm_body_def": BodyDef, "dm_fingertip": Fingertip,
     "dm_motion": CMotion, "dm_touch": CTouch, "dm_frame": CFrame, "dm_binding": CBinding, "dm_cells": CCells,
-    "dm_kept": CKept,
     "dm_collider_def": ColliderDef, "dm_prop": CProp, "dm_collider_motion": CColliderMotion,
 }  # fmt: skip
 C_TYPES = {"double": "c_double", "int64_t": "c_int64", "int32_t": "c_int32"}
@@ -94,33 +76,8 @@ def test_python_and_c_lay_a_structure_out_alike(name: str) -> None:
     assert in_python(STRUCTURES[name]) == declared(name)
 
 
-# where C's constants have their twins, and those that are called otherwise there
-TWINS = (
-    base, contact, facets, proximity, touching, bounds, motion, rolling, falling, scene, twin_scene,
-    twin_props, binding, fingertip, rest, ticks, twin,
-)  # fmt: skip
-RENAMED = {
-    "ABI": native.ABI, "PINNED_GIVE": contact.PINNED_GIVE, "SWEEPS": bounds.SWEEPS,
-    "SCENE_IMPULSES": scene.MAX_IMPULSES, "ROLL_ARM": rolling.ARM, "ROLL_PART": rolling.PART, "PART": touching.PART,
-    "ROLL_KEPT": rolling.KEPT, "MAX_FINGERTIPS": MAX_FINGERS, "CARRY_REACH": carry.REACH,
-}  # fmt: skip
-# what only C has: how much it takes, how it searches and lays things out, and what numpy writes into a formula
-OF_C = set(
-    """AS_FLAT BIN_POINTS BLOCK BLUNT DEEPEST DIGIT DIGITS FACET_BLOCK K_X K_XQ LANES LEAF LIST_MARGIN LOOKS MAX_BODIES
-    MAX_COUNT MAX_NEIGHBOURS MAX_SURFACES MAX_VERTICES MAX_WORKERS MOMENTS MOST_BINS M_V M_X M_XV M_XX PINS_AHEAD
-    PIN_BEHIND RUN WAITING WIDE WINDOW X86""".split()
-)
-
-
-def test_the_constants_of_c_are_those_of_python() -> None:
-    code = "\n".join(path.read_text() for path in sorted(SOURCES.glob("*.[ch]")))
-    code = re.sub(r"/\*.*?\*/", "", code, flags=re.DOTALL)
-    found = re.findall(r"(?:#define|enum \{|,|double) DM_(\w+)(?: = | +)\(?([-\d.]+(?:e-?\d+)?)(?: / ([\d.]+))?", code)
-    known = {name: value for module in TWINS for name, value in vars(module).items()} | RENAMED
-    assert {name: known.get(name) for name, *_ in found if name not in OF_C} == {
-        name: float(value) / float(over or 1) for name, value, over in found if name not in OF_C
-    }
-    assert {name for name, *_ in found} >= OF_C
+def test_the_constants_that_c_and_python_share_are_those_of_cs_page() -> None:
+    assert (SOURCES.parent / "constants.py").read_text() == shared_constants()
 
 
 def code_of(call: Callable[[], Any]) -> int:
@@ -271,20 +228,7 @@ def test_a_binding_to_what_is_not_there_is_refused() -> None:
             native.carry(native.library(), replace(whole, **{name: getattr(whole, name)[..., :-1]}), x)
     with pytest.raises(native.NativeError, match="size"):
         native.carry(native.library(), whole, x[:, :3])
-    few = np.zeros((4, 12), np.float32), np.zeros((4, 12), np.float32), np.zeros((9, 3), np.float32)
-
-    def kept(*given: Any, lengths: Floats = x[0] + 1, slack: float = 0.0, ahead: int = 1) -> int:
-        return native.carry_moved(native.library(), whole, x, lengths, slack, ahead, *(given or few))
-
-    assert kept() == 2 and not kept()  # the corners move once
-    assert code_of(lambda: kept(slack=-1.0)) == code_of(lambda: kept(ahead=-1)) == NUMBER
-    for i in range(3):
-        with pytest.raises(native.NativeError, match="size"):
-            kept(*few[:i], few[i][1:], *few[i + 1 :])
-    with pytest.raises(native.NativeError, match="size"):
-        kept(lengths=x[0, 1:])
     room = x.ctypes.data
-    assert native.library().dm_carry_moved(ctypes.byref(CBinding()), room, ctypes.byref(CKept()), room) == SIZE
     assert native.library().dm_carry(ctypes.byref(CBinding()), room, room, room) == SIZE
     assert native.library().dm_carry(None, room, room, room) == SIZE
 
@@ -368,7 +312,7 @@ def unloaded(monkeypatch: pytest.MonkeyPatch) -> None:
         (native, "places", lambda: [HERE / "nothing"], "no compiled core for"),
         (native, "places", lambda: [Path(__file__)], "was refused"),  # no library at all
         (native, "ABI", 999, rf"was refused \(it has version {native.ABI}, not 999\)"),
-        (first_use, "AGREEMENT", 1e-12, r"was refused \(its check is off by"),
+        (first_use, "ROUNDING", 1e-12, r"was refused \(its check is off by"),
     ],
     ids=["missing", "broken", "another version", "wrong at its first use"],
 )

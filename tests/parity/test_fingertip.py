@@ -11,8 +11,8 @@ from core.base import Floats
 from core.body.model import Model, build_model
 from core.material import FINGERTIP
 from core.mesh.surface import base_vertices, mesh_from_triangles
+from core.native.motion import FingertipMotion, Motion, Touch
 from core.other_tip import factors
-from core.solver.motion import FingertipMotion, Motion, Touch
 from studies.reference import create
 from studies.scenes import cube
 from tests.bodies import ball

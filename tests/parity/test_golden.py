@@ -22,7 +22,7 @@ import pytest
 from core import native
 from core.body.model import Model
 from core.native import Body
-from core.solver.motion import FingertipMotion
+from core.native.motion import FingertipMotion
 from studies.reference import create
 from tests.parity.cases import CASES, build
 

@@ -11,7 +11,7 @@ from core.body.model import Model, build_model
 from core.material import FINGERTIP
 from core.mesh.surface import base_vertices
 from core.native import Body
-from core.solver.motion import FingertipMotion, Frame, Motion
+from core.native.motion import FingertipMotion, Frame, Motion
 from studies.reference import create
 from tests.parity.cases import CASES, SIZE, SOFT, TICK, build, run
 

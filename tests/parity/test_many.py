@@ -8,7 +8,7 @@ import pytest
 from core import native
 from core.native import NativeError
 from core.native.body import Body, step_many
-from core.solver.motion import Motion
+from core.native.motion import Motion
 from tests.parity.cases import CASES, build
 
 NAMES = ("liquid", "free on the ground", "a hole")

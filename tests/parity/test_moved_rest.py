@@ -12,7 +12,7 @@ from core.base import Floats
 from core.body.model import Model, build_model
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.native import NativeError
-from core.solver.motion import Motion, PinMotion
+from core.native.motion import Motion, PinMotion
 from studies.reference import create
 from tests.bodies import ball, hemisphere, sheet
 from tests.parity.cases import SIZE, SOFT, TICK, Case, build

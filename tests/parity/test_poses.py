@@ -8,7 +8,7 @@ from core.base import Floats
 from core.body.model import Model, build_model
 from core.body.shape_matching import fit_pose
 from core.mesh.surface import mesh_from_triangles
-from core.solver.motion import FingertipMotion, Motion
+from core.native.motion import FingertipMotion, Motion
 from studies import scenes
 
 BALL = build_model(scenes.ball(1, radius=1.0), [scenes.BALL])  # alike in all directions: only its stretch counts

@@ -7,7 +7,7 @@ from core import native
 from core.body.model import build_model
 from core.mesh.surface import base_vertices
 from core.native.body import Body
-from core.solver.motion import FingertipMotion, Motion, Vector
+from core.native.motion import FingertipMotion, Motion, Vector
 from studies.scenes import BALL, ball
 
 TICK, RADIUS, TOP = 1e-3, 0.015, 0.095  # [s], [m]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
+from core.native.motion import FingertipMotion, Motion
 from core.session import Session
-from core.solver.motion import FingertipMotion, Motion
 from studies import scenes
 from studies.reference import create
 

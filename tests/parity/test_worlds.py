@@ -10,10 +10,10 @@ from core import native
 from core.body.model import Model, build_model
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
-from core.props import PropWorld
+from core.native.motion import Motion
+from core.native.scene import Collider, ColliderMotion
 from core.session import Session
-from core.solver.motion import Motion
-from core.solver.scene import Collider, ColliderMotion
+from core.world.props import PropWorld
 from studies.reference.twin import Twin
 from studies.reference.twin_scene import TwinScene
 from tests.bodies import ball, block, sheet

@@ -10,8 +10,9 @@ from core.body.model import build_model
 from core.material import PRESETS, Material, Preset
 from core.mesh.surface import Mesh, base_vertices, input_vertices, mesh_from_triangles
 from core.session import Finger, Session
+from studies.reference.constants import SUNK
 from studies.reference.contact import Step, Touch, candidates, resolve, rest_on_ground
-from studies.reference.facets import SUNK, bulge, met_radius, nearest_on_triangles
+from studies.reference.facets import bulge, met_radius, nearest_on_triangles
 from studies.scenes import cube
 from tests.bodies import after, ball, hard
 

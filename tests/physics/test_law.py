@@ -12,10 +12,10 @@ from core.body.model import build_model
 from core.material import PRESETS, Material
 from core.mesh.ray import ray_hit
 from core.mesh.surface import Mesh, base_vertices
+from core.native.motion import Touch
+from core.native.scene import Collider
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
-from core.solver.motion import Touch
-from core.solver.scene import Collider
 from core.world import World
 from studies.law import (
     FAR,

@@ -5,8 +5,7 @@ import pytest
 
 from core.base import DimpleError, Floats
 from core.body.model import Model, build_model
-from core.energy import energies
-from core.fields import at_rest, depth
+from core.fields import at_rest, depth, energies
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session

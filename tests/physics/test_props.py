@@ -7,15 +7,14 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError, Floats, Ints
-from core.body import pressure, shape_matching, springs
+from core.body import pressure, rigid, shape_matching, springs
 from core.body.model import Model, build_model
 from core.material import PRESETS, Indenter
 from core.mesh.surface import base_vertices
-from core.props import PropWorld, shrunk, touching_gap
+from core.native.scene import Collider
 from core.session import Session
-from core.solver import rigid
-from core.solver.scene import Collider
 from core.world import World
+from core.world.props import PropWorld, shrunk, touching_gap
 from studies.scenes import cube
 
 G, SIDE = 9.81, 0.165

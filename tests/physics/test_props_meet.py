@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError, Floats, Ints
+from core.body import rigid
 from core.body.model import Model, build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices
-from core.props import PropWorld
+from core.native.scene import Collider
 from core.session import Session
-from core.solver import rigid
-from core.solver.scene import Collider
+from core.world.props import PropWorld
 from studies.scenes import cube
 from tests.bodies import block, sheet
 

@@ -8,8 +8,8 @@ import pytest
 
 from core.body.model import Model, build_model
 from core.mesh.surface import base_vertices
+from core.native.motion import FingertipMotion, Motion
 from core.session import Finger, Session
-from core.solver.motion import FingertipMotion, Motion
 from studies import scenes
 from studies.reference import create
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.base import AIR_PRESSURE, LIQUID_BULK_MODULUS
 from core.body.model import build_model
 from core.body.springs import membrane_stiffness
+from core.constants import AIR_PRESSURE, LIQUID_BULK_MODULUS
 from core.material import PRESETS, Material, law_force
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session

@@ -12,13 +12,13 @@ from scipy.spatial.transform import Rotation
 
 from core.base import TICK, Floats
 from core.body.model import Model, build_model
-from core.crowd import step_all
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
+from core.session.clock import step_all
 from core.world import Collider, World
 from studies import scenes
-from studies.reference.rest import REST_SPEED, REST_WAY
+from studies.reference.constants import REST_SPEED, ROUNDING
 from tests.bodies import ball, sheet
 
 EVERY = ["native64", "native"]
@@ -201,7 +201,7 @@ def test_it_goes_on_as_if_it_had_been_awake(cause: str, each: float, backend: st
     slept, awake = (traced(cause, backend, awake=awake, each=each) for awake in (False, True))
     way, off = (np.abs(a).max(axis=(0, 2, 3)) for a in (awake - awake[0], slept - awake))
     assert way[0] > 5e-5
-    assert off[0] < REST_WAY * SIZE
+    assert off[0] < ROUNDING * SIZE
     assert off[1] < REST_SPEED * SIZE
 
 
@@ -221,7 +221,7 @@ def test_nothing_jumps_when_it_falls_asleep(backend: str) -> None:
             bodies[1].body.set_state(bodies[1].body.positions(), bodies[1].body.velocities())
         step_all(bodies, [TICK] * 2)
         (x, v), (awake_x, awake_v) = ((each.body.positions(), each.body.velocities()) for each in bodies)
-        assert np.abs(x - awake_x).max() < REST_WAY * SIZE and np.abs(v - awake_v).max() < REST_SPEED * SIZE
+        assert np.abs(x - awake_x).max() < ROUNDING * SIZE and np.abs(v - awake_v).max() < REST_SPEED * SIZE
         assert bodies[1].moved
         if not bodies[0].moved:
             ticks_asleep += 1

@@ -1,6 +1,7 @@
 """Bodies meet colliders, each other and themselves, and nothing passes through anything."""
 
 import re
+from collections.abc import Sequence
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -8,13 +9,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import core.world
+import core.session.clock
 from core.base import DimpleError
 from core.body.model import build_model
+from core.constants import OFFSET
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
+from core.native.motion import Frame
 from core.session import Session
-from core.solver.scene import OFFSET, SceneFrame
 from core.world import Collider, World
 from studies.reference.proximity import find_pairs, join_surfaces
 from studies.scenes import cube
@@ -175,66 +177,22 @@ def test_bodies_pressed_together_keep_the_distance_at_which_they_touch_and_are_s
     assert world.meeting.truncated == 0 and world.meeting.queries == 0
 
 
-def test_a_body_that_is_to_be_moved_apart_starts_just_clear_and_has_no_speed_from_it() -> None:
-    bodies = [session((0, 0, 0.03), level=1), session((0.03, 0, 0.1), level=1)]
-    world = World(bodies, [table()], apart=[True, True])
-    world.check()
-    shifts = [body.body.positions() - body.model.mesh.rest_positions.T for body in bodies]
-    assert all(np.ptp(shift, axis=1).max() < 1e-6 for shift in shifts), "as a whole"
-    lowest = bodies[0].body.positions()[2].min()
-    assert 0 < lowest < 0.006
-    assert all(np.linalg.norm(shift.mean(axis=1)) < 0.6 * RADIUS for shift in shifts)
-    assert all(not body.body.velocities().any() for body in bodies)
-    world.step(1e-3)
-    assert world.meeting.truncated == 0
-    world.reset()
-    world.check()
-
-
-def test_a_pinned_body_is_pressed_flat_out_of_what_it_intersects_and_its_pins_stay() -> None:
-    points, faces = ball(1, RADIUS)
-    model = build_model(mesh_from_triangles(points + (0, 0, 0.03), faces), [SOFT], pinned=points[:, 2] > 0.02)
-    pinned = Session(model)
-    world = World([pinned], [table()], apart=[True])
-    x, rest = pinned.body.positions().T, model.mesh.rest_positions
-    assert np.abs(x[model.pinned] - rest[model.pinned]).max() < 1e-7
-    assert 0 < x[:, 2].min() < 0.003 and np.abs(x - rest).max() < 0.6 * RADIUS
-    world.step(0.02)
-    world.check()
-    world.reset()
-    world.check()
-
-
-def test_what_has_no_room_between_its_pins_and_a_collider_is_refused() -> None:
-    points, faces = ball(2, RADIUS)
-    mesh = mesh_from_triangles(points + (0, 0, 0.03), faces)
-    pinned = Session(build_model(mesh, [SOFT], pinned=points[:, 2] < -0.02))
-    with pytest.raises(DimpleError, match="intersect"):
-        World([pinned], [table()], apart=[True])
-
-
-def test_a_body_inside_a_closed_collider_is_moved_out_of_it() -> None:
-    points, faces = ball(2, 3 * RADIUS)
-    body = session((0, 0, 2.2 * RADIUS))
-    World([body], [Collider(points.T.copy(), faces)], apart=[True])
-    assert np.linalg.norm(body.body.positions(), axis=0).min() > 2.9 * RADIUS
-
-
 class Slow(World):
     """A world each tick of which takes so long [s], by a clock of its own."""
 
     clock, each = 0.0, 0.0
 
-    def _run(self, ticks: int, substeps: int, done: int, whole: int) -> SceneFrame:
+    def _run(self, sessions: Sequence[Session], at_once: int) -> tuple[Sequence[Frame], int]:
+        found, ticks = super()._run(sessions, at_once)
         Slow.clock += ticks * self.each
-        return super()._run(ticks, substeps, done, whole)
+        return found, ticks
 
 
 @pytest.mark.parametrize("each", [0.001, 0.006, 0.05])
 def test_a_frame_of_a_tangle_keeps_its_budget_but_for_a_first_tick_and_time_runs_slower(
     each: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(core.world, "time", SimpleNamespace(perf_counter=lambda: Slow.clock))
+    monkeypatch.setattr(core.session.clock, "time", SimpleNamespace(perf_counter=lambda: Slow.clock))
     body = session((0, 0, 0.05))
     world = Slow([body], [table()])
     for now in (each, each / 4, each):  # what a tick costs changes as things come together and part
@@ -248,7 +206,7 @@ def test_a_frame_of_a_tangle_keeps_its_budget_but_for_a_first_tick_and_time_runs
             assert spent >= min(0.02 - 1.001 * now, 100 * now)
 
 
-def three_balls(backend: str, *, itself: bool = True, apart: bool = True) -> World:
+def three_balls(backend: str, *, itself: bool = True) -> World:
     """Return a mesh of three balls: two pass through each other, and the third comes down on the first at 2 m/s."""
     points, faces = ball(1, RADIUS)
     n, places = len(points), [(0.0, 0.0, 0.0), (0.05, 0.0, 0.0), (0.0, 0.0, 0.082)]
@@ -259,12 +217,10 @@ def three_balls(backend: str, *, itself: bool = True, apart: bool = True) -> Wor
     speed = np.zeros((3, 3 * n))
     speed[2, 2 * n :] = -2.0
     body.body.set_state(body.body.positions(), speed)
-    return World([body], itself=[itself], apart=[apart], names=["Head"])
+    return World([body], itself=[itself], names=["Head"])
 
 
 def test_faces_that_pass_through_others_of_a_body_at_the_start_are_left_out_of_self_contact_and_nothing_else() -> None:
-    with pytest.raises(DimpleError, match=r'"Head" passes through itself at \(.*Move Apart'):
-        three_balls("native", apart=False)
     world = three_balls("native64")
     found = re.search(r"itself at \((.+), .+, .+\) mm: (\d+) pairs of faces", world.notes[0])
     assert found and 0 < float(found[1]) < 50 and int(found[2]) > 10

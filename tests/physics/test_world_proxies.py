@@ -6,10 +6,10 @@ import pytest
 from core.body.model import Model, build_model
 from core.material import Material
 from core.mesh.surface import base_vertices, mesh_from_triangles
-from core.props import PropWorld
 from core.reduction.proxy import Proxy, build_proxy
 from core.session import Session
 from core.world import Collider, World, drop_proxies
+from core.world.props import PropWorld
 from tests.bodies import ball, block, sheet
 
 GEL = Material(K1=200, K2=900, x0=0.010, k=300, density=1000, damping_ratio=0.4, fill="liquid")
@@ -83,7 +83,7 @@ def test_what_only_a_proxy_intersects_at_the_start_is_met_by_the_full_mesh(lift:
     body = Session(model := soft_ball(points, faces), proxy=build_proxy(model, 150))
     patch = faces[(np.hypot(*points.T[:2]) < 0.02)[faces].all(axis=1) & (points[faces][:, :, 2] > 0).all(axis=1)]
     collider = Collider((points + (0, 0, lift)).T.copy(), patch)
-    notes = drop_proxies([body], [collider], [False], ["Ball", "Plug"])
+    notes = drop_proxies([body], [collider], ["Ball", "Plug"])
     assert (body.proxy is None) == is_full == ('"Plug"' in notes[0])
     world = World([body], [collider])
     world.step(0.01)

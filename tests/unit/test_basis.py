@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.animation.basis import Basis, reduce
+from core.recording.basis import Basis, reduce
 
 
 def travelling_dent(frames: int = 40, vertices: int = 300) -> np.ndarray:

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from core import crowd, native
-from core.crowd import step_all
+from core import native
 from core.native import Body
 from core.native import body as native_body
-from core.session import Finger, Session
-from core.solver.motion import Frame as MotionFrame
-from core.solver.motion import Motion
+from core.native.motion import Frame as MotionFrame
+from core.native.motion import Motion
+from core.session import Finger, Session, clock
+from core.session.clock import step_all
 from studies import scenes
 
 TOP = scenes.BALL_RADIUS + scenes.FINGERTIP
@@ -58,6 +58,6 @@ def test_a_budget_is_exceeded_by_a_first_tick_only(cost: float, ticks: int, monk
         return step_many(bodies, motions)
 
     monkeypatch.setattr(native, "step_many", step)
-    monkeypatch.setattr(crowd.time, "perf_counter", lambda: now)
+    monkeypatch.setattr(clock.time, "perf_counter", lambda: now)
     frames = step_all(pressed()[:3:2], [1.0, 1.0], budget=0.025)
     assert [frame.steps for frame in frames] == [ticks, ticks]

@@ -10,9 +10,8 @@ from core.base import TICK, DimpleError
 from core.body.model import Model, build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices
-from core.reduction import planner, processor_time
-from core.reduction.planner import plan
-from core.reduction.processor_time import BUDGET, ESTIMATED
+from core.reduction import planner
+from core.reduction.planner import BUDGET, ESTIMATED, plan
 from core.reduction.proxy import LARGEST, SMALLEST, Proxy, build_proxy
 from core.session import Finger, Session
 from studies import bodies
@@ -37,7 +36,7 @@ def test_a_mesh_that_runs_live_is_simulated_in_full(round_model: Model) -> None:
 
 
 def test_a_mesh_too_slow_to_run_live_gets_a_proxy_that_does_with_a_reason(round_model: Model) -> None:
-    cost = processor_time.cost_of(round_model)
+    cost = planner.cost_of(round_model)
     chosen = plan(round_model, budget=0.2 * cost, radius=0.02)
     assert chosen.proxy is not None and chosen.cost <= ESTIMATED * 0.2 * cost
     vertices, off = len(chosen.proxy.seeds), f"{1e3 * chosen.error:.2g}"
@@ -50,7 +49,7 @@ def test_a_mesh_too_slow_to_run_live_gets_a_proxy_that_does_with_a_reason(round_
 
 @pytest.mark.parametrize("share", [0.8, 0.5, 0.2, 0.05])
 def test_what_is_simulated_runs_live_and_uses_up_most_of_the_budget(round_model: Model, share: float) -> None:
-    budget = share * processor_time.cost_of(round_model)
+    budget = share * planner.cost_of(round_model)
     chosen = plan(round_model, budget=budget)
     assert chosen.proxy is not None and chosen.cost <= ESTIMATED * budget
     assert chosen.cost > 0.5 * budget or len(chosen.proxy.seeds) == 1281, "a proxy has at most half of the vertices"
@@ -92,7 +91,7 @@ def test_where_no_proxy_can_be_made_the_next_larger_one_is_taken() -> None:
 def test_a_plan_is_the_same_however_busy_the_computer_is(
     round_model: Model, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    budget = 0.2 * processor_time.cost_of(round_model)
+    budget = 0.2 * planner.cost_of(round_model)
     first = plan(round_model, budget=budget)
     for clock in ("perf_counter", "process_time", "time", "monotonic"):
         monkeypatch.setattr(time, clock, lambda: 1 / 0)
@@ -104,14 +103,14 @@ def test_a_plan_is_the_same_however_busy_the_computer_is(
 
 def test_a_mesh_is_live_where_its_cost_is_as_near_to_the_budget_as_costs_are_known(round_model: Model) -> None:
     """The default cube, cut finer, took 1.004 of it, and was said to run at 1x real time anyway."""
-    cost = processor_time.cost_of(round_model)
+    cost = planner.cost_of(round_model)
     for share, live in ((0.99, True), (0.93, False)):
         assert (plan(round_model, budget=share * cost).proxy is None) == live
 
 
 def test_the_cost_counts_vertices_and_steps(round_model: Model) -> None:
     steps = round_model.substeps(1e-3) / 1e-3
-    assert processor_time.cost_of(round_model) == pytest.approx(2562 * steps * processor_time.COST)
+    assert planner.cost_of(round_model) == pytest.approx(2562 * steps * planner.COST)
 
 
 def test_where_none_of_any_size_can_be_made_the_full_mesh_is_simulated_or_its_stiffness_is_said(

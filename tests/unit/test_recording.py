@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core import recording
 from core.base import DimpleError
 from core.recording import PointCache, open_point_cache
+from core.recording import point_cache as recording
 from tests.point_cache import read_point_cache
 from tools.environment import ROOT
 

@@ -8,10 +8,10 @@ import pytest
 
 from core.base import DimpleError
 from core.body.model import build_model
+from core.constants import MAX_STEPS
 from core.material import Material, law_force
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session
-from core.solver.motion import MAX_STEPS
 from tests.bodies import Shape, after, ball, joined, sheet, soup
 
 SOFT = Material(K1=600, K2=2000, x0=0.02, k=600, mass=0.5, damping_ratio=0.5, fill="none")

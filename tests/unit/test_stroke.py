@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.fingertip import Finger
-from core.stroke import Hand, Sample, Way, corners, keys
+from core.poke.stroke import Hand, Sample, Way, corners, keys
+from core.session.fingertip import Finger
 
 UP = (0.0, 0.0, 1.0)
 TOP = 0.05  # [m] height of the centre where the fingertip touches

@@ -21,9 +21,9 @@ DATA = {
 # said here and not read from the manifest or the folders, so that a change of either has to be meant
 TOP = {"LICENSE", "__init__.py", "addon", "blender_manifest.toml", "core", "operators", "wheels"}
 FOLDERS = {
-    "addon", "addon/locale", "addon/pictures", "core", "core/animation", "core/body", "core/calibration",
-    "core/experiment", "core/device",
-    "core/mesh", "core/native", "core/reduction", "core/solver", "operators", "wheels",
+    "addon", "addon/locale", "addon/pictures", "core", "core/body", "core/calibration", "core/device",
+    "core/experiment", "core/mesh", "core/native", "core/poke", "core/recording", "core/reduction", "core/session",
+    "core/world", "operators", "wheels",
 }  # fmt: skip
 ENDINGS = {"", ".dat", ".json", ".py", ".toml", ".webp", ".whl", ".bz2"}  # no library, object, cache, table or scene
 WHEELS = {

@@ -56,7 +56,7 @@ def test_a_disk_that_fills_while_recording_ends_the_recording_and_not_the_sessio
 def test_a_disk_that_refuses_the_end_of_a_recording_leaves_the_mesh_at_rest(
     bpy: ModuleType, sessions: Any, scene: Any, playing: Any, coordinates: Bits, rest: bytes, monkeypatch: Any
 ) -> None:
-    from bl_ext.user_default.dimple.core import recording
+    from bl_ext.user_default.dimple.core.recording import point_cache as recording
 
     obj = playing()
     bpy.ops.dimple.record()

@@ -27,9 +27,6 @@ def test_pokes_paint_a_map_that_makes_the_press_as_stiff_as_it_was_poked(
     path.write_text("x (mm),y (mm),z (mm),depth (mm),force (N)\n" + "\n".join(rows))
     assert bpy.ops.dimple.softness_from_pokes(filepath=str(path)) == {"FINISHED"}
     assert obj.dimple.softness_group in obj.vertex_groups
-    interval = np.empty(len(obj.data.vertices), np.float32)
-    obj.data.attributes["dimple_softness_interval"].data.foreach_get("value", interval)
-    assert (interval >= 1).all() and np.isfinite(interval).all()
     _, model = bridge.read_body(bpy.context, obj)
     per_area, x = model.matching.k1 / model.mesh.vertex_areas, model.mesh.rest_positions[:, 0]
     ratio = np.median(per_area[x > 0.05]) / np.median(per_area[x < -0.05])
@@ -39,7 +36,7 @@ def test_pokes_paint_a_map_that_makes_the_press_as_stiff_as_it_was_poked(
 def test_a_table_that_is_none_changes_nothing(bpy: ModuleType, ball: Callable[..., Any], tmp_path: Path) -> None:
     obj = ball(subdivisions=3)
     path = tmp_path / "curve.csv"
-    path.write_text("depth,force\n1,2\n")
+    path.write_text("depth,force\n" + "1,2\n2,3\n" * 10)
     with pytest.raises(RuntimeError, match="no column x, y, z"):
         bpy.ops.dimple.softness_from_pokes(filepath=str(path))
     assert not obj.vertex_groups and not obj.dimple.softness_group

@@ -1,0 +1,192 @@
+"""A map of softness from pokes of one object: x, y, z, depth and force, as robots record them.
+
+At each place the force over that of the material's law says how many times as stiff the object is there. A vertex gets
+the mean of the nearest places, and each place is predicted from the others to know how good that is.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..base import DimpleError, Floats
+from ..material import Material
+from ..mesh.surface import Mesh
+from ..messages import Message
+from .dialect import find_dialect
+from .question import Answers
+from .reader import load_lines
+from .table import Table, find_table
+from .units import KIND, kind_of, written_units
+from .vocabulary import role_of, unit_of
+
+_NEAREST = 4  # places that are averaged: the corners of the cell round a vertex
+_FEWEST = 2 * _NEAREST  # places of a map
+_SAME = 1e-3  # of the size of the object: pokes this near are at one place
+_FAR = 0.1  # of the size: pokes farther from the surface are none of this object
+_PER_WEIGHT = 2 * math.log(4.0)  # a weight of 1 is four times as soft as one of 0.5
+_AXES = ("x", "y", "z")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pokes:
+    """Pokes of one object: places (p, 3) [m], depths (p,) [m] and forces (p,) [N]."""
+
+    places: Floats
+    depths: Floats
+    forces: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PokeMap:
+    """Softness over a mesh.
+
+    stiffness: (n,) how many times as stiff as the material each vertex is.
+    weights: (n,) softness as it is painted: 0.5 as measured, 1 four times softer, 0 four times stiffer.
+    places: how many there are.
+    pokes: how many there were.
+    error: of the force at places that are predicted from all others, RMS as a share of it.
+    without: what that error would be with one softness for all.
+    outside: share of the vertices that are softer or stiffer than a map can say.
+    """
+
+    stiffness: Floats
+    weights: Floats
+    places: int
+    pokes: int
+    error: float
+    without: float
+    outside: float
+
+    @property
+    def text(self) -> str:
+        """Return what was found, as a sentence."""
+        return Message(
+            "{pokes} pokes at {places} places: each place predicted from the others, the force is off by {error:.1%} "
+            "(RMS; with one softness for all {without:.1%}).",
+            pokes=self.pokes,
+            places=self.places,
+            error=self.error,
+            without=self.without,
+        )
+
+
+def read_pokes(path: str | Path) -> Pokes:
+    """Read a table of pokes; lengths are in mm and forces in N where it names no unit. Rows in the air are left out.
+
+    Raises:
+        Undecided: the file can be read in several ways.
+        DimpleError: it cannot be read, or lacks a column; the message says which.
+    """
+    lines, _, _ = load_lines(path)
+    table = find_table(lines, find_dialect(lines), Answers())
+    columns = _columns(table)
+    if missing := [name for name in (*_AXES, "depth", "force") if name not in columns]:
+        raise DimpleError(
+            "{name} is no table of pokes: there is no column {missing}.", name=Path(path).name, missing=tuple(missing)
+        )
+    units = written_units(table)
+    found = np.stack([_in_si(table, units[at], at, name) for name, at in columns.items()], axis=1)
+    by = dict(zip(columns, found[np.isfinite(found).all(axis=1)].T, strict=True))
+    hard = np.abs(by["force"]) >= np.abs(by["force"]).max() / 2  # these tell the signs of both
+    depth, force = (by[name] * (-1 if by[name][hard].sum() < 0 else 1) for name in ("depth", "force"))
+    pressed = (depth > 0) & (force > 0)
+    if not pressed.any():
+        raise DimpleError("No poke has a depth and a force greater than 0. Are the columns the right ones?")
+    places = np.stack([by[axis] for axis in _AXES], axis=1)
+    return Pokes(places=places[pressed], depths=depth[pressed], forces=force[pressed])
+
+
+def map_pokes(mesh: Mesh, material: Material, pokes: Pokes) -> PokeMap:
+    """Find softness over a mesh.
+
+    Args:
+        mesh: in the size and the place of the object that was poked [m].
+        material: whose law the forces are compared with.
+
+    Raises:
+        DimpleError: too few places, they are not on this object, or one softness is as good as a map.
+    """
+    _check(mesh, pokes)
+    law = np.array([material.law(depth) for depth in pokes.depths.tolist()])
+    places, logs = _at_places(pokes.places, pokes.forces, law, _SAME * mesh.size)
+    if len(places) < _FEWEST:
+        raise DimpleError(
+            "A map needs pokes at {least} or more different places; this file has {places}.",
+            least=_FEWEST,
+            places=len(places),
+        )
+    left_out = (_near_means(places, places, logs, _NEAREST + 1) * (_NEAREST + 1) - logs) / _NEAREST
+    flat = (logs.sum() - logs) / (len(logs) - 1)
+    error, without = (float(np.sqrt((np.expm1(guess - logs) ** 2).mean())) for guess in (left_out, flat))
+    if error >= without:
+        raise DimpleError(
+            "One softness is as good as a map: each place predicted from the others, the force is off by {error:.1%} "
+            "with a map and {without:.1%} without.",
+            error=error,
+            without=without,
+        )
+    mean = _near_means(mesh.rest_positions, places, logs, _NEAREST)
+    weights = 0.5 - mean / _PER_WEIGHT
+    return PokeMap(
+        stiffness=np.exp(mean), weights=np.clip(weights, 0.0, 1.0), places=len(places), pokes=len(law),
+        error=error, without=without, outside=float(((weights < 0) | (weights > 1)).mean()),
+    )  # fmt: skip
+
+
+def _columns(table: Table) -> dict[str, int]:
+    """Return which column is what: places by the names of the axes, depth and force by the words for them."""
+    found: dict[str, int] = {}
+    for at, name in enumerate(table.names):
+        word = name.strip().lower()
+        what = word if word in _AXES else role_of(name)
+        if what in (*_AXES, "depth", "force") and table.numeric[at]:
+            found.setdefault(what, at)
+    return found
+
+
+def _in_si(table: Table, unit: str | tuple[str, ...], at: int, name: str) -> Floats:
+    usual = "N" if name == "force" else "mm"
+    kind = "force" if name == "force" else KIND["depth"]
+    cell = unit if isinstance(unit, str) else unit[0]
+    known = unit_of(cell if kind_of(unit) == kind else usual)
+    assert known is not None
+    return np.asarray(table.numbers[:, at] * known[1], np.float64)
+
+
+def _near_means(points: Floats, places: Floats, logs: Floats, count: int) -> Floats:
+    """Return the means (n,) of what was measured (p,) at the `count` places (p, 3) nearest to points (n, 3)."""
+    means = np.empty(len(points))
+    squares = (places**2).sum(axis=1) / 2
+    for part in np.array_split(np.arange(len(points)), len(points) // 2000 + 1):  # a matrix of 2,000 rows at a time
+        distances = squares - points[part] @ places.T
+        means[part] = logs[np.argpartition(distances, count - 1, axis=1)[:, :count]].mean(axis=1)
+    return means
+
+
+def _at_places(places: Floats, forces: Floats, law: Floats, same: float) -> tuple[Floats, Floats]:
+    """Return places (q, 3) [m] and the logarithm of stiffness there (q,).
+
+    Pokes at one place are one measurement: the force over the law's, by least squares.
+    """
+    _, which, counts = np.unique(np.round(places / same), axis=0, return_inverse=True, return_counts=True)
+    which = which.reshape(-1)
+    ratio = np.bincount(which, weights=forces * law) / np.bincount(which, weights=law**2)
+    return np.stack([np.bincount(which, weights=axis) / counts for axis in places.T], axis=1), np.log(ratio)
+
+
+def _check(mesh: Mesh, pokes: Pokes) -> None:
+    """Raise a DimpleError where the pokes are not near the surface."""
+    sample = range(0, len(pokes.places), max(len(pokes.places) // 200, 1))
+    points = np.concatenate([mesh.rest_positions[~mesh.loose], mesh.rest_positions[mesh.triangles].mean(axis=1)])
+    away = np.array([math.sqrt(((points - pokes.places[i]) ** 2).sum(axis=1).min()) for i in sample])
+    reach = _FAR * mesh.size + float(np.median(mesh.rest_lengths))
+    if np.median(away) > reach:
+        raise DimpleError(
+            "The pokes lie {distance:.3g} mm from the surface. Their x, y and z are places on the object as it "
+            "stands in the scene, at its physical size.",
+            distance=1e3 * float(np.median(away)),
+        )

@@ -1,0 +1,287 @@
+"""From a recording to one press: its range, cycle and rows, and the work that is lost in unloading."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..base import DimpleError, Floats
+from ..messages import Message
+from .columns import Measurement
+from .direction import oriented, which_order
+from .question import Answers, Candidate, Question, Undecided
+from .strokes import Cycle, dip, find_cycles, spikes, still, tear
+from .table import MIN_ROWS
+
+_AGREE = 0.10  # of full scale, RMS: presses of one object that differ more have changed it
+_GAINED = 0.03  # of the work: what a way back returns beyond it is no error of measurement
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoadingCurve:
+    """One press of a recording, its rows in the order they were measured.
+
+    depth: (n,) from the first touch, negative before it [m].
+    force: (n,) without the tare [N].
+    unloading_depth: (m,) from the first touch [m], empty where there is no unloading.
+    unloading_force: (m,) without the tare [N].
+    cycle: which press it is, counted from 1.
+    cycles: how many there are.
+    touch: of the first touch, in the file's own depth but growing inward [m].
+    tare: force at the first touch [N].
+    inward: sign of the file's own depth where it grows inward.
+    notes: messages about how the press was prepared.
+    warnings: messages about what may be wrong.
+    """
+
+    depth: Floats
+    force: Floats
+    unloading_depth: Floats
+    unloading_force: Floats
+    cycle: int
+    cycles: int
+    touch: float
+    tare: float
+    inward: int
+    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    def begun_at(self, touch: float, tare: float) -> LoadingCurve:
+        """Return the curve from a touch [m] and without a tare [N] of its own."""
+        return replace(
+            self, depth=self.depth - touch, force=self.force - tare, unloading_depth=self.unloading_depth - touch,
+            unloading_force=self.unloading_force - tare, touch=self.touch + touch, tare=self.tare + tare,
+        )  # fmt: skip
+
+    def reading(self, depth: float) -> float:
+        """Return what the file calls a depth [m] from the first touch [mm]."""
+        return 1e3 * self.inward * (self.touch + depth)
+
+    @property
+    def loss(self) -> float | None:
+        """Return the share of the work that unloading does not return, None where it is not complete.
+
+        It is negative where more is returned.
+        """
+        inside, depth = self.depth > 0, self.unloading_depth
+        if len(depth) < MIN_ROWS or depth.min() > 0.2 * self.depth.max():
+            return None
+        spent = _work(self.depth[inside], self.force[inside])
+        returned = -_work(depth, np.maximum(self.unloading_force, 0))
+        return min(1 - returned / spent, 1.0) if spent > 0 else None
+
+    @property
+    def damping_ratio(self) -> float | None:
+        """Return the damping ratio of a linear body with this loss, a hint only.
+
+        One loop from 0 to a depth X loses pi c w (X/2)^2 of the k X^2 / 2 put in; with c w = 2 z k that is pi z.
+        """
+        return None if self.loss is None else max(self.loss, 0.0) / math.pi
+
+
+def prepare(measurement: Measurement, answers: Answers | None = None) -> LoadingCurve:
+    """Find the press of a recording, in the file's own zero.
+
+    Raises:
+        Undecided: which way presses, which of several cycles, or how deep before it was torn, is open.
+        DimpleError: there is no press in it.
+    """
+    answers = answers or Answers()
+    notes: list[str] = []
+    warnings: list[str] = []
+    depth, force = _without_spikes(measurement, warnings)
+    if np.ptp(depth) == 0 or np.ptp(force) == 0:
+        raise DimpleError("The depth or the force is the same in every row, so there is no press to fit.")
+    depth, force, inward = oriented(measurement, depth, force, answers, notes)
+    depth, force = _in_range(depth, force, inward, answers, notes)
+    cycles = find_cycles(depth)
+    if not cycles and answers.order is None and not measurement.timed:
+        raise Undecided(which_order(Message("The depth only falls, which would be a way back and no press")))
+    if not cycles:
+        raise DimpleError("The depth never grows: the file holds unloading only, no press.")
+    cycles = _long_enough(cycles, depth, notes)
+    if len(cycles) > 8 and len(depth) / len(cycles) < 4 * MIN_ROWS:
+        raise DimpleError(
+            "The depth turns back {cycles} times in {rows} rows: they are not in the order measured, or the depth is "
+            "not the column taken.",
+            cycles=len(cycles),
+            rows=len(depth),
+        )
+    strokes = [_stroke(depth, force, cycle) for cycle in cycles]
+    chosen = _choose(strokes, answers, notes)
+    stroke = strokes[chosen]
+    if (at := tear(stroke.force)) is not None and answers.until_mm is None:
+        raise Undecided(_torn(stroke, at, inward))
+    back = slice(cycles[chosen].peak, cycles[chosen].end + 1)
+    return LoadingCurve(
+        depth=stroke.depth, force=stroke.force, unloading_depth=depth[back], unloading_force=force[back],
+        cycle=chosen + 1, cycles=len(cycles), touch=0.0, tare=0.0, inward=inward,
+        notes=(*notes, *stroke.notes), warnings=tuple(warnings),
+    )  # fmt: skip
+
+
+def check_loss(curve: LoadingCurve, ordered: bool) -> tuple[str, ...]:
+    """Ask for the order of the rows, or warn where it is known, if more work comes back than was put in.
+
+    Raises:
+        Undecided: the order of the rows is not known.
+    """
+    if curve.loss is None or curve.loss >= -_GAINED:
+        return ()
+    why = Message("The way back returns {loss:.0f} % more work than the press takes", loss=-100 * curve.loss)
+    if not ordered:
+        raise Undecided(which_order(Message("{why}, which no object does", why=why)))
+    return (Message("{why}.\nNo object does that: force and depth may not be of one press.", why=why),)
+
+
+@dataclass(frozen=True, slots=True)
+class _Stroke:
+    """One loading stroke: depth (n,) [m] and force (n,) [N] in the file's own zero, and notes on how it was read."""
+
+    depth: Floats
+    force: Floats
+    notes: tuple[str, ...]
+
+
+def _without_spikes(measurement: Measurement, warnings: list[str]) -> tuple[Floats, Floats]:
+    depth, force = measurement.depth, measurement.force
+    wrong = spikes(depth) | spikes(force)
+    if wrong.any():
+        rows = ", ".join(str(row + 1) for row in np.flatnonzero(wrong)[:5])
+        more = " ..." if wrong.sum() > 5 else ""
+        warnings.append(
+            Message(
+                "{count} rows stand apart from their neighbours and were left out ({rows}{more}).",
+                count=int(wrong.sum()),
+                rows=rows,
+                more=more,
+            )
+        )
+    return depth[~wrong], force[~wrong]
+
+
+def _in_range(depth: Floats, force: Floats, inward: int, answers: Answers, notes: list[str]) -> tuple[Floats, Floats]:
+    """Leave out the rows outside the range that was given."""
+    keep = np.ones(len(depth), bool)
+    if answers.from_mm is not None:
+        keep &= depth >= inward * answers.from_mm / 1e3
+    if answers.until_mm is not None:
+        keep &= depth <= inward * answers.until_mm / 1e3
+    if keep.sum() < MIN_ROWS:
+        raise DimpleError(
+            "Only {rows} rows lie in the range that was given; a fit needs {least}.",
+            rows=int(keep.sum()),
+            least=MIN_ROWS,
+        )
+    if not keep.all():
+        notes.append(Message("{rows} rows outside the range that was given were left out.", rows=int((~keep).sum())))
+    return depth[keep], force[keep]
+
+
+def _long_enough(cycles: list[Cycle], depth: Floats, notes: list[str]) -> list[Cycle]:
+    """Leave out touches in passing: less than half as deep as the deepest press, or with a tenth of the rows."""
+    shallowest, deepest = float(depth.min()), max(float(depth[cycle.peak]) for cycle in cycles)
+    deep = [cycle for cycle in cycles if depth[cycle.peak] - shallowest >= (deepest - shallowest) / 2]
+    least = max(MIN_ROWS, max(cycle.rows for cycle in deep) // 10)
+    whole = [cycle for cycle in deep if cycle.rows >= least] or deep
+    if len(whole) < len(cycles):
+        peaks = ", ".join(f"{1e3 * depth[cycle.peak]:.4g}" for cycle in cycles if cycle not in whole)
+        notes.append(Message("Touches to {peaks} mm, less deep or of a few rows only, were left out.", peaks=peaks))
+    return whole
+
+
+def _stroke(depth: Floats, force: Floats, cycle: Cycle) -> _Stroke:
+    notes = []
+    x, f = depth[cycle.start : cycle.peak + 1], force[cycle.start : cycle.peak + 1]
+    stands = still(x)
+    if stands.any():
+        notes.append(Message("{dwelt} rows in which the depth stood still were left out.", dwelt=int(stands.sum())))
+    x, f = x[~stands], f[~stands]
+    if len(x) < MIN_ROWS:
+        raise DimpleError("A press has {rows} rows; a fit needs at least {least}.", rows=len(x), least=MIN_ROWS)
+    pulled = dip(x, f)
+    if pulled.any():
+        notes.append(
+            Message(
+                "The force dips by {dip:.3g} N before the press, as where a tip sticks; {rows} rows of it were left "
+                "out.",
+                dip=f[~pulled][0] - f.min(),
+                rows=int(pulled.sum()),
+            )
+        )
+    return _Stroke(x[~pulled], f[~pulled], tuple(notes))
+
+
+def _torn(stroke: _Stroke, at: int, inward: int) -> Question:
+    depth, force = 1e3 * inward * stroke.depth, stroke.force
+    tear_mm = float(depth[at] + depth[at + 1]) / 2
+    return Question(
+        name="until_mm",
+        text=Message(
+            "The force falls for good from {force:.4g} N at {at:.4g} mm: was the specimen torn? Down to which depth "
+            "should it be fitted?",
+            force=force[at],
+            at=tear_mm,
+        ),
+        candidates=(
+            Candidate(value=f"{tear_mm:.7g}", label="where the force begins to fall"),
+            Candidate(value=f"{depth[-1]:.7g}", label="the deepest row: no tear, it answers like this"),
+        ),
+        default=f"{tear_mm:.7g}",
+    )
+
+
+def _choose(strokes: list[_Stroke], answers: Answers, notes: list[str]) -> int:
+    """Return which cycle to fit: the one that was given, else the first where the others agree with it."""
+    if answers.cycle is not None:
+        if not 1 <= answers.cycle <= len(strokes):
+            raise DimpleError(
+                "There is no cycle {cycle}: the file holds {presses}.", cycle=answers.cycle, presses=len(strokes)
+            )
+        return answers.cycle - 1
+    if len(strokes) == 1:
+        return 0
+    apart = [_difference(strokes[0], other) for other in strokes[1:]]
+    if max(apart) <= _AGREE:
+        notes.append(
+            Message(
+                "{presses} presses agree within {apart:.1f} % of full scale; the first is fitted.",
+                presses=len(strokes),
+                apart=100 * max(apart),
+            )
+        )
+        return 0
+    raise Undecided(
+        Question(
+            name="cycle",
+            text=Message(
+                "The file holds {presses} presses that differ by up to {apart:.0f} % of full scale. Which one is "
+                "fitted?",
+                presses=len(strokes),
+                apart=100 * max(apart),
+            ),
+            candidates=tuple(
+                Candidate(
+                    value=str(i + 1),
+                    label=Message(
+                        "{depth:.4g} mm deep, up to {force:.4g} N", depth=1e3 * s.depth.max(), force=s.force.max()
+                    ),
+                )
+                for i, s in enumerate(strokes)
+            ),
+        )
+    )
+
+
+def _difference(first: _Stroke, other: _Stroke) -> float:
+    """Return how far two strokes are apart where both were: RMS as a share of full scale."""
+    shallowest = max(first.depth.min(), other.depth.min())
+    grid = np.linspace(shallowest, min(first.depth.max(), other.depth.max()), 100)
+    a, b = (np.interp(grid, np.maximum.accumulate(s.depth), s.force) for s in (first, other))
+    return float(np.sqrt(((a - b) ** 2).mean()) / max(np.ptp(a), 1e-300))
+
+
+def _work(depth: Floats, force: Floats) -> float:
+    return float(((force[1:] + force[:-1]) / 2 * np.diff(depth)).sum())

@@ -1,0 +1,162 @@
+"""A fingertip of a poke: where it is aimed, how far it has gone in, and how it moves on.
+
+A fingertip starts where its sphere touches the surface and goes in from there. A drag leads it over the surface, where
+the pointer went, not straight through the body. Points are in the session's space [m].
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+
+from ..base import TICK
+from ..constants import TRAVEL
+from ..session import Finger
+from ..vectors import Vector, along, length, scaled
+
+SLIDE_S = 0.04  # [s] a dragged fingertip lags this much: no jump tears at the skin
+
+
+@dataclass(frozen=True, slots=True)
+class Aim:
+    """Where a fingertip touches [m] and two unit vectors: out of the surface, and inward along the press."""
+
+    at: Vector
+    outward: Vector
+    inward: Vector
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PokeTip:
+    """One fingertip of a poke.
+
+    body: the one it presses.
+    aim: where it is now.
+    goal: where a drag leads it.
+    way: what it passes on its way there.
+    radius: of its sphere [m].
+    wanted: depth [m] or force [N].
+    by_force: it is pushed by a force.
+    reached: of what is wanted, so far.
+    depth: of one that no force pushes [m].
+    via: where it touched at even times of the last step, before its end.
+    anew: it has come down in the last step.
+    leaving: it moves out of the body.
+    """
+
+    body: int
+    aim: Aim
+    goal: Aim
+    way: tuple[Aim, ...] = ()
+    radius: float
+    wanted: float
+    by_force: bool = False
+    reached: float = 0.0
+    depth: float = 0.0
+    via: tuple[Vector, ...] = ()
+    anew: bool = False
+    leaving: bool = False
+
+    @property
+    def finger(self) -> Finger:
+        """Return where the fingertip is, for a session."""
+        if not self.by_force:
+            return Finger(self.place, self.radius, via=self.via, anew=self.anew)
+        return Finger(self.place, self.radius, self.reached, self.aim.inward, self.via, self.anew)
+
+    @property
+    def place(self) -> Vector:
+        """Return where its centre is [m]; of one that is pushed, where it touches."""
+        touching = along(self.aim.at, self.aim.outward, self.radius)
+        return touching if self.by_force else along(touching, self.aim.inward, self.depth)
+
+
+def leaving(tip: PokeTip) -> PokeTip:
+    """Return a fingertip that comes out from where it is."""
+    # from what it has reached, so that release_s holds for a press cut short too
+    reached = tip.reached if tip.by_force else tip.depth
+    return replace(tip, leaving=True, wanted=reached, reached=reached)
+
+
+def led(tip: PokeTip, goal: Aim) -> PokeTip:
+    """Return a fingertip that a drag leads elsewhere, over what it was led to before."""
+    last = tip.way[-1] if tip.way else tip.aim
+    far = length(along(tip.goal.at, last.at, -1.0)) > TRAVEL * tip.radius
+    return replace(tip, way=(*tip.way, tip.goal) if far else tip.way, goal=goal)
+
+
+def stepped(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s: float) -> PokeTip | None:
+    """Return a fingertip a step dt [s] later, and where it was on its way; see `moved`."""
+    far = _share(dt) * sum(length(along(b, a, -1.0)) for a, b in itertools.pairwise(_places(tip)))
+    parts = max(1, min(round(dt / TICK), math.ceil(far / (TRAVEL * tip.radius))))
+    via, now, anew = [], tip, tip.reached == 0
+    for _ in range(parts):
+        part = moved(now, dt / parts, amount=amount, press_s=press_s, release_s=release_s)
+        if part is None:
+            return None
+        via.append(part.place)
+        now = part
+    return replace(now, via=tuple(via[:-1]), anew=anew)
+
+
+def moved(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s: float) -> PokeTip | None:
+    """Return a fingertip a time dt [s] later, None when it has left the surface.
+
+    Args:
+        amount: depth [m] or force [N] of a whole press, which takes
+        press_s: to go in and
+        release_s: to come out [s].
+    """
+    if tip.leaving:
+        most = _travel(tip.wanted, release_s, dt)
+        reached = tip.reached - most
+        if reached <= 1e-9:
+            return None
+    else:
+        most = _travel(max(tip.wanted, amount), press_s, dt)
+        reached = tip.reached + max(-most, min(most, tip.wanted - tip.reached))
+    aim, way = _slid(tip, _share(dt))
+    return replace(tip, aim=aim, way=way, reached=reached, depth=min(reached, tip.depth + most))
+
+
+def _share(dt: float) -> float:
+    """Return the share of its way that a fingertip slides in a time dt [s]."""
+    return -math.expm1(-dt / SLIDE_S)
+
+
+def _places(tip: PokeTip) -> list[Vector]:
+    return [tip.aim.at, *(each.at for each in tip.way), tip.goal.at]
+
+
+def _slid(tip: PokeTip, share: float) -> tuple[Aim, tuple[Aim, ...]]:
+    """Return where a fingertip is after a share of its way, and what it still passes."""
+    aims = [*tip.way, tip.goal]
+    legs = [length(along(b, a, -1.0)) for a, b in itertools.pairwise(_places(tip))]
+    left, here, passed = share * sum(legs), tip.aim, 0
+    while passed < len(tip.way) and left >= legs[passed]:
+        left, here, passed = left - legs[passed], aims[passed], passed + 1
+    leg = legs[passed]
+    return _between(here, aims[passed], left / leg if leg > 0 else share), tip.way[passed:]
+
+
+def _between(aim: Aim, goal: Aim, share: float) -> Aim:
+    return Aim(
+        _toward(aim.at, goal.at, share),
+        unit(_toward(aim.outward, goal.outward, share), goal.outward),
+        unit(_toward(aim.inward, goal.inward, share), goal.inward),
+    )
+
+
+def _travel(whole: float, duration: float, dt: float) -> float:
+    return math.inf if duration <= 0 else whole * dt / duration
+
+
+def _toward(a: Vector, b: Vector, share: float) -> Vector:
+    return along(a, along(b, a, -1.0), share)
+
+
+def unit(a: Vector, otherwise: Vector) -> Vector:
+    """Return a vector of length 1 along another, or what to take where that has no direction."""
+    long = length(a)
+    return scaled(a, 1 / long) if long > 1e-6 else otherwise

@@ -1,0 +1,6 @@
+"""A session: one body, its fingertips and its clock, and the loop that steps sessions."""
+
+from .clock import step_all as step_all
+from .fingertip import Finger as Finger
+from .frame import Frame as Frame
+from .session import Session as Session

@@ -1,0 +1,135 @@
+"""The clock of a session, and the loop that steps sessions tick by tick within a budget of wall time."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from typing import Protocol, TypeVar
+
+from .. import native
+from ..base import DimpleError
+from ..constants import MAX_STEPS
+from ..native import motion
+from ..native.motion import Motion
+from .frame import Frame
+
+TICKS_AT_ONCE = 8  # ticks of 1 ms between looks at the wall clock: half a frame at 60 Hz
+
+
+class Clock:
+    """Time in whole ticks, whatever the steps are that it is advanced by; what is left over is carried to the next.
+
+    tick: [s].
+    time: at the end of the last step [s].
+    ticks: that are over.
+    begin, end: of the step under way [s].
+    """
+
+    def __init__(self, tick: float) -> None:
+        if not tick > 0:
+            raise DimpleError("A tick must be longer than 0 s (it is {tick}).", tick=tick)
+        self.tick = tick
+        self.reset()
+
+    def reset(self) -> None:
+        """Go back to zero."""
+        self.time, self.ticks, self.begin, self.end = 0.0, 0, 0.0, 0.0
+        self._last_tick = 0
+
+    def start(self, dt: float) -> None:
+        """Begin a step of dt [s].
+
+        Raises:
+            DimpleError: dt is negative or not a number.
+        """
+        if not 0 <= dt < math.inf:
+            raise DimpleError("A step of time must be 0 s or longer (it is {dt}).", dt=dt)
+        self.begin, self.end = self.time, self.time + dt
+        self._last_tick = math.floor(self.end / self.tick + 1e-6)
+
+    @property
+    def due(self) -> int:
+        """Return how many ticks of the step under way are left."""
+        return max(self._last_tick - self.ticks, 0)
+
+    def share_after(self, ticks: int) -> float:
+        """Return how much of the step under way is over after some more ticks: 0 at its begin, 1 at its end."""
+        return self._share((self.ticks + ticks) * self.tick)
+
+    def stop(self, *, early: bool) -> float:
+        """End the step under way, after the ticks that are over if early; return how much of it is over."""
+        self.time = self.ticks * self.tick if early else self.end
+        return self._share(self.time)
+
+    def _share(self, time: float) -> float:
+        return 1.0 if time >= self.end else (time - self.begin) / max(self.end - self.begin, 1e-30)
+
+
+class Stepped(Protocol):
+    """What the loop asks of a session; `session.Session` says more."""
+
+    body: native.Body
+    most: int
+
+    def begin(self, dt: float) -> None: ...
+    @property
+    def due(self) -> int: ...
+    def next_motion(self, ticks: int) -> Motion: ...
+    def take(self, result: motion.Frame) -> bool: ...
+    def finish(self, *, early: bool = False) -> Frame: ...
+
+
+_Session = TypeVar("_Session", bound=Stepped)
+_Results = tuple[Sequence[motion.Frame], int]
+
+
+def step_all(
+    sessions: Sequence[_Session],
+    seconds: Sequence[float],
+    *,
+    budget: float | None = None,
+    together: Callable[[Sequence[_Session], int], _Results] | None = None,
+) -> list[Frame]:
+    """Advance each session by its time [s] in whole ticks; what is left over is carried to the next call.
+
+    Args:
+        budget: wall time [s] that only a first tick of each may exceed; the simulated time of those that are not done
+            then lags behind.
+        together: run sessions that meet each other, by at most some ticks; return what each came to, and the ticks.
+            Where one of them ends, all do.
+
+    Raises:
+        DimpleError: a time is negative or not a number.
+    """
+    started = time.perf_counter()
+    for session, dt in zip(sessions, seconds, strict=True):
+        session.begin(dt)
+    going, done, spent = [each for each in sessions if each.due], 0, 0.0
+    while going and not (together and len(going) < len(sessions)):
+        results, ticks = (together or _side_by_side)(going, _ticks_that_fit(done, spent, budget))
+        going = [each for each, result in zip(going, results, strict=True) if each.take(result) and each.due]
+        done, spent = done + ticks, time.perf_counter() - started
+        if budget is not None and spent * (done + 1) > budget * done:  # one more tick would take longer
+            break
+    else:
+        going = []
+    return [session.finish(early=session in going) for session in sessions]
+
+
+def _side_by_side(sessions: Sequence[Stepped], at_once: int) -> _Results:
+    """Run sessions that do not meet, in one native call on every core: to the bits of each alone."""
+    motions = [session.next_motion(min(session.due, session.most, at_once)) for session in sessions]
+    results = native.step_many([session.body for session in sessions], motions)
+    return results, max(each.ticks for each in motions)
+
+
+def _ticks_that_fit(done: int, spent: float, budget: float | None) -> int:
+    """Return how many ticks to run before the next look at the clock: what is left of the budget pays for them, or one.
+
+    Args:
+        done: ticks so far, in so much wall time spent [s].
+    """
+    if budget is None:
+        return MAX_STEPS
+    return max(1, min(TICKS_AT_ONCE, int(done * (budget - spent) / max(spent, 1e-9))))

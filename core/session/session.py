@@ -1,0 +1,320 @@
+"""A session: one body, its fingertips and its clock. Blender and the devices know only this.
+
+Time runs in whole ticks of a millisecond whatever the frame rate, so the same press gives the same motion at
+24 and at 120 frames a second; fingertips and pins move linearly from one call to the next.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..base import TICK, DimpleError, Floats, Singles
+from ..body.model import Model
+from ..body.moved_rest import with_rest
+from ..constants import MAX_FINGERTIPS, MAX_STEPS
+from ..messages import Message
+from ..native import Body, create, motion
+from ..native.motion import Motion
+from ..other_tip import factors
+from ..reduction.proxy import Proxy
+from ..vectors import ZERO, Vector
+from .clock import Clock, step_all
+from .fingertip import Finger as Finger
+from .fingertip import FingerOnItsWay, is_possible, sent
+from .frame import Frame as Frame
+from .skin import Pins, Skin
+
+
+class Session:
+    """Run one model, or a proxy of it that carries its skin along.
+
+    model: what is pressed.
+    proxy: what moves in its place, None where it moves itself.
+    body: what moves, and owns its state.
+    backend: "native" (single precision) or "native64".
+    contact_note: "" or what is left out of its self contact, for the artist.
+    frame: what the last step showed.
+    most: ticks in a motion of the step under way.
+    clock: which the fingertips go by.
+    """
+
+    def __init__(
+        self, model: Model, *, tick: float = TICK, backend: str = "native", proxy: Proxy | None = None
+    ) -> None:
+        self.clock = Clock(tick)
+        self.backend, self.contact_note = backend, ""
+        self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
+        self.substeps: int  # in a tick
+        self.body = self._create(self._define(model, proxy), model)
+        self.reset()
+
+    def reset(self) -> None:
+        """Put the body back to rest, in the shape of its model, and let go of it."""
+        if self._bent is not None:  # made anew, so that the same motion gives the same bits again
+            self.body = self._create(self._moves, self.model)
+        self._bent = None
+        self._bent_target: Floats | None = None  # the shape at rest at the end of the next step
+        self.body.set_state(self._moves.matching.rest)
+        self._work, self._total = 0.0, 0
+        self.clock.reset()
+        self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
+        self._pins.rest_at(self.model.matching.rest)
+        self._skin.reset()
+        self._last = motion.Frame((), self.body.model.mesh.volume, 0.0, 0, True)
+        self._done, self._note, self.most, self._started = 0, "", MAX_STEPS, time.perf_counter()
+        self.frame = self._show((), self.clock.tick)
+
+    def set_fingers(self, fingers: Sequence[Finger | None]) -> None:
+        """Say where up to three fingertips are at the end of the next step; None lifts one off.
+
+        Raises:
+            DimpleError: too many fingertips, a radius that is not positive, or a position that is not a number.
+        """
+        if len(fingers) > MAX_FINGERTIPS:
+            raise DimpleError("There are at most {most} fingertips.", most=MAX_FINGERTIPS)
+        for finger in fingers:
+            if finger and not is_possible(finger):
+                raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
+        self._tips = list(map(sent, [*self._tips, None, None, None], fingers))
+        if not any(self._tips):
+            self.substeps = self._moves.substeps(self.clock.tick)
+
+    def set_pins(self, positions: Floats) -> None:
+        """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
+
+        Raises:
+            DimpleError: another number of vertices, or positions that are not numbers.
+        """
+        positions = np.asarray(positions, np.float64)
+        if positions.shape != (len(self.model.mesh.source), 3):
+            raise DimpleError(
+                "The mesh has {vertices} vertices: give a position for each.", vertices=len(self.model.mesh.source)
+            )
+        if not np.isfinite(positions[self._skin.input_of][self._pins.followed]).all():
+            raise DimpleError("A pinned vertex has a position that is not a number.")
+        self._pins.target = positions[self._skin.input_of].T
+
+    def set_rest(self, positions: Floats) -> None:
+        """Say which shape at rest the input vertices (N, 3) [m] have at the end of the next step, as a rig bends it.
+
+        Where the model is rigged that is also where it is; else only the shape counts. What carries the skin of a proxy
+        knows one shape alone, so the mesh is simulated in full from then on.
+
+        Raises:
+            DimpleError: another number of vertices, or positions that are not numbers.
+        """
+        positions = np.asarray(positions, np.float64)
+        if positions.shape != (len(self.model.mesh.source), 3):
+            raise DimpleError(
+                "The mesh has {vertices} vertices: give a position for each.", vertices=len(self.model.mesh.source)
+            )
+        if not np.isfinite(positions).all():
+            raise DimpleError("The shape at rest has a position that is not a number.")
+        if self.proxy is not None:
+            self.change(self.model)
+        self._bent_target = positions[self._skin.input_of].T
+
+    def step(self, dt: float, *, budget: float | None = None) -> Frame:
+        """Advance by dt [s] in whole ticks; what is left over is carried to the next call.
+
+        Args:
+            budget: wall time [s] that only a first tick may exceed; what is not done lags behind.
+
+        Raises:
+            DimpleError: dt is negative or not a number.
+        """
+        return step_all([self], [dt], budget=budget)[0]
+
+    def begin(self, dt: float) -> None:
+        """Begin a step of dt [s]; its ticks follow in motions, and `finish` ends it.
+
+        Raises:
+            DimpleError: dt is negative or not a number.
+        """
+        self.clock.start(dt)
+        self._done, self._note, self._started = 0, "", time.perf_counter()
+        self.most = MAX_STEPS // self.substeps - 1
+        for tip in self._tips:
+            if tip:
+                tip.impulse = ZERO
+                if tip.target.via:  # it turns at each of them
+                    self.most = max(1, min(self.most, self.clock.due // (len(tip.target.via) + 1)))
+
+    @property
+    def due(self) -> int:
+        """Return how many ticks of the step under way are left."""
+        return 0 if self._note else self.clock.due
+
+    def next_motion(self, ticks: int, *, substeps: int = 0) -> Motion:
+        """Return what happens in some ticks of the step under way.
+
+        Args:
+            substeps: in each of them, if not as many as the model needs.
+        """
+        clock = self.clock
+        first = last = clock.share_after(ticks)
+        if ticks > 1:
+            first = max(clock.share_after(1), 0.0)  # it may begin before the step does
+        pins = self._pins.lead(first, last)
+        if self._bent_target is not None and ticks:
+            self._bend(self._bent_target, ticks)
+        return Motion(ticks, substeps or self.substeps, clock.tick, self._motions(first, last), pins)
+
+    def take(self, result: motion.Frame) -> bool:
+        """Take what a motion came to; tell whether the step goes on."""
+        self._last = result
+        self.clock.ticks += result.ticks
+        self._done += result.ticks
+        self._total += result.ticks * self.substeps
+        if result.moved:
+            self._skin.reset()
+        self._pins.take()
+        for tip, touch in zip(self._tips, result.touches, strict=True):
+            if tip and touch:
+                self._work += tip.take(touch, result.ticks * self.clock.tick)
+        if not result.finite:
+            at, done = self.clock.ticks * self.clock.tick, self._done
+            self.reset()
+            note = Message(
+                "The simulation blew up after {at:.3f} s and was put back to rest. Lower k or K2, or raise the mass.",
+                at=at,
+            )
+            self._done, self._note = done, note
+        return result.finite
+
+    def finish(self, *, early: bool = False) -> Frame:
+        """End the step under way, or what has been done of it, and return what it shows."""
+        if not self._note:
+            if not self._done:
+                self._last = self._measured()
+            self._move_origins(self.clock.stop(early=early))
+        impulses, seconds = self.frame.impulses, self.frame.seconds  # as before where no tick was due
+        if self._done or len(impulses) != len(self._tips):
+            impulses = tuple([tip.impulse if tip else ZERO for tip in self._tips])
+            seconds = max(self._done, 1) * self.clock.tick
+        self.frame = self._show(impulses, seconds)
+        return self.frame
+
+    def bent_model(self) -> Model:
+        """Return the model that moves, with the shape at rest that a rig has given it."""
+        return self._moves if self._bent is None else with_rest(self._moves, self._bent)
+
+    @property
+    def moved(self) -> bool:
+        """Tell whether anything moved in the last step; False where the body slept all the time."""
+        return self._last.moved
+
+    def wake(self) -> None:
+        """Let the body move again where it sleeps: what it rested on may be gone."""
+        self.body.wake()
+
+    @property
+    def placed(self) -> tuple[Finger | None, ...]:
+        """Return where the fingertips are: those that a force pushes are where it has pushed them."""
+        return tuple([tip.finger() if tip else None for tip in self._tips])
+
+    @property
+    def fingers(self) -> tuple[Finger | None, ...]:
+        """Return where the fingertips are to be at the end of the next step."""
+        return tuple([tip.target if tip else None for tip in self._tips])
+
+    def law(self, index: int, depths: Sequence[float]) -> list[float]:
+        """Return the forces [N] of the law on a fingertip that is down, if it were at depths [m] where it is."""
+        tip = self._tips[index]
+        assert tip
+        table = factors(self.model.materials, tip.target.radius, self.model.mesh.size)
+        return self.body.law(index, np.asarray(depths), table).tolist()
+
+    def positions(self) -> Singles:
+        """Return where the input vertices (N, 3) [m] are, to be read: the same array as long as nothing moves."""
+        return self._skin.positions(self.body, self.placed)
+
+    def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0) -> None:
+        """Go on as another model of the same vertices, from where the body is: nothing moves at the change.
+
+        A vertex that is pinned by it stays where it is then, until pins are led elsewhere.
+
+        Args:
+            proxy: what moves in place of the new model, None where it moves itself.
+            scale: by which all lengths of the new model are larger.
+
+        Raises:
+            DimpleError: it cannot be simulated, or has other vertices; the body goes on as it was.
+        """
+        moves, before, surface = proxy.model if proxy else model, self.body.model, self.model
+        moves.substeps(self.clock.tick)
+        if len(model.matching.rest.T) != len(surface.matching.rest.T):
+            raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
+        skin = scale * np.asarray(self._skin.surface(self.body), np.float64)
+        led = self._pins.target
+        if model.mesh is surface.mesh and moves.mesh is before.mesh:
+            self.body.set_constants(moves, surface=model)
+        else:
+            at, speed = skin, scale * self._skin.velocities(self.body)
+            if proxy:
+                at, speed = at[proxy.seeds], speed[proxy.seeds]
+            self.body = self._create(moves, model)
+            self.body.set_state(at.T, speed.T)
+            for tip in filter(None, self._tips):
+                tip.scale(scale)
+            led = self._bent = self._bent_target = None
+        self._define(model, proxy)
+        self._pins.origin, self._pins.target = skin.T, led
+
+    def _define(self, model: Model, proxy: Proxy | None) -> Model:
+        """Set what follows from a model and its proxy; return the one that moves."""
+        moves = proxy.model if proxy else model
+        self.substeps = moves.substeps(self.clock.tick)
+        self.model, self.proxy, self._moves = model, proxy, moves
+        self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
+        self._pins = Pins(model, proxy)
+        self._skin = Skin(model, proxy, self._pins)
+        return moves
+
+    def _create(self, moves: Model, surface: Model) -> Body:
+        return create(moves, surface=surface, backend=self.backend)
+
+    def _move_origins(self, share: float) -> None:
+        for tip in self._tips:
+            if tip:
+                tip.origin, tip.target = tip.place(share), tip.target._replace(via=(), anew=False)
+        if self._pins.move(share):
+            self._skin.reset()
+
+    def _motions(self, first: float, last: float) -> tuple[motion.FingertipMotion | None, ...]:
+        """Return the motion of each fingertip in some ticks."""
+        materials, size = self.model.materials, self.model.mesh.size
+        return tuple([
+            tip.motion(first, last, factors(materials, tip.target.radius, size)) if tip else None for tip in self._tips
+        ])  # fmt: skip
+
+    def _measured(self) -> motion.Frame:
+        """Measure fingertips that were put down or lifted without a tick."""
+        return self.body.step(Motion(0, self.substeps, self.clock.tick, self._motions(0.0, 0.0)))
+
+    def _bend(self, target: Floats, ticks: int) -> None:
+        """Let the shape at rest go on towards a target in the ticks that follow."""
+        before = self._moves.matching.rest if self._bent is None else self._bent
+        share, left = self.clock.share_after(ticks), 1 - max(self.clock.share_after(0), 0.0)
+        done = 1.0 if share >= 1 else 1 - (1 - share) / left
+        self._bent = target if done == 1 else before + done * (target - before)
+        self.body.set_rest(self._bent, (self._bent - before) / (ticks * self.clock.tick))
+        if done == 1:
+            self._bent_target = None
+
+    def skin(self) -> Floats:
+        """Return where the vertices (n, 3) [m] of the mesh are."""
+        return np.asarray(self._skin.on(self.placed, self._skin.surface(self.body)), np.float64)
+
+    def _show(self, impulses: tuple[Vector, ...], seconds: float) -> Frame:
+        last, scale, rest = self._last, self._volume_scale, self.model.mesh.volume
+        if self._bent is not None:  # asking the body costs a call
+            rest = self.body.rest_volume * scale
+        return Frame(
+            self.clock.time, impulses, seconds, last.touches, self.model.mesh, last.pressure, last.volume * scale, rest,
+            self.substeps, self._done, time.perf_counter() - self._started, self._total, self._work,
+            self._note,
+        )  # fmt: skip

@@ -1,0 +1,235 @@
+"""Several sessions that meet each other, themselves and colliders: stepped together, so that nothing passes through.
+
+A session alone, with nothing to meet, needs none of this and pays nothing for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .. import native
+from ..base import DimpleError, Floats
+from ..constants import MAX_STEPS
+from ..messages import Message
+from ..native import motion
+from ..native.scene import Collider as Collider
+from ..native.scene import ColliderMotion, Crossings, SceneFrame, Way
+from ..session import Session
+from ..session.clock import step_all
+
+
+class Meeting(NamedTuple):
+    """What came of contact in a step.
+
+    touching: the most pairs that touched.
+    truncated: times that a vertex was held back from passing through something.
+    taken: momentum that this took [N s].
+    held_back: the farthest that a collider was behind its way [m].
+    forces: on each surface, mean over the step (k, 3) [N]: bodies, then colliders; 0 from what sleeps.
+    queries: of who is near whom.
+    moments: of the forces about the origin (k, 3) [N m].
+    """
+
+    touching: int = 0
+    truncated: int = 0
+    taken: float = 0.0
+    held_back: float = 0.0
+    forces: Floats = np.zeros((0, 3))
+    queries: int = 0
+    moments: Floats = np.zeros((0, 3))
+
+
+class World:
+    """Step sessions together.
+
+    notes: for each session, "" or what is left out of its self contact, for the artist.
+
+    Args:
+        sessions: of one tick and one precision.
+        colliders: where they are now.
+        itself: whether each body meets itself too. Where it passes through itself at the start, those faces are left
+            out of that.
+        names: of the bodies, then of the colliders, for messages.
+
+    Raises:
+        DimpleError: something passes through something else, with what and where.
+    """
+
+    def __init__(
+        self,
+        sessions: Sequence[Session],
+        colliders: Sequence[Collider] = (),
+        *,
+        itself: Sequence[bool] | None = None,
+        names: Sequence[str] = (),
+    ) -> None:
+        self.sessions, self.colliders = list(sessions), list(colliders)
+        self._itself = list(itself) if itself is not None else [False] * len(self.sessions)
+        self._names = [*names, *(f"{i + 1}" for i in range(len(names), len(self.sessions) + len(self.colliders)))]
+        if len({(session.clock.tick, session.backend) for session in self.sessions}) > 1:
+            raise DimpleError("Bodies that meet must be stepped by the same backend, with the same tick.")
+        self._at = [np.array(collider.positions, np.float64) for collider in self.colliders]
+        self._ends: list[Floats | None] = [None] * len(self.colliders)
+        self.meeting = Meeting()
+        self._make()
+        self.check()
+
+    def check(self) -> None:
+        """Raise a DimpleError when something passes through something else."""
+        found = self._scene.crossings()
+        if found.pairs:
+            first, second = (self._names[i] for i in found.surfaces)
+            where = _where(found)
+            if min(found.surfaces) >= len(self.sessions):
+                raise DimpleError(
+                    'What falls must be clear of other colliders: "{first}" and "{second}" intersect at ({where}) '
+                    "mm, {pairs} pairs of faces in all. Move them apart.",
+                    first=first, second=second, where=where, pairs=found.pairs
+                )  # fmt: skip
+            raise DimpleError(
+                '"{first}" and "{second}" intersect at ({where}) mm, {pairs} pairs of faces in all. Move them apart.',
+                first=first, second=second, where=where, pairs=found.pairs
+            )  # fmt: skip
+
+    def set_colliders(self, ends: Sequence[Floats | None]) -> None:
+        """Say where each collider (m, 3) [m] is to be at the end of the next step; None lets it rest.
+
+        Raises:
+            DimpleError: another number of vertices, or positions that are not numbers.
+        """
+        for i, end in enumerate(ends):
+            if end is None:
+                continue
+            if np.shape(end) != self._at[i].T.shape or not np.isfinite(end).all():
+                name = self._names[len(self.sessions) + i]
+                raise DimpleError(
+                    'Collider "{name}" has another number of vertices than at the start, or a coordinate that is '
+                    "not a number. Reset, and start again.",
+                    name=name,
+                )
+            self._ends[i] = np.ascontiguousarray(np.asarray(end, np.float64).T)
+
+    def target(self, index: int) -> Floats:
+        """Return where a collider (m, 3) [m] is to be at the end of the step that was asked for last."""
+        end = self._ends[index]
+        return (self._at[index] if end is None else end).T
+
+    def collider(self, index: int) -> Floats:
+        """Return where a collider (m, 3) [m] is: behind its way where a body cannot get out of it."""
+        return self._scene.collider(index).T
+
+    def step(self, dt: float, *, budget: float | None = None) -> Meeting:
+        """Advance all sessions by dt [s] in whole ticks; their frames show it.
+
+        Args:
+            budget: wall time [s] that only a first tick may exceed; what is not done lags behind.
+        """
+        if any(session.body is not body for session, body in zip(self.sessions, self._bodies, strict=True)):
+            self._make()
+        self._parts: list[SceneFrame] = []
+        step_all(self.sessions, [dt] * len(self.sessions), budget=budget, together=self._run)
+        done, left = sum(part.ticks for part in self._parts), min(session.due for session in self.sessions)
+        self._arrive(done / (done + left) if left else 1.0)
+        self.meeting = _sum(self._parts, max(done, 1) * self.sessions[0].clock.tick)
+        return self.meeting
+
+    def reset(self) -> None:
+        """Put all bodies and colliders back to where they were at the start."""
+        for session in self.sessions:
+            session.reset()
+        self._at = [np.array(collider.positions, np.float64) for collider in self.colliders]
+        self._ends, self.meeting = [None] * len(self.colliders), Meeting()
+        self._place()
+
+    def _make(self) -> None:
+        """Make what steps, of the bodies that the sessions have now; what slept may rest on something else."""
+        for session in self.sessions:
+            session.wake()
+        self._bodies = [session.body for session in self.sessions]
+        now = [collider._replace(positions=at) for collider, at in zip(self.colliders, self._at, strict=True)]
+        offsets = [session.proxy.offset if session.proxy else 0.0 for session in self.sessions]
+        self._scene = native.Scene(self._bodies, now, native.library(), itself=self._itself, offsets=offsets)
+        self.notes = [_left_out(found) if found.pairs else "" for found in self._scene.left_out]
+
+    def _place(self) -> None:
+        for i, at in enumerate(self._at):
+            self._scene.set_collider(i, at)
+
+    def _run(self, sessions: Sequence[Session], at_once: int) -> tuple[Sequence[motion.Frame], int]:
+        """Run all by some ticks of the step under way."""
+        substeps = max(session.substeps for session in sessions)
+        done, left = sum(part.ticks for part in self._parts), min(session.due for session in sessions)
+        ticks = min([left, at_once, MAX_STEPS // substeps - 1, *(session.most for session in sessions)])
+        ways = [self._way(i) for i in range(len(self._at))]
+        motions = [session.next_motion(ticks, substeps=substeps) for session in sessions]
+        whole = done + left
+        part = self._scene.step(motions, ways, (done + 1) / whole, (done + ticks) / whole)
+        self._parts.append(part)
+        if not all(frame.finite for frame in part.frames):
+            self._place()
+        return part.frames, ticks
+
+    def _way(self, index: int) -> Way:
+        """Return the way of a collider in the step."""
+        end = self._ends[index]
+        return None if end is None else ColliderMotion(self._at[index], end)
+
+    def _arrive(self, share: float) -> None:
+        """Note where on their ways the colliders are to be now."""
+        for i, end in enumerate(self._ends):
+            if end is not None:
+                self._at[i] = end if share >= 1 else self._at[i] + share * (end - self._at[i])
+                self._ends[i] = None if share >= 1 else end
+
+
+def drop_proxies(
+    sessions: Sequence[Session], colliders: Sequence[Collider], names: Sequence[str]
+) -> list[str]:
+    """Simulate bodies in full whose proxies intersect something, for their meshes may not; return a note for each.
+
+    Args:
+        colliders, names: as for a World.
+    """
+    notes = [""] * len(sessions)
+    while any(session.proxy for session in sessions):
+        bodies = [session.body for session in sessions]
+        found = native.Scene(bodies, colliders, native.library(), itself=[False] * len(bodies)).crossings()
+        pair = [i for i in found.surfaces if i < len(sessions)] if found.pairs else []
+        proxied = [i for i in pair if sessions[i].proxy]
+        if not proxied:
+            break
+        for i in proxied:
+            sessions[i].change(sessions[i].model, proxy=None)
+            other = names[next(j for j in found.surfaces if j != i)]
+            notes[i] = Message(
+                'Its proxy would intersect "{other}" at the start, so the full mesh is simulated.', other=other
+            )
+    return notes
+
+
+def _where(found: Crossings) -> str:
+    return ", ".join(f"{1e3 * c:.1f}" for c in found.place)
+
+
+def _left_out(found: Crossings) -> str:
+    return Message(
+        "The mesh passes through itself at ({where}) mm: {pairs} pairs of faces, and those beside them, are left out "
+        "of Self Contact.",
+        where=_where(found), pairs=found.pairs
+    )  # fmt: skip
+
+
+def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:
+    if not parts:
+        return Meeting()
+    impulses, moments = parts[0].impulses, parts[0].moments
+    for part in parts[1:]:
+        impulses, moments = impulses + part.impulses, moments + part.moments
+    return Meeting(
+        max(part.touching for part in parts), sum(part.truncated for part in parts),
+        sum(part.taken for part in parts), max(part.held_back for part in parts),
+        impulses / seconds, sum(part.queries for part in parts), moments / seconds,
+    )  # fmt: skip
