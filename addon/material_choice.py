@@ -42,11 +42,11 @@ def choices(_settings: bpy.types.PropertyGroup | None, _context: bpy.types.Conte
 def _in_use(settings: bpy.types.PropertyGroup) -> int:
     from ..core.base import DimpleError
     from ..core.everyday import OBJECTS, found
-    from ..core.material import Material
+    from ..core.material import DEFAULT_MATERIAL, Material
 
     material = settings.id_data.active_material
     try:
-        preset = found(Material(**material.dimple.to_params())) if material else None
+        preset = found(Material(**material.dimple.to_params()) if material else DEFAULT_MATERIAL)
     except DimpleError:
         return 0
     return OBJECTS.index(preset) + 1 if preset else 0

@@ -9,6 +9,7 @@ radius R with F = 4/3 E R^(1/2) x^(3/2) / (1 - 1/4).
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from .material import FINGERTIP, HERTZ, PRESETS, Indenter, Material, Preset
 from .other_tip import softness
@@ -194,5 +195,6 @@ OBJECTS = tuple(sorted((*PRESETS, *EVERYDAY), key=lambda preset: -softness(prese
 
 
 def found(material: Material) -> Preset | None:
-    """Return the preset whose constants a material has, None of one of one's own."""
-    return next((preset for preset in OBJECTS if preset.material == material), None)
+    """Return the preset whose constants a material has, whatever its mass; None where it has none of theirs."""
+    mass, density = material.mass, material.density
+    return next((each for each in OBJECTS if replace(each.material, mass=mass, density=density) == material), None)

@@ -12,6 +12,7 @@ from ..core.base import DimpleError
 from ..core.messages import about
 from ..core.steps import Parts, at_once
 from . import advice, final_mesh
+from .messages import Note
 from .names import MAPS
 
 if TYPE_CHECKING:
@@ -52,7 +53,9 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
         model: Model = yield 0.4, make
     except DimpleError as error:
         raise DimpleError(about(name, str(error))) from error
-    return replace(model, notes=(*model.notes, *said, *advice.on_fill(model), *advice.on_sway(model, params["sway"])))
+    repaired = map(Note, mesh.notes)  # nothing is to be done about these
+    said = (*said, *advice.on_fill(model), *advice.on_sway(model, params["sway"]))
+    return replace(model, notes=(*repaired, *model.notes[len(mesh.notes) :], *said))
 
 
 def _made(*given: Any, **named: Any) -> Model:

@@ -1,9 +1,9 @@
-"""Make Soft: everything that a bare mesh needs to be pressed, in one click; changes to the mesh itself are asked."""
+"""Make Soft: everything that a bare mesh needs to be pressed, in one click; the mesh itself stays as it is."""
 
 from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty
 
 from ..core.messages import Message, about
 from . import polls, sessions
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # other types than meshes are converted
 TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
 SAME = 1e-6  # of the size: vertices that are no farther apart are one
-MOST_LOOKED_AT = 100_000  # vertices: more take longer than a click
 FIRST = "object_2_vinyl_air"  # number 0 of the list, and so its default
 Item = tuple[str, str, str, str, int]
 _items: list[Item] = []  # Blender does not keep the strings of a list that a function returns
@@ -55,35 +54,15 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
         items=presets, default=0, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
     )  # fmt: skip
     repair: BoolProperty(
-        name="Repair", description="Repair the mesh itself: weld doubled vertices, delete loose ones and turn faces "
-                                   "outward"
-    )
-    faults: StringProperty(name="Faults", options={"HIDDEN", "SKIP_SAVE"})
+        name="Repair", options={"SKIP_SAVE"},
+        description="Repair the mesh itself: weld doubled vertices, delete loose ones and turn faces outward",
+    )  # fmt: skip
 
     needs = (
         polls.in_object_mode,
         polls.need(lambda context: context.object and context.object.type in PRESSABLE, "Select a mesh first"),
         polls.is_own, polls.is_free,
     )  # fmt: skip
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Ask only where the mesh itself should be changed."""
-        from . import live
-
-        meshes = [obj for obj in live.candidates(context) if obj.type == "MESH"]
-        found = [f for obj in meshes if not is_shared(obj) and any(f := faults(obj))]
-        self.faults = words(Faults(*map(sum, zip(*found, strict=True)))) if found else ""
-        self.repair = bool(found)
-        if self.repair:
-            return context.window_manager.invoke_props_dialog(self, width=380)
-        return self.execute(context)
-
-    def draw(self, context: bpy.types.Context) -> None:
-        column = self.layout.column()
-        column.prop(self, "preset")
-        if self.faults:
-            column.label(text=self.faults, icon="INFO")
-        column.prop(self, "repair")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set up every selected mesh; one that cannot be pressed is said and left as it was."""
@@ -207,17 +186,8 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.type
     return made, Message(what, name=made.name)
 
 
-def faults(obj: bpy.types.Object) -> Faults:
-    """Return the faults of a mesh; none where it is too large to be looked at in a click."""
-    return _repaired(obj, keep=False) if len(obj.data.vertices) <= MOST_LOOKED_AT else Faults()
-
-
 def repair(obj: bpy.types.Object) -> Faults:
     """Weld doubled vertices, delete loose ones and turn faces outward; return the repaired faults."""
-    return _repaired(obj, keep=True)
-
-
-def _repaired(obj: bpy.types.Object, *, keep: bool) -> Faults:
     import bmesh
 
     mesh = bmesh.new()
@@ -229,9 +199,8 @@ def _repaired(obj: bpy.types.Object, *, keep: bool) -> Faults:
         loose = [vertex for vertex in mesh.verts if not vertex.link_faces]
         found = Faults(len(pairs), len(loose), _turn_outward(mesh))
         bmesh.ops.delete(mesh, geom=loose, context="VERTS")
-        if keep:
-            mesh.to_mesh(obj.data)
-            obj.data.update()
+        mesh.to_mesh(obj.data)
+        obj.data.update()
         return found
     finally:
         mesh.free()

@@ -31,6 +31,11 @@ def report(operator: bpy.types.Operator, messages: Iterable[str]) -> None:
         say(operator, {"INFO" if isinstance(each, Note) else "WARNING"}, each)
 
 
+def conclude(operator: bpy.types.Operator, done: str, messages: Iterable[str]) -> None:
+    """Say notes, then what was done, then warnings: the last is what is seen."""
+    report(operator, sorted([*messages, Note(done)], key=lambda each: not isinstance(each, Note)))
+
+
 def gathered(messages: Iterable[str]) -> list[Message]:
     """Return messages with those said once that several bodies share: "3 bodies: ..."."""
     names: dict[tuple[bool, str], list[str]] = {}

@@ -88,9 +88,10 @@ def clear_status() -> None:
     That needs a window, and the context's may be the one that is being closed: Blender ends with that.
     """
     for window in bpy.context.window_manager.windows[:1]:
-        for workspace in bpy.data.workspaces:
-            with bpy.context.temp_override(window=window, workspace=workspace):  # whose it is is not looked at
-                workspace.status_text_set(None)
+        with bpy.context.temp_override(window=window):
+            for workspace in bpy.data.workspaces:
+                with bpy.context.temp_override(workspace=workspace):  # a window beside it would win
+                    workspace.status_text_set(None)
 
 
 def close_run(run: ModalRun) -> None:

@@ -69,13 +69,13 @@ class ObjectBody:
         from .settings import settings_of
 
         link, model = yield from bridge.reading_body(context, obj)
-        proxy, reason = yield from planning.planning_for(context.scene, obj, model)
+        proxy = yield from planning.planning_for(context.scene, obj, model)
         session = yield 0.9, partial(Session, model, proxy=proxy, tick=timeline.tick_s(context.scene))
         body = cls(
             link=link, session=session, settings=settings_of(context.scene, obj), matrix=link.matrix, rest=link.rest,
             triangles=input_vertices(model.mesh)[model.mesh.triangles],
         )  # fmt: skip
-        return body, [*filter(None, [reason]), *(about(obj.name, note) for note in model.notes)]
+        return body, [about(obj.name, note) for note in model.notes]
 
     @property
     def name(self) -> str:

@@ -46,8 +46,8 @@ _moving: list[tuple[Mesh, Proxy | None]] = []  # the choices for the last meshes
 
 def proxy_for(
     scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None
-) -> tuple[Proxy | None, str]:
-    """Return the proxy of an object, None for the full mesh, and the reason where the choice is new.
+) -> Proxy | None:
+    """Return the proxy of an object, None for the full mesh.
 
     Args:
         moving: what moves in place of this very model already.
@@ -55,7 +55,7 @@ def proxy_for(
     Raises:
         DimpleError: the proxy that was asked for cannot be made.
     """
-    found: tuple[Proxy | None, str] = at_once(planning_for(scene, obj, model, moving))
+    found: Proxy | None = at_once(planning_for(scene, obj, model, moving))
     return found
 
 
@@ -85,7 +85,7 @@ def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, mo
     while len(_choices) > KEPT:
         del _choices[next(iter(_choices))]
     settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, kept(made.reason)
-    return made.proxy, about(obj.name, made.reason) if made.proxy and not known else ""
+    return made.proxy
 
 
 def _proxy(moving: Proxy | None, model: Model, vertices: int) -> Proxy:

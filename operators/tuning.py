@@ -85,14 +85,13 @@ def _changing(
 ) -> Parts:
     """Change a body in parts; return sentences for the artist. Undo may have replaced `obj` after any of them."""
     try:
-        messages = yield from _change(context, obj, body, now)
+        yield from _change(context, obj, body, now)
     except DimpleError as error:
         body.refused = in_a_row([str(error), "Until then the body keeps its old settings."])
         return [] if refused_before else [body.refused]
-    if any(had and not has for had, has in zip(body.settings.materials, now.materials, strict=False)):
-        messages.append(about(body.name, "a material is gone: the constants of a new one act in its place."))
+    gone = any(had and not has for had, has in zip(body.settings.materials, now.materials, strict=False))
     body.settings, body.changed_at = now, body.frame.time
-    return messages
+    return [about(body.name, "a material is gone: the constants of a new one act in its place.")] if gone else []
 
 
 def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings) -> Parts:
@@ -103,14 +102,12 @@ def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, n
     again = now.plan != before.plan
     if scale == body.link.scale and slots == slots_before:
         model = yield from bridge_model.reading_model(context.scene, obj, session.model.mesh, body.link)
-        proxy, messages = yield from _proxy(body, model, again=again)
-        session.change(model, proxy=proxy)
-        return messages
+        session.change(model, proxy=(yield from _proxy(body, model, again=again)))
+        return
     link, model = bridge.read_body(context, obj, cuts=body.link.cuts)
-    proxy, messages = yield from _proxy(body, model, again=again)
+    proxy = yield from _proxy(body, model, again=again)
     session.change(model, proxy=proxy, scale=link.scale / body.link.scale)
     _define(body, link, model)
-    return messages
 
 
 def _define(body: LiveBody, link: bridge.ObjectLink, model: Model) -> None:
@@ -122,26 +119,25 @@ def _define(body: LiveBody, link: bridge.ObjectLink, model: Model) -> None:
 
 
 def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
-    """Return what moves in place of another model, and sentences: as much of what there is as can go on."""
+    """Return what moves in place of another model: as much of what there is as can go on."""
     from ..core.reduction.proxy import build_proxy, with_constants
 
     old = body.session.proxy
     if not again and old is None:
-        return None, []
+        return None
     scaled = model.mesh is not body.session.model.mesh
     if not again and old is not None:
         try:
             if scaled:
-                return build_proxy(model, len(old.seeds)), []
+                return build_proxy(model, len(old.seeds))
             proxy = yield 0.8, partial(with_constants, old, model)
             now = body.session.proxy
-            return (proxy if now else None), []  # contact may have dropped it meanwhile
+            return proxy if now else None  # contact may have dropped it meanwhile
         except DimpleError:  # other pins or laws: another choice is made
             pass
     obj = bridge.find(body.link.uid, body.name)
     assert obj  # else the session has ended
-    proxy, reason = planning.proxy_for(bpy.context.scene, obj, model)
-    return proxy, [reason] if reason else []
+    return planning.proxy_for(bpy.context.scene, obj, model)
 
 
 def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
@@ -159,10 +155,10 @@ def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: Live
     finer = before and around.radius_mm < before.radius_mm
     coarse = finer and final_mesh.is_coarse(context, obj)
     try:
-        proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy)
+        proxy = planning.proxy_for(context.scene, obj, session.model, session.proxy)
         if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
             session.change(session.model, proxy=proxy)
     except DimpleError as error:
         return [str(error)]
     cut = "The mesh is coarse for this fingertip: it is subdivided further when the body is started again."
-    return [*([reason] if reason else []), *([cut] if coarse else [])]
+    return [cut] if coarse else []

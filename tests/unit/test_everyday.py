@@ -7,7 +7,7 @@ import pytest
 
 from core.body.model import build_model
 from core.everyday import EVERYDAY, MADE_UP, OBJECTS, found
-from core.material import PRESETS, Material, Preset
+from core.material import DEFAULT_MATERIAL, PRESETS, Material, Preset
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.other_tip import as_soft, softness
 from core.session import Finger, Session
@@ -71,6 +71,7 @@ def test_the_presets_go_from_soft_to_hard_and_are_recognised_by_their_constants(
     assert depths == sorted(depths, reverse=True) and len(OBJECTS) == len(PRESETS) + len(EVERYDAY)
     assert [found(preset.material) for preset in OBJECTS] == list(OBJECTS)
     assert found(as_soft(PRESETS[1].material, 0.004)) is None
+    assert found(DEFAULT_MATERIAL) is PRESETS[1], "whatever it weighs"
     place = {preset.name: number for number, preset in enumerate(OBJECTS)}
     assert place["pillow"] < place["dough"] < place["skin"] < place["flesh"] < place["tennis_ball"] < place["football"]
 

@@ -117,8 +117,12 @@ def in_sidebar(name: str) -> Found:
     for notches in (0, 8, 8, 8):
         yield from wheel(notches)
         found = yield from fields(robot.area(), robot.region("UI"), name)
-        if name in found:
-            return found[name]
+        while name in found:
+            yield from robot.move(*found[name])
+            yield from robot.looks(4)
+            if hovered(robot.area(), robot.region("UI")).endswith(f".{name}"):
+                return found[name]
+            found = yield from fields(robot.area(), robot.region("UI"), name)  # a panel has opened above it meanwhile
     raise robot.NotReached(f"the sidebar shows no {name}; there are {sorted(found)}")
 
 

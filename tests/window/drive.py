@@ -11,6 +11,7 @@ import sys
 import time
 import traceback
 from collections.abc import Generator
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -25,6 +26,8 @@ import device
 import exporting
 import judging
 import meeting
+import minute
+import models
 import opening
 import robot
 import tuning
@@ -36,6 +39,7 @@ DENT = 0.12  # [m] in the scene: the ball is 2 m wide there and stands for one o
 ROUNDING = 1e-5  # [m] that a running body at rest may tremble
 ALIKE = 20  # [px] that may differ between two pictures of the same mesh
 NEAR = 25  # [px] that the deepest vertex may be from the pointer: a fingertip is 27 wide, an edge 11 long
+BESIDE = 200, 120  # [px] in the viewport beside the ball, where the tool draws no circle
 CHECKS: list[dict] = []
 REPORT: dict = {"blender": bpy.app.version_string, "checks": CHECKS, "measured": {}, "seconds": {}}
 STARTED = time.monotonic()
@@ -152,9 +156,9 @@ def leave(key: str, at: tuple[int, int]) -> robot.Waits:
     yield from robot.redrawn()
 
 
-def compare(wanted: np.ndarray, at: tuple[int, int], name: str) -> robot.Differs:
+def compare(wanted: np.ndarray, at: tuple[int, int], name: str, mouse: tuple[int, int] = BESIDE) -> robot.Differs:
     """Take a picture and count the pixels on the ball that differ from an earlier one."""
-    yield from robot.move(*at)
+    yield from robot.move(*mouse)
     yield from robot.redrawn()
     return robot.differing(wanted, robot.screenshot(OUT / name), at, robot.HALF)
 
@@ -167,6 +171,8 @@ def play() -> robot.Waits:
     own = {
         "closing": lambda: closing.close(check),
         "opening": lambda: opening.open_samples(OUT, check, REPORT["measured"]),
+        "minute": lambda: minute.first(OUT, check),
+        **{f"{name}_model": partial(models.model, name, OUT, check) for name in models.MODELS},
         "meeting": lambda: meeting.meet(OUT, check, REPORT["measured"]),
     }
     if unknown := ONLY - {*own, *tuning.SCENES, *ON_BALL, "on_ball"}:
@@ -211,7 +217,7 @@ def ready_ball() -> Generator[float, None, tuple]:
     yield from clicking.wheel(clicking.FAR, "WHEELUPMOUSE")  # where an earlier scene has left it
     at = robot.on_screen((0.0, 0.0, 0.0))
     rest, before = robot.positions(BODY).copy(), traces()
-    yield from robot.move(*at)
+    yield from robot.move(*BESIDE)
     yield from robot.redrawn()
     resting = robot.screenshot(OUT / "1-rest.png")
     control = yield from compare(resting, at, "1-rest.png")
@@ -240,7 +246,7 @@ def press_and_leave(at: tuple[int, int], rest: np.ndarray, resting: np.ndarray) 
     yield from press(at, rest)
     yield from robot.redrawn()
     judge_dent(at, rest, "pressed")
-    gap = yield from compare(hover, at, "3-pressed.png")
+    gap = yield from compare(hover, at, "3-pressed.png", mouse=at)
     check("the press is seen", gap > robot.SEEN, f"{gap} pixels differ")
     yield from drag(at, rest)
     yield from robot.redrawn()

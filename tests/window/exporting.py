@@ -30,7 +30,7 @@ def export(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.Wai
         yield from _open(lambda: bpy.ops.export_scene.gltf("INVOKE_DEFAULT"))
         robot.screenshot(out / "11-gltf.png")
         warning = robot.extension("addon.still_warning")
-        check("Blender's glTF dialog warns of a still", warning.stills(bpy.context, _dialog()) == [body])
+        check("Blender's glTF dialog warns of a still", warning.stills(bpy.context, dialog()) == [body])
         yield from _close(at)
         bpy.ops.dimple.unbake()
     obj.dimple.simulated, scene.dimple.cache_dir = "AUTO", ""
@@ -39,16 +39,11 @@ def export(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.Wai
 def _in_dialog(at: tuple[int, int], folder: Path, out: Path, check: Check) -> robot.Waits:
     yield from _open(lambda: bpy.ops.dimple.export_animation("INVOKE_DEFAULT", formats={"PC2"}))
     robot.screenshot(out / "11-export.png")
-    said = _dialog()._estimate(bpy.context)[0]
+    said = dialog()._estimate(bpy.context)[0]
     check("the export dialog says frames and size", said.startswith(f"{FRAMES} frames, about "), said)
-    for row in range(8):
-        yield from robot.click(FORMATS[0], FORMATS[1] - ROW * row)
-        yield from robot.looks(4)
-        if _dialog().formats == {"GLB"}:
-            break
-    yield from robot.until(lambda: _dialog().formats == {"GLB"}, "a click chooses a format", 10)
+    yield from choose("GLB")
     robot.screenshot(out / "11-export-2.png")
-    _browser().spaces.active.params.directory = str(folder).encode()
+    browser().spaces.active.params.directory = str(folder).encode()
     yield from robot.looks(20)
     yield from robot.click(*EXPORT)
     yield from robot.until(lambda: (folder / "Ball.json").exists() and not robot.modal_operators(), "it exports", 300)
@@ -57,22 +52,32 @@ def _in_dialog(at: tuple[int, int], folder: Path, out: Path, check: Check) -> ro
     yield from robot.redrawn()
 
 
+def choose(form: str) -> robot.Waits:
+    """Click a format."""
+    for row in range(8):
+        yield from robot.click(FORMATS[0], FORMATS[1] - ROW * row)
+        yield from robot.looks(4)
+        if dialog().formats == {form}:
+            break
+    yield from robot.until(lambda: dialog().formats == {form}, "a click chooses a format", 10)
+
+
 def _open(ask: Callable[[], object]) -> robot.Waits:
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         ask()
-    yield from robot.until(lambda: _browser() is not None, "the file browser opens", 60)
+    yield from robot.until(lambda: browser() is not None, "the file browser opens", 60)
     yield from robot.looks(20)
 
 
-def _browser() -> bpy.types.Area | None:
+def browser() -> bpy.types.Area | None:
     return next((area for area in robot.window().screen.areas if area.type == "FILE_BROWSER"), None)
 
 
-def _dialog() -> bpy.types.Operator:
-    return _browser().spaces.active.active_operator
+def dialog() -> bpy.types.Operator:
+    return browser().spaces.active.active_operator
 
 
 def _close(at: tuple[int, int]) -> robot.Waits:
     yield from robot.key("ESC", *at)
-    yield from robot.until(lambda: _browser() is None, "ESC closes the file browser", 30)
+    yield from robot.until(lambda: browser() is None, "ESC closes the file browser", 30)
     yield from robot.redrawn()

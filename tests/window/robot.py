@@ -188,10 +188,15 @@ def find_buttons(wanted: str = "", step: int = 14) -> Generator[float, None, dic
         x = sidebar.x + round((sidebar.width - 30) * share)  # the tabs take the last pixels
         for y in range(sidebar.y + sidebar.height - 4, sidebar.y, -step):
             yield from move(x, y)
-            if command := command_under(sidebar):
+            command = command_under(sidebar)
+            if command:
                 found.setdefault(command, (x, y))
-                if wanted and command.startswith(wanted):
-                    return found
+            if wanted and command.startswith(wanted):
+                for place in ((x, y), (x, y + step)):  # a slow machine may tell what was under the mouse before
+                    yield from move(*place)
+                    yield from looks(6)
+                    if command_under(sidebar) == command:
+                        return {**found, command: place}
     return found
 
 

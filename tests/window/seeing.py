@@ -11,12 +11,13 @@ import device
 import numpy as np
 import robot
 import tuning
-from mathutils import Euler
+from mathutils import Euler, Vector
 
 Check = Callable[..., None]
 FORCE_N, PAINTED = 15.0, 0.375  # past the knee, which is painted to be three quarters as deep
 LOOP, SWELL_S = 20, 2.4  # pictures of it, and how long it takes in simulated time [s]
 LEAST_N, MOST_N = 1.0, 30.0
+ROOM = Vector((0.7, 0.0, 0.0))  # [m] to the left of the two cubes, for their charts
 
 
 def as_measured() -> None:
@@ -29,6 +30,7 @@ def as_measured() -> None:
 
 def show(name: str) -> robot.Waits:
     """Choose by the wheel over its field what is shown in colours."""
+    device.open_panel("DIMPLE_PT_display", "Dimple")  # open, and the last
     yield from clicking.choose("show_field", lambda: bpy.context.scene.dimple.show_field == name)
 
 
@@ -38,7 +40,7 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     settings = bpy.context.scene.dimple
     yield from tuning.leave_resting(at)
     yield from tuning.settle("it rests")
-    device.open_panel("DIMPLE_PT_display", "Dimple")  # open, and the last
+    device.open_panel("DIMPLE_PT_display", "Dimple")
     yield from clicking.open_tab("Dimple", at)
     yield from clicking.open_last_panel("show_field")
     yield from robot.redrawn()
@@ -73,7 +75,7 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Paint x0 with a brush while a force rests: the press stops there."""
     as_measured()
-    cube = bpy.data.objects["Cube"]
+    cube = tuning.finer()
     cube.vertex_groups.new(name="Reach").add(range(len(cube.data.vertices)), 0.5, "REPLACE")
     cube.dimple.knee_group = "Reach"
     yield from tuning.leave_resting(at)
@@ -114,9 +116,10 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     twin = bpy.data.objects["Cube B"]
     twin.active_material.dimple.K1, twin.active_material.dimple.x0 = 1.83, 5.0
     before = view.view_distance, view.view_location.copy(), view.view_rotation.copy()
-    view.view_distance, view.view_location = 7.0, 0.5 * twin.matrix_world.translation
+    view.view_distance = 7.0
     across = np.arctan2(*reversed(twin.matrix_world.translation.xy))
     view.view_rotation = Euler((0.7, 0.0, float(across))).to_quaternion()  # side by side, seen from above
+    view.view_location = 0.5 * twin.matrix_world.translation - view.view_rotation @ ROOM
     settings.show_field = "DEPTH"
     robot.area().spaces.active.show_region_ui = False  # both are seen whole
     yield from robot.redrawn()
@@ -142,7 +145,8 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 
 def loop(at: tuple[int, int], out: Path) -> robot.Waits:
     """Photograph one swell of the force, which `run.py` makes a looping picture of."""
-    settings = bpy.context.scene.dimple
+    settings, readout = bpy.context.scene.dimple, robot.extension("addon.readout")
+    rate, readout.rate_hz = readout.rate_hz, lambda _frame: 0.0  # how slow this machine is belongs in no picture
     settings.active_finger, settings.press_force_n = 1, LEAST_N
     yield from robot.move(*at)
     yield from robot.button(*at, "PRESS")
@@ -153,6 +157,7 @@ def loop(at: tuple[int, int], out: Path) -> robot.Waits:
         yield from robot.until(lambda begun=begun: tuning.body().frame.time > begun + SWELL_S / LOOP, "it goes on", 60)
         yield from robot.redrawn(1)
         robot.screenshot(out / f"loop-{number:02}.png")
+    readout.rate_hz = rate
     yield from robot.button(*at, "RELEASE")
     yield from tuning.leave(at)
 

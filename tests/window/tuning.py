@@ -10,6 +10,7 @@ import bpy
 import brushing
 import clicking
 import large
+import opening
 import playing
 import robot
 import seeing
@@ -18,17 +19,15 @@ Check = Callable[..., None]
 Scene = Callable[[tuple[int, int], Path, Check], robot.Waits]
 FORCE_N, GENTLE_N = 15.0, 2.0  # past the knee of the soft one; short of it
 SOFT, DRAGGED, HARD = 0.3, 2.0, 3.0  # [N/mm] of K1
-TIP_MM = 10.0  # of the fingertip that measured
+CUTS = 20  # of an edge of the cube: then it is fine enough for the fingertip
 
 
 def tune(name: str, out: Path, check: Check) -> robot.Waits:
-    """Play a scene with a soft cube that is pressed by force."""
-    view = robot.area().spaces.active
-    view.region_3d.view_distance, view.show_region_toolbar = 6.0, True
-    yield from robot.redrawn()
+    """Play a scene with a soft cube that is pressed by force, from the default file on."""
+    yield from opening.new_file()
     at = robot.on_screen((0.0, 0.0, 1.0))
     yield from robot.move(*at)
-    if name != "making" and not bpy.data.objects["Cube"].dimple.enabled:
+    if name != "making":
         yield from at_once()
     yield from SCENES[name](at, out, check)
 
@@ -238,9 +237,18 @@ def leave_resting(at: tuple[int, int]) -> robot.Waits:
     yield from robot.looks(10)
 
 
+def finer() -> bpy.types.Object:
+    """Subdivide the cube: weights are painted on vertices of its own."""
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.subdivide(number_cuts=CUTS)
+        bpy.ops.object.mode_set(mode="OBJECT")
+    return bpy.data.objects["Cube"]
+
+
 def paint(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Paint softness where the fingertip rests: it sinks in deeper."""
-    cube = bpy.data.objects["Cube"]
+    cube = finer()
     group = cube.vertex_groups.new(name="Soft")
     group.add(range(len(cube.data.vertices)), 0.5, "REPLACE")
     cube.dimple.softness_group = "Soft"

