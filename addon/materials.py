@@ -7,7 +7,6 @@ from ..core.messages import Message, read
 from ..operators import twins
 from ..operators.names import Op
 from ..operators.sessions import sessions
-from ..operators.translation import translated
 from .drawing import MaterialPanel, SidebarPanel, draw_notes, shown_if
 from .material_choice import draw_choice
 from .presets import DIMPLE_PT_material_presets
@@ -60,17 +59,17 @@ def draw_constants(context: bpy.types.Context, layout: bpy.types.UILayout, setti
         draw_notes(context, layout, [read(settings.provenance)], "BOOKMARKS")
 
 
-def draw_sway(layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
+def draw_sway(context: bpy.types.Context, layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
     """Draw how a body sways."""
     settings, live = body.dimple, sessions.get(body.session_uid)
     column = layout.column(align=True)
     column.enabled = settings.enabled
     column.prop(settings, "sway")
     if settings.sway > 0:
-        hz = live.session.sway_hz if live and not settings.sway_hz else 0.0
-        said = Message("Frequency (Hz), {hz:.2g} by the material", hz=hz) if hz else Message("Frequency (Hz)")
-        column.prop(settings, "sway_hz", text=translated(said), translate=False)
+        column.prop(settings, "sway_hz")
         column.prop(settings, "sway_damping")
+        if live and not settings.sway_hz and live.session.sway_hz:
+            draw_notes(context, layout, [Message("It sways at {hz:.2g} Hz.", hz=live.session.sway_hz)], "INFO")
 
 
 class WithPresets:
@@ -105,7 +104,7 @@ class DIMPLE_PT_object_material(WithPresets, SidebarPanel, bpy.types.Panel):
             draw_softness(context, layout, body.active_material)
         else:
             draw_choice(layout, body)
-        draw_sway(layout, body)
+        draw_sway(context, layout, body)
         paired = twins.other(body, context.scene) is not None
         layout.operator(Op.USE_MATERIAL if paired else Op.COMPARE_MATERIALS, icon="MOD_MIRROR")
 
