@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..operators import calibration
+from ..operators.calibrate import results
 from ..operators.names import Op
 from . import calibrated
 from .drawing import MaterialPanel, SidebarPanel, draw_notes, draw_rows, shown_if
@@ -10,11 +10,11 @@ from .drawing import MaterialPanel, SidebarPanel, draw_notes, draw_rows, shown_i
 
 def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | None]:
     """Return the calibration to show, and the settings of its material, None while it has not been applied."""
-    if record := calibration.load(context.scene.dimple.calibration):
+    if record := results.load(context.scene.dimple.calibration):
         return record, None
     material = context.object.active_material if context.object else None
     settings = material.dimple if material else None
-    return (calibration.load(settings.calibration), settings) if settings else ({}, None)
+    return (results.load(settings.calibration), settings) if settings else ({}, None)
 
 
 def draw_result(
@@ -90,11 +90,11 @@ class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
     bl_parent_id = "DIMPLE_PT_material"
     bl_options = {"DEFAULT_CLOSED"}
 
-    poll = shown_if(lambda context: context.material and calibration.load(context.material.dimple.calibration))
+    poll = shown_if(lambda context: context.material and results.load(context.material.dimple.calibration))
 
     def draw(self, context: bpy.types.Context) -> None:
         settings = context.material.dimple
-        record = calibration.load(settings.calibration)
+        record = results.load(settings.calibration)
         draw_result(context, self.layout, record, settings)
         draw_notes(context, self.layout, calibrated.sentences(record))
 

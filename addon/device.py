@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import bpy
 from bpy.props import FloatProperty, FloatVectorProperty, StringProperty
 
-from ..operators import haptic
+from ..operators.experiment.blind_trial import is_blind
 from ..operators.names import Op
-from ..operators.under_way import is_blind
+from ..operators.press import haptic_fingertips
 from .drawing import SidebarPanel, draw_notes, draw_rows
 from .readout import iface_
 
@@ -16,7 +16,7 @@ FULL = 0.95  # of the peak force: shown as all of it
 
 
 def _ports(_settings: bpy.types.PropertyGroup, _context: bpy.types.Context, _text: str) -> Iterator[tuple[str, str]]:
-    yield from haptic.ports()
+    yield from haptic_fingertips.ports()
 
 
 class DevicePlace:
@@ -55,7 +55,7 @@ class DIMPLE_PT_device(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        settings, layout, connection = context.scene.dimple, self.layout, haptic.get()
+        settings, layout, connection = context.scene.dimple, self.layout, haptic_fingertips.get()
         layout.use_property_split = True
         which = layout.column()
         which.enabled = connection is None
@@ -130,7 +130,7 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
     if report.arming.name == "WAITING":
         sentences.append(iface_("The force comes on once Shift is held and the fingertips touch nothing."))
     sentences += slow()
-    if not haptic.sessions.sessions:
+    if not haptic_fingertips.sessions.sessions:
         sentences.append(iface_("Press Play to feel the selected object."))
     return sentences
 
@@ -158,7 +158,7 @@ SIDEBAR = (DIMPLE_PT_device,)
 
 def slow() -> list[str]:
     """Return a sentence while Blender is too slow for the dead-man key."""
-    connection = haptic.get()
+    connection = haptic_fingertips.get()
     if not (connection and connection.slow):
         return []
     return [iface_("Blender draws too slowly: the dead-man key lapses and there is no force. Simulate a proxy.")]

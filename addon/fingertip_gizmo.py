@@ -3,8 +3,8 @@
 import bpy
 from mathutils import Matrix
 
-from ..operators.modal_runs import runs
-from ..operators.sessions import fingertip_objects
+from ..operators.press.modal_runs import runs
+from ..operators.press.sessions import fingertip_objects
 
 COLOR, LIT = (0.2, 0.6, 1.0), (1.0, 1.0, 1.0)
 HANDLE = 0.15  # size of the ring, of a gizmo of size 1

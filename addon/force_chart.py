@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import bpy
 
-from ..operators import calibration
+from ..operators.calibrate import results
 from . import canvas, shapes
 from .canvas import FINGERTIP, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
@@ -97,7 +97,7 @@ def calibrated_curves(context: bpy.types.Context) -> Curves | None:
     settings, body = context.scene.dimple, context.object
     if not settings.show_overlay or not settings.show_chart:
         return None
-    if record := calibration.load(settings.calibration):
+    if record := results.load(settings.calibration):
         law = (record["K1"] * 1e3, record["K2"] * 1e3, record["x0"] / 1e3, 1.0)
         return Curves(law, _band(record), _metres(record["points"]))
     material = body.active_material if body else None
@@ -108,7 +108,7 @@ def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
     """Return the curves of a material, None where nothing was measured."""
     from ..core.material import law_power
 
-    record = calibration.load(settings.calibration)
+    record = results.load(settings.calibration)
     measured = record.get("points", [])
     if not measured:
         return None

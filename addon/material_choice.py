@@ -9,7 +9,7 @@ import bpy
 from bpy.props import EnumProperty
 from bpy.utils import previews
 
-from ..operators.apply_preset import give
+from ..operators.press.apply_preset import give
 from .object_settings import FIXED
 from .readout import iface_
 

@@ -4,9 +4,9 @@ import bpy
 
 from ..core.fills import FILLS
 from ..core.messages import Message, read
-from ..operators import twins
 from ..operators.names import Op
-from ..operators.sessions import sessions
+from ..operators.press import twins
+from ..operators.press.sessions import sessions
 from .drawing import MaterialPanel, SidebarPanel, draw_notes, shown_if
 from .material_choice import draw_choice
 from .presets import DIMPLE_PT_material_presets

@@ -7,11 +7,11 @@ from typing import Any
 
 import bpy
 
+from ..operators.experiment.blind_trial import is_blind
 from ..operators.messages import wrapped
-from ..operators.modal_runs import runs
-from ..operators.sessions import sessions
+from ..operators.press.modal_runs import runs
+from ..operators.press.sessions import sessions
 from ..operators.translation import translated
-from ..operators.under_way import is_blind
 from . import canvas, device, force_chart, readout, room, shapes
 from .canvas import FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_

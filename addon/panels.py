@@ -5,12 +5,12 @@ What cannot be used now is greyed out, not hidden; a tooltip from the operator's
 
 import bpy
 
-from ..operators import sizing
-from ..operators.fingertip_objects import body_of
+from ..operators.bridge import sizing
+from ..operators.experiment.blind_trial import is_blind
 from ..operators.messages import Note
 from ..operators.names import Op
-from ..operators.sessions import sessions
-from ..operators.under_way import is_blind
+from ..operators.press.fingertip_objects import body_of
+from ..operators.press.sessions import sessions
 from . import calibration, device, experiment, materials, physics_panels, readout, room
 from .drawing import TAB, SidebarPanel, draw_linked, draw_notes, draw_prop, draw_rows, shown_if
 from .tool import draw_amount

@@ -16,7 +16,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..operators import sizing
+from ..operators.bridge import sizing
 from ..operators.names import MAPS, PLACES
 from . import cursor
 from .device import DevicePlace

@@ -21,7 +21,7 @@ def stills(context: bpy.types.Context, exporter: bpy.types.Operator) -> list[str
 
 
 def _plays_cache(obj: bpy.types.Object) -> bool:
-    from ..operators.stack import is_cache  # not at import: it needs numpy, and enabling must be quick
+    from ..operators.bridge.stack import is_cache  # not at import: it needs numpy, and enabling must be quick
 
     return any(is_cache(modifier) and modifier.show_viewport for modifier in obj.modifiers)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import bpy
 
-from ..operators.under_way import is_blind
+from ..operators.experiment.blind_trial import is_blind
 from . import canvas, colour_map, overlay, profile_chart, room, shapes
 from .canvas import LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_

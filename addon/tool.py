@@ -5,7 +5,7 @@ from pathlib import Path
 import bpy
 
 from ..operators.names import POKE_TOOL, Op
-from ..operators.sessions import sessions
+from ..operators.press.sessions import sessions
 from . import cursor
 from .drawing import draw_linked
 

@@ -1,36 +1,20 @@
-"""The operators: short steps from Blender to the session of the core, and back.
+"""The operators: short steps from Blender to the session of the core, and back, a folder for each job.
 
-bridge, bridge_write and final_mesh alone read and write mesh arrays. sessions holds what runs, showing puts it on its
-objects, live steps it. Nothing heavy is imported here: numpy, trimesh and the core come with the first poke.
+Only `bridge` reads and writes mesh arrays. In `press`, `sessions` holds what runs, `showing` puts it on its objects and
+`live_step` steps it. Nothing heavy is imported here: numpy, trimesh and the core come with the first poke.
 """
 
-from . import (
-    add_fingertip,
-    apply_preset,
-    bake,
-    bug_report,
-    calibrate,
-    calibrate_apply,
-    command_line,
-    device,
-    experiment,
-    export,
-    handlers,
-    key_press,
-    make_soft,
-    measure,
-    play,
-    poke,
-    record,
-    softness,
-    start,
-    twins,
-)
+from . import bug_report
+from .animate import add_fingertip, bake, key_press
+from .calibrate import apply_result, from_file, measure, paint_softness
+from .device import connect_device
+from .experiment import comparison
+from .export import command_line, export_dialog
+from .press import apply_preset, get_ready, handlers, make_soft, play, poke, record, twins
 
 PARTS = (
-    bug_report, make_soft, start, poke, play, record, bake, export, apply_preset, add_fingertip, key_press, calibrate,
-    calibrate_apply, softness, measure, twins, device, experiment, command_line,
-    handlers,
+    bug_report, make_soft, get_ready, poke, play, record, bake, export_dialog, apply_preset, add_fingertip, key_press,
+    from_file, apply_result, paint_softness, measure, twins, connect_device, comparison, command_line, handlers,
 )  # fmt: skip
 
 

@@ -19,8 +19,10 @@ from ..core.base import DimpleError
 from ..core.constants import MAX_FINGERTIPS
 from ..core.messages import about
 from ..core.poke import Kind, PokeEvent, PokeState, fingers, on_event
-from . import baking, final_mesh, press, sessions
-from .object_body import ObjectBody
+from .animate import bake_frames
+from .bridge import final_mesh
+from .press import scripted_press, sessions
+from .press.object_body import ObjectBody
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -57,7 +59,7 @@ class Body(ObjectBody):
             by_force=force > 0, press_s=seconds, active=finger - 1,
             tips=self.poke.tips if self.poke else (None,) * MAX_FINGERTIPS,
         )  # fmt: skip
-        self.poke = press.pressed({self.link.uid: self}, state, at, direction)
+        self.poke = scripted_press.pressed({self.link.uid: self}, state, at, direction)
         self.step(seconds)
 
     def release(self, *, seconds: float = 0.25) -> None:
@@ -77,7 +79,7 @@ class Body(ObjectBody):
             if self.link.shaped:
                 shown.enter_context(final_mesh.attached(bpy.context, obj, self.link.cuts))
             self.follow(bpy.context, obj)
-        for step_s, poke in press.frames(bpy.context.scene, self.poke, seconds):
+        for step_s, poke in scripted_press.frames(bpy.context.scene, self.poke, seconds):
             self.poke = poke
             if poke:
                 self.session.set_fingers(fingers(poke, self.link.uid))
@@ -98,7 +100,7 @@ class Body(ObjectBody):
             DimpleError: it cannot be baked; nothing has changed.
         """
         messages = sessions.stop_all()  # a bake starts at rest
-        plan = baking.plan_of(bpy.context.scene, [self.obj], first, last, target)
-        for _ in baking.bake(bpy.context, plan, messages):
+        plan = bake_frames.plan_of(bpy.context.scene, [self.obj], first, last, target)
+        for _ in bake_frames.bake(bpy.context, plan, messages):
             pass
         return messages

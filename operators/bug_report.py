@@ -7,9 +7,9 @@ from collections import deque
 import bpy
 
 from ..core.messages import read
-from . import polls
 from .messages import LOG, say
 from .names import Op
+from .press import polls
 
 KEPT = 40  # entries of the log in a report: some presses, and the last error with its traceback
 
@@ -38,7 +38,7 @@ class DIMPLE_OT_copy_report(polls.Declared, bpy.types.Operator):
         """Fill the clipboard: versions, platform, core, how each body is simulated, and the end of the log."""
         from ..core import native
         from ..core.errors import DimpleError
-        from . import cache_files
+        from .bridge import cache_files
 
         try:
             core = f"ABI {native.ABI}, {native.instructions()}"

@@ -12,7 +12,7 @@ def main(words: list[str]) -> int:
     option, path, *rest = words
     assert option == "--zip"
     bpy.ops.extensions.package_install_files(filepath=path, repo="user_default", enable_on_install=True)
-    command_line = importlib.import_module("bl_ext.user_default.dimple.operators.command_line")
+    command_line = importlib.import_module("bl_ext.user_default.dimple.operators.export.command_line")
     return int(command_line.run(["bake", *rest]))
 
 

@@ -81,7 +81,7 @@ def exported(kind: str, normals: bool, key_error: float = 0.0) -> Callable[[Path
 
 def estimated(kind: str, normals: bool) -> float:
     """Return the size [bytes] that the export dialog says."""
-    plans = importlib.import_module("bl_ext.user_default.dimple.operators.export_plan")
+    plans = importlib.import_module("bl_ext.user_default.dimple.operators.export.export_plan")
     plan = plans.ExportPlan(
         objects=[bpy.context.object], formats=[kind], folder=Path(), first=1, last=FRAMES, normals=normals
     )

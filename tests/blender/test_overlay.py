@@ -212,7 +212,7 @@ def test_a_line_is_as_thick_as_the_screen_asks(overlay: ModuleType, bpy: ModuleT
 @pytest.fixture
 def halves(empty_file: ModuleType) -> Any:
     """A cube with a physical size of 165 mm, soft but for its top, and a session on it."""
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     bpy = empty_file
     bpy.ops.mesh.primitive_cube_add()
@@ -232,7 +232,7 @@ def test_the_chart_shows_the_law_and_the_measurement_of_the_material_that_is_pre
     bpy: ModuleType, overlay: ModuleType, halves: Any
 ) -> None:
     from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     for name, force in (("Unused", 1.0), ("Soft", 2.0), ("Hard", 3.0)):
         bpy.data.materials[name].dimple.calibration = json.dumps({"points": [[1.0, force]]})
@@ -256,14 +256,14 @@ def test_the_chart_draws_what_acts_here_and_calls_another_tips_curve_a_predictio
     bpy: ModuleType, overlay: ModuleType, halves: Any
 ) -> None:
     from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators import sessions, tuning
+    from bl_ext.user_default.dimple.operators.press import live_settings, sessions
 
     (entry,) = sessions.sessions.values()
     halves.vertex_groups.new(name="Hard").add(range(8), 0.0, "REPLACE")
     for radius, painted, name, times in ((0.010, False, "", 1), (0.020, False, "Predicted for 20 mm", None),
                                          (0.010, True, "As Painted", 4)):  # fmt: skip
         halves.dimple.softness_group = "Hard" if painted else ""
-        tuning.follow(bpy.context, halves, entry)
+        live_settings.follow(bpy.context, halves, entry)
         entry.session.set_fingers([])
         entry.session.step(1.0)  # for the dent of the one before to come back
         entry.session.set_fingers([Finger((0.0, 0.0, 0.0825 + radius - 0.002), radius)])
@@ -466,12 +466,12 @@ def test_of_four_views_one_has_the_numbers(
 def test_numbers_that_the_sidebar_shows_are_not_shown_twice_but_a_recording_and_a_slow_blender_are(
     bpy: ModuleType, overlay: ModuleType, halves: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import haptic, sessions
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips, sessions
 
     (entry,) = sessions.sessions.values()
     entry.recorder = SimpleNamespace(frames=12)
     monkeypatch.setattr(overlay, "runs", [SimpleNamespace(paused=True)])
-    monkeypatch.setattr(haptic, "connections", [SimpleNamespace(slow=True)])
+    monkeypatch.setattr(haptic_fingertips, "connections", [SimpleNamespace(slow=True)])
     written = lines_of(overlay, monkeypatch)
     area = SimpleNamespace(regions=[region("UI", 0, 0, 9, 9, "Dimple")], as_pointer=lambda: 1)
     context = viewport(bpy, object=halves, area=area)

@@ -135,7 +135,7 @@ def test_a_wrong_constant_is_reported_under_the_constants(bpy: ModuleType, body:
 
 
 def test_a_running_session_shows_force_depth_pressure_and_volume_with_units(bpy: ModuleType, body: Any) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     body.dimple.size_mode = "CUSTOM"
     entry, _ = sessions.start(body, bpy.context)

@@ -59,7 +59,7 @@ def test_a_scale_holds_still_until_what_it_shows_leaves_it(colours: ModuleType) 
 def pressed(bpy: ModuleType) -> Any:
     """Return the entry of the one session, pressed 15 mm deep from above."""
     from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     (entry,) = sessions.sessions.values()
     for depth in (0.0, 0.015):

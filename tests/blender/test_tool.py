@@ -55,7 +55,7 @@ def test_the_circle_under_the_mouse_is_as_large_as_the_fingertip_and_lies_on_the
     bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from bl_ext.user_default.dimple.addon import cursor
-    from bl_ext.user_default.dimple.operators import pointer
+    from bl_ext.user_default.dimple.operators.press import pointer
     from mathutils import Quaternion, Vector
 
     bpy.ops.mesh.primitive_cube_add(size=2.0)

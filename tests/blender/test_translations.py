@@ -223,7 +223,7 @@ def test_why_a_button_is_grey_is_looked_up_when_it_is_shown(
     bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Blender does not translate it, and has no Japanese in this environment: a replacement looks it up."""
-    from bl_ext.user_default.dimple.operators import polls
+    from bl_ext.user_default.dimple.operators.press import polls
 
     monkeypatch.setattr(polls, "tip_", lambda text: f"<{text}>")
     for verb in ("measure", "record", "reset", "arm_device"):

@@ -29,7 +29,7 @@ def imported(path: Path) -> set[str]:
 def test_no_module_of_the_device_imports_itself_through_another() -> None:
     above = {NAMES[path]: imported(path) for path in WATCHED}
     assert "core.device.servo" in above["core.device.servo_process"]
-    assert "operators.sessions" in above["operators.haptic"]
+    assert "operators.press.sessions" in above["operators.press.haptic_fingertips"]
     while bottom := [name for name, needs in above.items() if not needs]:
         for name in bottom:
             del above[name]

@@ -23,7 +23,8 @@ TOP = {"LICENSE", "__init__.py", "addon", "blender_manifest.toml", "core", "oper
 FOLDERS = {
     "addon", "addon/locale", "addon/pictures", "core", "core/body", "core/calibration", "core/device",
     "core/experiment", "core/mesh", "core/native", "core/poke", "core/recording", "core/reduction", "core/session",
-    "core/world", "operators", "wheels",
+    "core/world", "operators", "operators/animate", "operators/bridge", "operators/calibrate", "operators/device",
+    "operators/experiment", "operators/export", "operators/press", "wheels",
 }  # fmt: skip
 ENDINGS = {"", ".dat", ".json", ".py", ".toml", ".webp", ".whl", ".bz2"}  # no library, object, cache, table or scene
 WHEELS = {

@@ -47,7 +47,7 @@ def brush(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 
 
 def sessions() -> dict:
-    return robot.extension("operators.sessions").sessions
+    return robot.extension("operators.press.sessions").sessions
 
 
 def pressed() -> float:

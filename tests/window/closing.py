@@ -12,8 +12,8 @@ Check = Callable[..., None]
 
 def close(check: Check) -> robot.Waits:
     """Poke and play the default cube in a window of their own, and close that."""
-    running = robot.extension("operators.sessions")
-    runs = robot.extension("operators.modal_runs").runs
+    running = robot.extension("operators.press.sessions")
+    runs = robot.extension("operators.press.modal_runs").runs
     cube = bpy.data.objects["Cube"]
     for name in ("poke", "play"):
         with bpy.context.temp_override(window=robot.window()):

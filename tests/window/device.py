@@ -39,7 +39,7 @@ def photograph(path: Path, draws: int = 2) -> robot.Waits:
 def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[..., None]) -> robot.Waits:
     """Connect an emulated device, let it press the playing body; kill its servo; stop."""
     rest = robot.positions(body).copy()
-    device, settings = robot.extension("operators.haptic"), bpy.context.scene.dimple
+    device, settings = robot.extension("operators.press.haptic_fingertips"), bpy.context.scene.dimple
     processes, port = robot.extension("core.device.process"), out / "haptic"
     emulator = processes.start(["emulator", "--lifeline", "--pty", str(port)], None, script=BENCH)
     yield from robot.until(port.exists, "the emulated device has a port", 60)
@@ -95,7 +95,7 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
 
 def too_slow(armed: Callable[[], bool], out: Path, check: Callable[..., None]) -> robot.Waits:
     """Hold Blender up while the device is armed: that is said, and seen while it lasts, with the sidebar closed."""
-    device, view = robot.extension("operators.haptic"), robot.area().spaces.active
+    device, view = robot.extension("operators.press.haptic_fingertips"), robot.area().spaces.active
     view.show_region_ui = False
 
     def held_up() -> bool:

@@ -26,7 +26,7 @@ def press_large(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     for other in others:
         other.hide_set(True)
     yield from robot.redrawn()
-    running, runs = robot.extension("operators.sessions"), robot.extension("operators.modal_runs").runs
+    running, runs = robot.extension("operators.press.sessions"), robot.extension("operators.press.modal_runs").runs
     _poke()
     yield from robot.looks(3)
     check("a large mesh gets ready while Blender goes on", [run.kind for run in runs] == ["start"])

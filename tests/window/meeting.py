@@ -35,7 +35,7 @@ def meet(out: Path, check: Check, measured: dict) -> robot.Waits:
     seen = view.view_location.copy(), view.view_distance
     view.view_location, view.view_distance = (0.0, 0.0, 1.0), 7.0
     yield from robot.redrawn()
-    running, live = robot.extension("operators.sessions"), robot.extension("operators.live")
+    running, live = robot.extension("operators.press.sessions"), robot.extension("operators.press.live_step")
     advance, drawing, steps, draws = live.advance, [0.0], [], []
 
     def timed(*given: object, **named: object) -> object:

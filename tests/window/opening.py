@@ -50,7 +50,7 @@ def new_file() -> robot.Waits:
 
 
 def body() -> object:
-    return next(iter(robot.extension("operators.sessions").sessions.values()), None)
+    return next(iter(robot.extension("operators.press.sessions").sessions.values()), None)
 
 
 def leave(at: tuple[int, int]) -> robot.Waits:

@@ -41,7 +41,7 @@ def keyframes(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     scene.dimple.cache_dir = "/tmp"
     yield from clicking.search("Bake", at)
     yield from robot.until(lambda: "Dimple" in cube.modifiers, "it is baked", 400)
-    (path, _), *_ = robot.extension("operators.offset").files(cube.modifiers["Dimple"])
+    (path, _), *_ = robot.extension("operators.bridge.offset").files(cube.modifiers["Dimple"])
     table = path.with_suffix(".csv")
     rows = np.genfromtxt(table, delimiter=",", names=True)
     shares, words = [], []

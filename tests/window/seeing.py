@@ -125,7 +125,7 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from robot.redrawn()
     here = robot.on_screen((0.0, 0.0, 1.0))
     yield from tuning.leave_resting(here)
-    bodies = robot.extension("operators.sessions").sessions
+    bodies = robot.extension("operators.press.sessions").sessions
     yield from tuning.settle("both rest")
     depths = {body.name: 1e3 * float(body.frame.depths[0]) for body in bodies.values()}
     shown = ", ".join(f"{name} {depth:.2f} mm" for name, depth in depths.items())

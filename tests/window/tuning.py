@@ -96,7 +96,7 @@ def slope() -> float:
 
 
 def body() -> object:
-    sessions = robot.extension("operators.sessions").sessions
+    sessions = robot.extension("operators.press.sessions").sessions
     return next(iter(sessions.values()), None)
 
 

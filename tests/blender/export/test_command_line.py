@@ -31,7 +31,7 @@ def blend(bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Pa
 @pytest.fixture
 def command(bpy: ModuleType, capfd: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, dict[str, Any]]]:
     """Return a function that runs the command and returns its exit code and what it printed last."""
-    from bl_ext.user_default.dimple.operators import command_line
+    from bl_ext.user_default.dimple.operators.export import command_line
 
     def run(*words: object) -> tuple[int, dict[str, Any]]:
         code = command_line.run(["bake", *map(str, words)])
@@ -104,7 +104,7 @@ def test_wrong_words_are_exit_code_2(command: Any, blend: Path, tmp_path: Path, 
 
 
 def test_blender_knows_the_command_while_the_extension_is_on(bpy: ModuleType) -> None:
-    from bl_ext.user_default.dimple.operators import command_line
+    from bl_ext.user_default.dimple.operators.export import command_line
 
     assert len(command_line._handles) == 1
     command_line.unregister()

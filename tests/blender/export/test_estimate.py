@@ -14,7 +14,7 @@ FRAMES = 24
 
 
 def plan_of(bpy: ModuleType, folder: Path, **changes: Any) -> Any:
-    from bl_ext.user_default.dimple.operators.export_plan import ExportPlan
+    from bl_ext.user_default.dimple.operators.export.export_plan import ExportPlan
 
     plan = {"objects": [bpy.data.objects["Ball"]], "formats": EVERY, "folder": folder, "first": 1, "last": FRAMES}
     return ExportPlan(**{**plan, **changes})
@@ -28,7 +28,7 @@ def size_of(path: Path) -> int:
 def test_the_size_is_at_most_a_third_off(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, smooth: bool
 ) -> None:
-    from bl_ext.user_default.dimple.operators import export_plan
+    from bl_ext.user_default.dimple.operators.export import export_plan
 
     obj = pressed()
     icosphere(obj.data, 4)

@@ -63,7 +63,7 @@ def test_what_the_submitter_evaluates_in_blender_is_right(
 def test_bodies_that_meet_in_play_are_one_task_and_meet_in_its_bake(
     bpy: ModuleType, scene: Any, ball: Callable[..., Any], tmp_path: Path
 ) -> None:
-    from bl_ext.user_default.dimple.operators import command_line
+    from bl_ext.user_default.dimple.operators.export import command_line
 
     for name, height in (("Lower", 0.0), ("Upper", 2.05)):
         body = ball(name)
@@ -89,7 +89,7 @@ def test_bodies_that_meet_in_play_are_one_task_and_meet_in_its_bake(
 def test_the_tasks_of_two_bodies_bake_both_in_parts(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], ball: Callable[..., Any], tmp_path: Path
 ) -> None:
-    from bl_ext.user_default.dimple.operators import command_line
+    from bl_ext.user_default.dimple.operators.export import command_line
 
     pressed().dimple.enabled = True
     other = ball("--an odd name")

@@ -36,9 +36,9 @@ def killed_at(share: float, blend: Path, out: Path) -> bool:
         "words = ['bake', blend, '--format', 'pc2,abc,usd,stl', '--frames', '1-12', '--overwrite', '--out']\n"
         "for _ in range(2):\n"
         "    began = time.perf_counter()\n"
-        "    assert part('command_line').run([*words, out + '_whole']) == 0\n"
+        "    assert part('export.command_line').run([*words, out + '_whole']) == 0\n"
         "signal.setitimer(signal.ITIMER_REAL, share * (time.perf_counter() - began))\n"  # which ends it at once
-        "assert part('command_line').run([*words, out]) == 0"
+        "assert part('export.command_line').run([*words, out]) == 0"
     )
     words = [sys.executable, "-c", script, str(share), str(blend), str(out)]
     done = subprocess.run(words, capture_output=True, text=True, cwd=ROOT)
@@ -51,7 +51,7 @@ def killed_at(share: float, blend: Path, out: Path) -> bool:
 def test_an_export_that_is_killed_leaves_whole_files_or_those_from_before(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, count: int
 ) -> None:
-    from bl_ext.user_default.dimple.operators import formats
+    from bl_ext.user_default.dimple.operators.export import formats
 
     obj, out, chance = pressed(), tmp_path / "out", random.Random(14)
     obj.dimple.enabled = True
@@ -85,9 +85,10 @@ def killed(bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: P
     bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
     script = ENABLED + (
         "bpy.ops.wm.open_mainfile(filepath=sys.argv[1])\n"
-        "plan = part('baking').BakePlan(objects=[bpy.data.objects['Ball']], first=1, last=12, target='MESH_CACHE')\n"
-        "steps = part('baking').bake(bpy.context, plan, [])\n"
-        "frames = (share for share in steps if share > part('working').READY)\n"
+        "new = part('animate.bake_frames').BakePlan\n"
+        "plan = new(objects=[bpy.data.objects['Ball']], first=1, last=12, target='MESH_CACHE')\n"
+        "steps = part('animate.bake_frames').bake(bpy.context, plan, [])\n"
+        "frames = (share for share in steps if share > part('press.progress').READY)\n"
         "[next(frames) for _ in range(5)]\n"
         "os.kill(os.getpid(), signal.SIGKILL)"
     )

@@ -18,7 +18,7 @@ Bits = Callable[[Any], bytes]
 
 
 def steps(bpy: ModuleType, folder: Path, written: list[Path], **changes: Any) -> Iterator[float]:
-    from bl_ext.user_default.dimple.operators import export_plan
+    from bl_ext.user_default.dimple.operators.export import export_plan
 
     plan = {"objects": [bpy.data.objects["Ball"]], "formats": EVERY, "folder": folder, "first": 1, "last": 6}
     return export_plan.export(bpy.context, export_plan.ExportPlan(**{**plan, **changes}), [], written)
@@ -45,7 +45,7 @@ def test_a_disk_that_fills_costs_nothing_that_was_there(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The simulation fits on the disk; what is made of it does not, and only sometimes is that known before."""
-    from bl_ext.user_default.dimple.operators import export_plan
+    from bl_ext.user_default.dimple.operators.export import export_plan
 
     if kind != "ALEMBIC":  # it would end Blender
         monkeypatch.setattr(export_plan, "reserve", lambda *_: None)
@@ -71,7 +71,7 @@ def test_a_file_that_was_cut_short_is_noticed(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, kind: str
 ) -> None:
     """Some of Blender's formats do not notice that the disk is full."""
-    from bl_ext.user_default.dimple.operators import formats
+    from bl_ext.user_default.dimple.operators.export import formats
 
     pressed()
     bpy.ops.dimple.export_animation(directory=str(tmp_path), formats={kind}, frame_start=1, frame_end=3)
@@ -89,7 +89,7 @@ def test_what_this_blender_cannot_write_is_said_before_anything_is_simulated(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As Debian's, which is built without Alembic and USD."""
-    from bl_ext.user_default.dimple.operators import formats
+    from bl_ext.user_default.dimple.operators.export import formats
 
     pressed()
     monkeypatch.setattr(formats, "is_there", lambda name: name != "wm.alembic_export")

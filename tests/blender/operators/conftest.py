@@ -120,7 +120,7 @@ def simulated(bpy: ModuleType) -> Callable[[Any], np.ndarray]:
     """Return a function that reads how far (n, 3) a session has come from its shape at rest, bit for bit."""
 
     def read(obj: Any) -> np.ndarray:
-        from bl_ext.user_default.dimple.operators import sessions
+        from bl_ext.user_default.dimple.operators.press import sessions
 
         return sessions.get(obj).offsets()
 
@@ -130,7 +130,7 @@ def simulated(bpy: ModuleType) -> Callable[[Any], np.ndarray]:
 @pytest.fixture
 def sessions(bpy: ModuleType) -> Any:
     """The running sessions; after the test nothing may be left of them."""
-    from bl_ext.user_default.dimple.operators import modal_runs, sessions
+    from bl_ext.user_default.dimple.operators.press import modal_runs, sessions
 
     yield sessions
     assert not sessions.sessions and not modal_runs.runs
@@ -252,16 +252,16 @@ class Hand:
 @pytest.fixture
 def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], Hand]]:
     """Return a function that takes an operator in hand: it looks from above, and time is its own."""
-    from bl_ext.user_default.dimple.operators import (
-        bake,
-        live,
-        measure,
+    from bl_ext.user_default.dimple.operators.animate import bake
+    from bl_ext.user_default.dimple.operators.calibrate import measure
+    from bl_ext.user_default.dimple.operators.press import (
+        get_ready,
+        live_step,
         modal_runs,
         play,
         pointer,
         poke,
         sessions,
-        start,
     )
 
     hands: list[Hand] = []
@@ -279,13 +279,13 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
     for module in (poke, play):
         monkeypatch.setattr(module, "time", clock)
     # however slow this computer is, it keeps up
-    monkeypatch.setattr(live, "ask", lambda _scene, _run, wall: (wall, None))
+    monkeypatch.setattr(live_step, "ask", lambda _scene, _run, wall: (wall, None))
 
     def take(name: str) -> Hand:
         operators = {
             "poke": poke.DIMPLE_OT_poke, "play": play.DIMPLE_OT_play, "bake": bake.DIMPLE_OT_bake,
             "measure": measure.DIMPLE_OT_measure,
-            "start": start.DIMPLE_OT_start,
+            "start": get_ready.DIMPLE_OT_start,
         }  # fmt: skip
         hands.append(Hand(name, operators[name], Context(bpy)))
         return hands[-1]

@@ -30,7 +30,7 @@ APART = 0.02  # [m]
 def port(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> Iterator[Any]:
     """An emulator whose hand presses 10 mm deep once there is force; it ends with the test."""
     from bl_ext.user_default.dimple.core.device.process import end, start
-    from bl_ext.user_default.dimple.operators import haptic, sessions
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips, sessions
 
     tips = [[[t, x + shift, y, z] for t, x, y, z in WAY] for shift in (-APART, 0.0, APART)]
     (tmp_path / "hand.json").write_text(json.dumps({"tips": tips}))
@@ -41,15 +41,15 @@ def port(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> Iterator[An
     while not os.path.exists(path) and time.perf_counter() < until:
         time.sleep(0.01)
     yield SimpleNamespace(path=str(path), process=process)
-    haptic.disconnect()
+    haptic_fingertips.disconnect()
     sessions.stop_all()
     end(process)
 
 
 def connection() -> Any:
-    from bl_ext.user_default.dimple.operators import haptic
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips
 
-    return haptic.get()
+    return haptic_fingertips.get()
 
 
 def wait(holds: Callable[[Any], bool], bpy: ModuleType | None = None, *, arms: bool = False) -> Any:
@@ -57,7 +57,7 @@ def wait(holds: Callable[[Any], bool], bpy: ModuleType | None = None, *, arms: b
 
     arms: ask for force, again where the machine was too busy.
     """
-    from bl_ext.user_default.dimple.operators import haptic, live
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips, live_step
 
     asked = 0.0
     for _ in range(round(60 * PATIENCE)):
@@ -65,12 +65,12 @@ def wait(holds: Callable[[Any], bool], bpy: ModuleType | None = None, *, arms: b
             return connection().report
         if arms and connection().report.arming.name == "OFF" and time.perf_counter() - asked > AGAIN:
             asked = time.perf_counter()
-            haptic.hold(60.0)
+            haptic_fingertips.hold(60.0)
             connection().device.arm()
         if bpy:
-            live.advance(bpy.context, 1 / 60)
+            live_step.advance(bpy.context, 1 / 60)
         else:
-            haptic._look()
+            haptic_fingertips._look()
         time.sleep(1 / 60)
     if arms and "silent" in connection().report.note:
         unable("this machine stood still for the 100 ms after which a device is lost")
@@ -91,9 +91,9 @@ def connect(bpy: ModuleType, path: str) -> Any:
 
 def run(bpy: ModuleType, body: Any) -> Any:
     """Start a session on a body under the fingertips: the middle of the workspace is where they touch its top."""
-    from bl_ext.user_default.dimple.operators import live, sessions
+    from bl_ext.user_default.dimple.operators.press import live_step, sessions
 
-    live.start_all(bpy.context)
+    live_step.start_all(bpy.context)
     entry = sessions.get(body)
     bpy.context.scene.dimple.device_origin = (0.0, 0.0, 1.0 + 0.010 / entry.link.scale)
     return entry

@@ -17,7 +17,7 @@ Refused = Callable[..., None]
 @pytest.fixture
 def refused(coordinates: Callable[[Any], bytes], bpy: ModuleType) -> Refused:
     """Return a function that checks that poke, play and bake refuse an object in a sentence, and leave it as it was."""
-    from bl_ext.user_default.dimple.operators import modal_runs, sessions
+    from bl_ext.user_default.dimple.operators.press import modal_runs, sessions
 
     def check(obj: Any, words: str) -> None:
         before, data = coordinates(obj), obj.data
@@ -146,7 +146,7 @@ def test_pins_that_hold_nothing_are_refused(add: Callable[..., Any], refused: Re
 
 
 def test_what_is_not_a_mesh_is_refused_with_what_to_do(bpy: ModuleType, add: Callable[..., Any]) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     add().select_set(False)
     bpy.ops.object.text_add()
@@ -170,7 +170,7 @@ NOT_MESHES: dict[str, tuple[str, dict[str, Any]]] = {
 
 @pytest.mark.parametrize("kind", NOT_MESHES)
 def test_what_has_no_mesh_is_refused_in_a_sentence(bpy: ModuleType, empty_file: ModuleType, kind: str) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     bpy.context.scene.collection.children.link(bpy.data.collections.new("Cakes"))
     name, given = NOT_MESHES[kind]
@@ -192,7 +192,7 @@ def test_what_has_no_mesh_is_refused_in_a_sentence(bpy: ModuleType, empty_file: 
 def test_a_number_that_is_none_is_refused_by_name(
     bpy: ModuleType, add: Callable[..., Any], coordinates: Callable[[Any], bytes], verb: str, name: str, value: float
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     obj = add()
     before = coordinates(obj)

@@ -68,17 +68,17 @@ def test_several_objects_are_baked_in_one_pass(bpy: ModuleType, scene: Any, ball
 
 def unfinished(bpy: ModuleType, obj: Any, **changes: Any) -> Iterator[float]:
     """Return the steps of a bake that may be stopped."""
-    from bl_ext.user_default.dimple.operators import baking
+    from bl_ext.user_default.dimple.operators.animate import bake_frames
 
     plan = {"objects": [obj], "first": 1, "last": 12, "target": "MESH_CACHE"}
-    return baking.bake(bpy.context, baking.BakePlan(**{**plan, **changes}), [])
+    return bake_frames.bake(bpy.context, bake_frames.BakePlan(**{**plan, **changes}), [])
 
 
 @pytest.mark.parametrize("target", ["MESH_CACHE", "SHAPE_KEYS"])
 def test_a_cancelled_bake_leaves_nothing_half_done(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], coordinates: Bits, target: str
 ) -> None:
-    from bl_ext.user_default.dimple.operators.working import READY
+    from bl_ext.user_default.dimple.operators.press.progress import READY
 
     obj = pressed()
     before = coordinates(obj)

@@ -156,7 +156,7 @@ def key_bits(obj: Any) -> dict[str, bytes]:
 
 
 def test_the_mix_of_shape_keys_is_what_blender_shows(bpy: ModuleType, keyed: Any, shown: Shown) -> None:
-    from bl_ext.user_default.dimple.operators import final_mesh
+    from bl_ext.user_default.dimple.operators.bridge import final_mesh
 
     assert np.array_equal(final_mesh.read(bpy.context, keyed).points, shown(keyed)) and not keyed.modifiers
 
@@ -182,7 +182,7 @@ def test_a_kept_press_leaves_shape_keys_as_they_are(
 
 
 def test_the_session_on_shape_keys_shows_where_it_says(bpy: ModuleType, keyed: Any, shown: Shown) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     bpy.context.scene.dimple.use_gravity = True
     bpy.ops.dimple.play(seconds=0.1)
@@ -281,7 +281,7 @@ def test_a_scripted_press_goes_straight_in_from_outside_wherever_it_is_put(bpy: 
     """At every face centre of a divided cube, from the surface itself; and by default in the middle of its top."""
     import bmesh
     from bl_ext.user_default.dimple import Body
-    from bl_ext.user_default.dimple.operators import press
+    from bl_ext.user_default.dimple.operators.press import scripted_press
 
     obj = add()
     cube = bmesh.new()
@@ -293,10 +293,10 @@ def test_a_scripted_press_goes_straight_in_from_outside_wherever_it_is_put(bpy: 
     assert len(centres) == 150
     body = Body.from_object(obj)
     for place, normal in centres:
-        hit = press.aimed({body.link.uid: body}, place, (0.0, 0.0, 0.0)).hit
+        hit = scripted_press.aimed({body.link.uid: body}, place, (0.0, 0.0, 0.0)).hit
         assert hit.normal == pytest.approx(normal, abs=1e-6), place
         assert body.to_world(hit.point) == pytest.approx(place, abs=1e-6)
-    hit = press.aimed({body.link.uid: body}, None, (0.0, 0.0, 0.0)).hit
+    hit = scripted_press.aimed({body.link.uid: body}, None, (0.0, 0.0, 0.0)).hit
     assert body.to_world(hit.point) == pytest.approx((0.0, 0.0, 1.0), abs=1e-6)
 
 

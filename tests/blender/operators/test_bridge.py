@@ -10,9 +10,9 @@ Add = Callable[..., Any]
 
 
 def read(bpy: ModuleType, obj: Any) -> Any:
-    from bl_ext.user_default.dimple.operators import bridge
+    from bl_ext.user_default.dimple.operators.bridge import scene_objects
 
-    return bridge.read_body(bpy.context, obj)[1]
+    return scene_objects.read_body(bpy.context, obj)[1]
 
 
 def test_a_body_without_a_material_has_the_constants_of_one_that_nobody_has_touched(bpy: ModuleType, ball: Add) -> None:
@@ -25,7 +25,7 @@ def test_a_body_without_a_material_has_the_constants_of_one_that_nobody_has_touc
 
 
 def test_weights_are_those_of_the_group_and_0_outside_it(bpy: ModuleType, ball: Add) -> None:
-    from bl_ext.user_default.dimple.operators import final_mesh
+    from bl_ext.user_default.dimple.operators.bridge import final_mesh
 
     obj, wanted = ball(), np.zeros(42)
     groups = [obj.vertex_groups.new(name=name) for name in ("Other", "Soft", "Empty")]
@@ -87,7 +87,7 @@ def test_of_several_pressures_the_one_on_the_most_area_acts_and_a_note_says_so(b
 
 
 def test_triangles_of_faces_of_any_size_have_the_material_of_their_face(bpy: ModuleType, add: Add) -> None:
-    from bl_ext.user_default.dimple.operators import final_mesh
+    from bl_ext.user_default.dimple.operators.bridge import final_mesh
 
     points = [(0, 0, 0), (1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (3, 0, 0), (3, 2, 0)]
     mesh = add(points, [(0, 1, 2, 3, 4), (1, 5, 2), (2, 5, 6, 3)]).data

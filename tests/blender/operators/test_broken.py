@@ -45,12 +45,13 @@ def test_of_fifty_bodies_pressed_at_once_each_is_prepared_once(
     bpy: ModuleType, empty_file: ModuleType, hand: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from bl_ext.user_default.dimple.core.reduction import proxy
-    from bl_ext.user_default.dimple.operators import bridge, planning, sessions, start
+    from bl_ext.user_default.dimple.operators.bridge import scene_objects
+    from bl_ext.user_default.dimple.operators.press import get_ready, proxy_choice, sessions
 
     bodies, calls, poke = balls(bpy, MANY), Counter[str](), hand("poke")
-    for module, name in ((bridge, "_mesh"), (planning, "build_proxy"), (proxy, "held_distance")):
+    for module, name in ((scene_objects, "_mesh"), (proxy_choice, "build_proxy"), (proxy, "held_distance")):
         counted(monkeypatch, calls, module, name)
-    monkeypatch.setattr(start, "LARGE", 1e9)  # at once, not between Blender's events
+    monkeypatch.setattr(get_ready, "LARGE", 1e9)  # at once, not between Blender's events
     assert poke.invoke() == {"RUNNING_MODAL"}
     assert len(sessions.sessions) == len(bodies) == calls["_mesh"] and calls["build_proxy"] <= len(bodies)
     assert not calls["held_distance"], "nothing meets"
@@ -63,7 +64,7 @@ def test_of_fifty_bodies_pressed_at_once_each_is_prepared_once(
 def test_a_start_that_fails_leaves_nothing_behind(
     bpy: ModuleType, empty_file: ModuleType, sessions: Any, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    from bl_ext.user_default.dimple.operators import offset
+    from bl_ext.user_default.dimple.operators.bridge import offset
 
     add, bodies = offset.add, balls(bpy, 2)
 
@@ -203,11 +204,11 @@ def test_a_frame_in_which_a_body_rests_is_that_before_it(
     bpy: ModuleType, scene: Any, ball: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from bl_ext.user_default.dimple.core import fields
-    from bl_ext.user_default.dimple.operators import bridge
+    from bl_ext.user_default.dimple.operators.bridge import scene_objects
 
     obj, calls = ball(), Counter[str]()
     counted(monkeypatch, calls, fields, "energies")
-    counted(monkeypatch, calls, bridge, "offsets_of")
+    counted(monkeypatch, calls, scene_objects, "offsets_of")
     bpy.ops.dimple.bake(frame_start=1, frame_end=80)
     assert calls.total() < 40, "it falls asleep within 20 frames"
     lines = Path(cache_of(obj).filepath).with_suffix(".csv").read_text().splitlines()

@@ -12,10 +12,11 @@ def test_a_report_has_versions_plan_messages_and_the_last_traceback(
     from types import SimpleNamespace
 
     from bl_ext.user_default.dimple.core.messages import read
-    from bl_ext.user_default.dimple.operators import bug_report, live
+    from bl_ext.user_default.dimple.operators import bug_report
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     bpy.ops.dimple.poke(depth_mm=5.0)
-    monkeypatch.setattr(live, "advance", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr(live_step, "advance", lambda *_, **__: 1 / 0)
     with pytest.raises(RuntimeError, match="division by zero"):
         bpy.ops.dimple.poke(depth_mm=5.0)
     manager = SimpleNamespace(clipboard="")  # without a window there is none

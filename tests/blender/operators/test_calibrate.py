@@ -141,11 +141,11 @@ def test_every_answer_has_a_property_of_its_name_with_the_label_that_messages_us
     from dataclasses import fields
 
     from bl_ext.user_default.dimple.core.calibration.question import Answers
-    from bl_ext.user_default.dimple.operators import calibrate
+    from bl_ext.user_default.dimple.operators.calibrate import from_file
 
     shown = bpy.ops.dimple.calibrate.get_rna_type().properties
     for field in fields(Answers):
-        assert calibrate._labels([field.name]) == (shown[field.name].name,)
+        assert from_file._labels([field.name]) == (shown[field.name].name,)
 
 
 def test_columns_that_hold_no_press_are_refused_with_the_properties_that_choose_others(
@@ -162,14 +162,14 @@ class Asked:
     """Stand for the operator in its dialog, which background Blender does not have; note what opens next."""
 
     def __init__(self, bpy: ModuleType, monkeypatch: pytest.MonkeyPatch, path: str) -> None:
-        from bl_ext.user_default.dimple.operators import calibrate
+        from bl_ext.user_default.dimple.operators.calibrate import from_file
 
-        self.bpy, self.calibrate, self.opened, self.reports = bpy, calibrate, [], []
+        self.bpy, self.calibrate, self.opened, self.reports = bpy, from_file, [], []
         self.rna = bpy.ops.dimple.calibrate.get_rna_type()
         app = SimpleNamespace(background=False)
         dimple = SimpleNamespace(calibrate=lambda _how, **given: self.opened.append(given))
-        monkeypatch.setattr(calibrate.bpy, "app", app, raising=False)
-        monkeypatch.setattr(calibrate.bpy, "ops", SimpleNamespace(dimple=dimple), raising=False)
+        monkeypatch.setattr(from_file.bpy, "app", app, raising=False)
+        monkeypatch.setattr(from_file.bpy, "ops", SimpleNamespace(dimple=dimple), raising=False)
         self.opened.append({"filepath": path})
 
     def answer(self, *choices: str) -> set[str]:
@@ -190,13 +190,13 @@ class Asked:
 def test_the_dialog_asks_until_nothing_is_open(
     bpy: ModuleType, scene: Any, write: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import calibrate
+    from bl_ext.user_default.dimple.operators.calibrate import from_file
 
     asked = Asked(bpy, monkeypatch, write("bare.csv", "", lambda x, f: f"{x:.4f},{f:.4f}"))
     assert asked.answer() == {"CANCELLED"} and len(asked.opened) == 2
     questions = questions_of(asked.opened[-1]["asked"])
     assert [question["name"] for question in questions] == ["depth_column", "force_column"]
-    previews = [text for _, _, text in calibrate._items(asked.opened[-1]["asked"], 0)]
+    previews = [text for _, _, text in from_file._items(asked.opened[-1]["asked"], 0)]
     assert "0, 0.339, 0.678, ... from 0 to 20" in previews[1]
     assert asked.answer("0", "NONE") == {"CANCELLED"} and scene.calibration == ""
     assert asked.opened[-1]["asked"] == asked.opened[-2]["asked"], "what has no answer is asked again"
@@ -274,9 +274,9 @@ def test_a_file_dropped_into_a_viewport_and_only_there_is_calibrated(bpy: Module
 
 
 def test_a_damaged_record_in_a_file_is_no_calibration(bpy: ModuleType, scene: Any) -> None:
-    from bl_ext.user_default.dimple.operators import calibration
+    from bl_ext.user_default.dimple.operators.calibrate import results
 
     for text in ("", "{", "[1]", "7"):
-        assert calibration.load(text) == {}
+        assert results.load(text) == {}
     scene.calibration = "{"
     assert not bpy.ops.dimple.apply_calibration.poll()

@@ -34,7 +34,7 @@ def bare(empty_file: ModuleType) -> Callable[[str], Any]:
 @pytest.fixture
 def frames(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """The frames that sessions end with."""
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     seen: list[Any] = []
     stop = sessions.stop
@@ -99,11 +99,11 @@ def test_the_artist_hears_at_what_size_and_with_how_many_vertices_it_is_pressed(
 
 
 def test_a_size_or_a_mesh_that_was_chosen_is_kept(bpy: ModuleType, bare: Callable[[str], Any]) -> None:
-    from bl_ext.user_default.dimple.operators import bridge
+    from bl_ext.user_default.dimple.operators.bridge import scene_objects
 
     obj = bare("cube")
     obj.dimple.size_mode, obj.dimple.simulated = "REAL", "MESH"
-    link, model = bridge.read_body(bpy.context, obj)
+    link, model = scene_objects.read_body(bpy.context, obj)
     assert model.mesh.size == pytest.approx(2.0) and link.cuts == 0 and len(model.mass) == 8
     bpy.ops.dimple.poke(depth_mm=2.0, press_s=0.02, hold_s=0.0, release_s=0.0)
     assert obj.dimple.size_mode == "REAL"

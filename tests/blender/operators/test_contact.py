@@ -203,7 +203,7 @@ def test_undo_amid_contact_goes_on_and_resets_to_the_last_bit(
 def test_what_sleeps_on_a_collider_falls_once_that_is_taken_away(
     bpy: ModuleType, sessions: Any, scene: Any, cube: Any, add: Add
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     cube.location, cube.dimple.pinned = (0, 0, 1.02), "NONE"
     scene.dimple.use_gravity, scene.dimple.use_ground = True, False
@@ -215,10 +215,10 @@ def test_what_sleeps_on_a_collider_falls_once_that_is_taken_away(
 
     def lowest(seconds: float) -> float:
         for _ in range(round(30 * seconds)):
-            live.advance(bpy.context, 1 / 30)
+            live_step.advance(bpy.context, 1 / 30)
         return float(body.session.positions()[:, 2].min()) / body.link.scale
 
-    live.start_all(bpy.context)
+    live_step.start_all(bpy.context)
     body = sessions.get(cube)
     tables[0].hide_set(True)  # it still holds the cube
     assert lowest(2) > 0
@@ -240,7 +240,7 @@ def test_what_meets_something_is_planned_for_twice_the_work_and_with_every_verte
 ) -> None:
     from bl_ext.user_default.dimple.core.messages import read
     from bl_ext.user_default.dimple.core.reduction import planner
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 25_000)
     obj = ball("Fine", 6)
@@ -252,10 +252,10 @@ def test_what_meets_something_is_planned_for_twice_the_work_and_with_every_verte
 
     def after(seconds: float) -> tuple[bool, str]:
         for _ in range(round(30 * seconds)):
-            live.advance(bpy.context, 1 / 30)
+            live_step.advance(bpy.context, 1 / 30)
         return sessions.get(obj).session.proxy is None, read(obj.dimple.plan_reason)
 
-    live.start_all(bpy.context)
+    live_step.start_all(bpy.context)
     is_full, before = after(0.1)
     assert is_full and before.startswith("The full mesh runs live")
     other.dimple.collider = True
@@ -270,6 +270,6 @@ def test_what_meets_something_is_planned_for_twice_the_work_and_with_every_verte
     assert after(2) == (True, before)
     sessions.stop_all()
     other.dimple.collider = True
-    live.start_all(bpy.context)
+    live_step.start_all(bpy.context)
     assert after(0.1) == (False, reason)
     sessions.stop_all()

@@ -45,7 +45,7 @@ def test_three_fingertips_press_the_session_and_get_its_force(
 def test_a_killed_process_takes_the_force_and_not_the_session(
     bpy: ModuleType, port: Any, add: Callable[..., Any], who: str
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live, sessions
+    from bl_ext.user_default.dimple.operators.press import live_step, sessions
 
     body = add()
     softened(bpy, body)
@@ -58,12 +58,12 @@ def test_a_killed_process_takes_the_force_and_not_the_session(
     notes: list[str] = []
     until = time.perf_counter() + PATIENCE
     while not notes and time.perf_counter() < until:
-        notes += live.advance(bpy.context, 1 / 60)
+        notes += live_step.advance(bpy.context, 1 / 60)
         time.sleep(1 / 60)
     assert "onnect" in notes[0]
     assert gone(servo.pid)
     before = sessions.get(body).frame.time
-    assert live.advance(bpy.context, 1 / 60) == []
+    assert live_step.advance(bpy.context, 1 / 60) == []
     assert sessions.get(body).frame.time > before
     assert not bpy.ops.dimple.arm_device.poll()
 
@@ -95,7 +95,7 @@ def test_the_panel_says_what_is_not_renderable(bpy: ModuleType, port: Any, add: 
 
 
 def test_the_origin_is_where_the_fingertips_are(bpy: ModuleType, port: Any) -> None:
-    from bl_ext.user_default.dimple.operators import haptic
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips
 
     connect(bpy, port.path)
     scene = bpy.context.scene
@@ -104,7 +104,7 @@ def test_the_origin_is_where_the_fingertips_are(bpy: ModuleType, port: Any) -> N
     assert bpy.ops.dimple.centre_device() == {"FINISHED"}
     tips = [tip.position for tip in connection().report.tips]
     middle = tuple(sum(tip[c] for tip in tips) / 3 for c in range(3))
-    at = haptic.workspace(scene, 0.1).to_session(middle)
+    at = haptic_fingertips.workspace(scene, 0.1).to_session(middle)
     assert at == pytest.approx((0.1, 0.2, 0.3), abs=1e-5)
 
 
@@ -115,7 +115,7 @@ def test_a_servo_hears_of_blender_while_nothing_moves(
     """Where its pipe cannot be watched (Windows) a servo that hears nothing for 10 s takes Blender for gone."""
     from bl_ext.user_default.dimple.core.device.mailbox import TO_SERVO
     from bl_ext.user_default.dimple.core.device.orders import ORDER_SIZE
-    from bl_ext.user_default.dimple.operators import haptic
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips
 
     body = add()
     connect(bpy, port.path)
@@ -123,8 +123,8 @@ def test_a_servo_hears_of_blender_while_nothing_moves(
         run(bpy, body)
     seen = 0
     for _ in range(3):
-        time.sleep(haptic.LOOK_S)
-        haptic._look()
+        time.sleep(haptic_fingertips.LOOK_S)
+        haptic_fingertips._look()
         seen, order = connection().device._box.read(TO_SERVO, ORDER_SIZE, seen)
         assert order
 
@@ -134,57 +134,58 @@ def test_a_fingertip_that_is_not_trusted_moves_no_other(
 ) -> None:
     from dataclasses import replace
 
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     connect(bpy, port.path)
     entry = run(bpy, add())
-    live.advance(bpy.context, 1 / 60)
+    live_step.advance(bpy.context, 1 / 60)
     tips, device = connection().report.tips, type(connection().device)
     for masked in ((True, False, False), (False, True, True), (True, True, True)):
         spoiled = [replace(tip, masked=mask) for tip, mask in zip(tips, masked, strict=True)]
         report = replace(connection().report, tips=tuple(spoiled))
         monkeypatch.setattr(device, "read", lambda _, report=report: report)
-        assert live.advance(bpy.context, 1 / 60) == []
+        assert live_step.advance(bpy.context, 1 / 60) == []
         assert [finger is None for finger in entry.fingers] == list(masked)
 
 
 def test_a_device_that_is_lost_while_play_is_paused_is_said_when_it_goes_on(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
-    from bl_ext.user_default.dimple.operators import haptic, live
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips, live_step
 
     body = add()
     connect(bpy, port.path)
     run(bpy, body)
-    live.advance(bpy.context, 1 / 60)
+    live_step.advance(bpy.context, 1 / 60)
     connection().device.process.kill()
     until = time.perf_counter() + PATIENCE
     while connection().report.link.name != "LOST" and time.perf_counter() < until:
-        time.sleep(haptic.LOOK_S)
-        haptic._look()
-    assert "onnect" in live.advance(bpy.context, 1 / 60)[0]
+        time.sleep(haptic_fingertips.LOOK_S)
+        haptic_fingertips._look()
+    assert "onnect" in live_step.advance(bpy.context, 1 / 60)[0]
 
 
 @pytest.mark.parametrize("how", ["file", "disable", "disconnect"])
 def test_whatever_ends_it_ends_the_servo_and_frees_the_port(bpy: ModuleType, port: Any, how: str) -> None:
-    from bl_ext.user_default.dimple.operators import device, haptic
+    from bl_ext.user_default.dimple.operators.device import connect_device
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips
 
     connect(bpy, port.path)
     servo = connection().device.process.pid
     if how == "file":
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     elif how == "disable":
-        device.unregister()
-        device.register()
+        connect_device.unregister()
+        connect_device.register()
     else:
         bpy.ops.dimple.connect_device()
-    assert haptic.get() is None and gone(servo)
-    assert not bpy.app.timers.is_registered(haptic._look), "it would go on with the next device, beside its own"
+    assert haptic_fingertips.get() is None and gone(servo)
+    assert not bpy.app.timers.is_registered(haptic_fingertips._look), "else it goes on with the next device"
     connect(bpy, port.path)
 
 
 def test_a_port_that_is_not_there_is_refused_with_the_reason(bpy: ModuleType, empty_file: ModuleType) -> None:
-    from bl_ext.user_default.dimple.operators import haptic
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips
 
     settings = bpy.context.scene.dimple
     with pytest.raises(RuntimeError, match="Choose a port"):
@@ -192,11 +193,11 @@ def test_a_port_that_is_not_there_is_refused_with_the_reason(bpy: ModuleType, em
     settings.device_port = "/dev/nothing"
     bpy.ops.dimple.connect_device()
     assert "no port /dev/nothing" in wait(lambda report: report.link.name == "REFUSED").note
-    haptic.disconnect()
+    haptic_fingertips.disconnect()
 
 
 def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> None:
-    from bl_ext.user_default.dimple.operators import haptic
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips
 
     settings = bpy.context.scene.dimple
     settings.device_file = str(tmp_path / "device.toml")
@@ -204,7 +205,7 @@ def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: Mo
     settings.device_port = "/dev/null"
     bpy.ops.dimple.connect_device()
     assert "device.toml has no 'blocks'" in wait(lambda report: report.link.name == "REFUSED").note
-    haptic.disconnect()
+    haptic_fingertips.disconnect()
 
 
 def test_a_blender_that_draws_too_slowly_for_the_dead_man_key_is_said_once(
@@ -212,21 +213,21 @@ def test_a_blender_that_draws_too_slowly_for_the_dead_man_key_is_said_once(
 ) -> None:
     from bl_ext.user_default.dimple.core.device.orders import LinkState
     from bl_ext.user_default.dimple.core.device.safety import Arming
-    from bl_ext.user_default.dimple.operators import haptic
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips
 
     report = SimpleNamespace(link=LinkState.READY, arming=Arming.ON, note="")
     clock = SimpleNamespace(now=100.0, perf_counter=lambda: clock.now)
-    monkeypatch.setattr(haptic, "time", clock)
-    monkeypatch.setattr(haptic, "connections", [
-        haptic.Connection(device=SimpleNamespace(read=lambda: report), report=report)
+    monkeypatch.setattr(haptic_fingertips, "time", clock)
+    monkeypatch.setattr(haptic_fingertips, "connections", [
+        haptic_fingertips.Connection(device=SimpleNamespace(read=lambda: report), report=report)
     ])  # fmt: skip
     said = []
     for frame_s in (0.02, 0.02, 0.5, 0.5, 0.02, 0.4):
         clock.now += frame_s
-        said.append(haptic.read())
+        said.append(haptic_fingertips.read())
     assert [bool(each) for each in said] == [False, False, True, False, False, True]
     assert said[2][0].startswith("Blender draws only 2.0 frames a second, so the dead-man key lapses")
-    assert haptic.get().slow
+    assert haptic_fingertips.get().slow
     report.link, clock.now = LinkState.LOST, clock.now + 0.4
-    haptic.read()
-    assert not haptic.get().slow, "of a device that is lost, only that is said"
+    haptic_fingertips.read()
+    assert not haptic_fingertips.get().slow, "of a device that is lost, only that is said"

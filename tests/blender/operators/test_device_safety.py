@@ -30,7 +30,7 @@ class Watch:
     """Follow the dead-man key as the operator does: events in, and whether the key counts as held out."""
 
     def __init__(self, bpy: ModuleType) -> None:
-        from bl_ext.user_default.dimple.operators.device import DIMPLE_OT_arm_device
+        from bl_ext.user_default.dimple.operators.device.connect_device import DIMPLE_OT_arm_device
 
         self.timers: list[float] = []
         names = ("invoke", "modal", "cancel", "_end", "_is_armed")
@@ -88,17 +88,17 @@ def test_the_key_is_let_go_when(bpy: ModuleType, port: Any) -> None:
 def test_the_key_is_let_go_when_it_is_not_renewed(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
     """The operator is gone, or Blender stands still; that frames go on holds nothing."""
     from bl_ext.user_default.dimple.core.device.limits import LEASE
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     connect(bpy, port.path)
     run(bpy, add())
     watch = Watch(bpy)
     watch.press()
     pressed = time.perf_counter()
-    live.advance(bpy.context, 1 / 60)
+    live_step.advance(bpy.context, 1 / 60)
     assert connection().device._order.held_until <= pressed + LEASE
     time.sleep(LEASE)
-    live.advance(bpy.context, 1 / 60)
+    live_step.advance(bpy.context, 1 / 60)
     assert not watch.holds() and not connection().device._order.is_held(time.perf_counter())
 
 
@@ -117,7 +117,7 @@ def test_only_a_timer_and_the_key_itself_are_told_to_the_servo(bpy: ModuleType, 
 def test_the_newest_operator_follows_the_key_alone(
     bpy: ModuleType, port: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import modal_runs
+    from bl_ext.user_default.dimple.operators.press import modal_runs
 
     cleared: list[bool] = []  # a stub's workspace is not among Blender's
     monkeypatch.setattr(modal_runs, "clear_status", lambda: cleared.append(True))
@@ -175,7 +175,7 @@ def test_a_body_put_under_the_fingertips_at_once_disarms(
     bpy: ModuleType, port: Any, add: Callable[..., Any], above: float, kicks: bool
 ) -> None:
     """They are in it when its session starts, and nothing may kick; below them, it may start."""
-    from bl_ext.user_default.dimple.operators import live, sessions
+    from bl_ext.user_default.dimple.operators.press import live_step, sessions
 
     body, notes = add(), []
     connect(bpy, port.path)
@@ -183,7 +183,7 @@ def test_a_body_put_under_the_fingertips_at_once_disarms(
         wait(lambda report: report.arming.name == "ON", arms=True)
         entry = run(bpy, body)
         bpy.context.scene.dimple.device_origin[2] += above / entry.link.scale
-        notes += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
+        notes += live_step.advance(bpy.context, 1 / 60) + live_step.advance(bpy.context, 1 / 60)
         if kicks:
             wait(lambda report: report.arming.name == "OFF")
         sessions.stop_all()
@@ -195,7 +195,7 @@ def test_another_place_or_radius_of_the_device_disarms_while_a_fingertip_presses
     bpy: ModuleType, port: Any, add: Callable[..., Any], what: str
 ) -> None:
     """As when a step that set it is undone, or the wheel turns: the wall would jump by as much."""
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     body, notes, settings = add(), [], bpy.context.scene.dimple
     softened(bpy, body)
@@ -207,7 +207,7 @@ def test_another_place_or_radius_of_the_device_disarms_while_a_fingertip_presses
             settings.device_origin[2] -= 0.1
         else:
             settings.finger_radius_mm += 2.0
-        notes += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
+        notes += live_step.advance(bpy.context, 1 / 60) + live_step.advance(bpy.context, 1 / 60)
         wait(lambda report: report.arming.name == "OFF", bpy)
         if any("has changed" in sentence for sentence in notes):
             return
@@ -218,7 +218,7 @@ def test_another_place_or_radius_of_the_device_disarms_while_a_fingertip_presses
 def test_a_body_that_is_somewhere_else_at_once_disarms(
     bpy: ModuleType, port: Any, add: Callable[..., Any], how: str
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     body = add()
     bpy.ops.ed.undo_push(message="Before")
@@ -232,7 +232,7 @@ def test_a_body_that_is_somewhere_else_at_once_disarms(
     else:
         rest = entry.session.body.positions()
         entry.session.body.set_state(rest, 1e30 * rest)
-        assert any("blew up" in sentence for sentence in live.advance(bpy.context, 1 / 60))
+        assert any("blew up" in sentence for sentence in live_step.advance(bpy.context, 1 / 60))
     assert connection().device._order.disarm == before + 1
     wait(lambda report: report.arming.name == "OFF")
 
@@ -249,13 +249,13 @@ def test_a_pause_lets_the_key_go_though_it_is_held(bpy: ModuleType, port: Any, a
 
 
 def test_a_new_session_remembers_nothing_of_the_last_one(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
-    from bl_ext.user_default.dimple.operators import live, sessions
+    from bl_ext.user_default.dimple.operators.press import live_step, sessions
 
     body, last = add(), None
     connect(bpy, port.path)
     for _ in range(2):
         entry = run(bpy, body)
-        live.advance(bpy.context, 1 / 60)
+        live_step.advance(bpy.context, 1 / 60)
         assert entry is not last and {known for known, *_ in connection().known} == {entry}
         last = entry
         sessions.stop_all()
@@ -266,19 +266,19 @@ def test_what_the_mouse_presses_is_not_rendered_by_the_device(
 ) -> None:
     """The mouse takes the first fingertip: the device's presses nothing and has no force until the mouse lets go."""
     from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     body = add()
     softened(bpy, body)
     connect(bpy, port.path)
     entry = run(bpy, body)
-    live.advance(bpy.context, 1 / 60)
+    live_step.advance(bpy.context, 1 / 60)
     mouse = Finger((0.0, 0.0, entry.link.scale + 0.010 - 0.012), 0.010)
     for _ in range(3):
-        live.advance(bpy.context, 1 / 60, pressed={entry.link.uid: (mouse,)})
+        live_step.advance(bpy.context, 1 / 60, pressed={entry.link.uid: (mouse,)})
         first, second, _ = connection().device._order.surfaces
         assert first is None and second and entry.frame.depths[0] == pytest.approx(0.012, abs=1e-4)
-    live.advance(bpy.context, 1 / 60)
+    live_step.advance(bpy.context, 1 / 60)
     here, there = connection().device._order.surfaces[0], connection().report.tips[0].position
     assert here.depth(there) == pytest.approx(entry.frame.touches[0].depth, abs=1e-4) and entry.frame.depths[0] == 0.0
 
@@ -286,7 +286,7 @@ def test_what_the_mouse_presses_is_not_rendered_by_the_device(
 def test_a_mouse_that_lets_a_pressed_fingertip_go_disarms(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
     """The device's own is inside the body, and would be pushed out at once."""
     from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     body, notes = add(), []
     softened(bpy, body)
@@ -296,8 +296,8 @@ def test_a_mouse_that_lets_a_pressed_fingertip_go_disarms(bpy: ModuleType, port:
     for _ in range(3):  # a busy machine may have disarmed it meanwhile
         wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
         for _ in range(20):  # until the dent has come back
-            live.advance(bpy.context, 1 / 60, pressed={entry.link.uid: (above,)})
-        notes += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
+            live_step.advance(bpy.context, 1 / 60, pressed={entry.link.uid: (above,)})
+        notes += live_step.advance(bpy.context, 1 / 60) + live_step.advance(bpy.context, 1 / 60)
         wait(lambda report: report.arming.name == "OFF", bpy)
         if notes:
             break

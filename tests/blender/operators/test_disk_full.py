@@ -33,16 +33,16 @@ def full_after(size: int) -> Iterator[None]:
 def test_a_disk_that_fills_while_recording_ends_the_recording_and_not_the_session(
     bpy: ModuleType, sessions: Any, scene: Any, playing: Any, coordinates: Bits, rest: bytes
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     obj = playing()
     bpy.ops.dimple.record()
     body, said = sessions.get(obj), []
     with full_after(32 + 3 * SAMPLE + 100):
         while body.recording and len(said) < 20:
-            said += live.advance(bpy.context, 1 / 24)
+            said += live_step.advance(bpy.context, 1 / 24)
     assert len(said) == 1 and said[0].startswith('The recording of "Ball" has ended early: ')
-    assert live.advance(bpy.context, 1 / 24) == [] and body.frame.time > 0
+    assert live_step.advance(bpy.context, 1 / 24) == [] and body.frame.time > 0
     bpy.ops.dimple.reset()
     assert coordinates(obj) == rest and is_clean(obj)
     assert cache_of(obj).filepath == body.take[0]

@@ -26,14 +26,14 @@ def in_world(obj: Any) -> np.ndarray:
 
 
 def advance(bpy: ModuleType) -> list[str]:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
-    return live.advance(bpy.context, 0.02)
+    return live_step.advance(bpy.context, 0.02)
 
 
 def exits(bpy: ModuleType) -> dict[str, Callable[[], Any]]:
     """Return how a session can end after an edit: at the next step, at once, while paused, with the file saved."""
-    from bl_ext.user_default.dimple.operators import showing
+    from bl_ext.user_default.dimple.operators.press import showing
 
     return {"step": lambda: advance(bpy), "reset": bpy.ops.dimple.reset, "paused": showing.end_changed}
 

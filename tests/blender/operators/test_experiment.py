@@ -32,14 +32,14 @@ def rows(plan: Path) -> list[dict[str, str]]:
 
 
 def test_an_experiment_is_shown_answered_stopped_and_gone_on_with(bpy: ModuleType, plan: Path) -> None:
-    from bl_ext.user_default.dimple.operators import experiment
+    from bl_ext.user_default.dimple.operators.experiment import comparison
 
     ops, body = bpy.ops.dimple, bpy.context.object
     assert ops.open_experiment(filepath=str(plan), participant="7") == {"FINISHED"}
     assert not ops.show_trial.poll(), "not before the consent"
     assert ops.agree_experiment() == {"FINISHED"} and not ops.answer_trial.poll()
     for number in range(1, 4):
-        trial = experiment.trial()
+        trial = comparison.trial()
         assert trial.number == number
         for interval in range(1, len(trial.shown) + 1):
             assert ops.show_trial(interval=interval) == {"FINISHED"}
@@ -52,7 +52,7 @@ def test_an_experiment_is_shown_answered_stopped_and_gone_on_with(bpy: ModuleTyp
             assert body.active_material.name == "Own" and body.active_material.dimple.K1 == pytest.approx(0.4)
             assert ops.open_experiment(filepath=str(plan), participant="7") == {"FINISHED"}
             ops.agree_experiment()
-    assert experiment.trial() is None and not ops.show_trial.poll()
+    assert comparison.trial() is None and not ops.show_trial.poll()
     answers = rows(plan)
     assert [row["trial"] for row in answers] == ["1", "2", "3"] and {row["condition"] for row in answers} == {"seen"}
     assert all(float(row["force_max_n"]) > 1 and float(row["depth_max_mm"]) > 0.1 for row in answers)
@@ -61,16 +61,16 @@ def test_an_experiment_is_shown_answered_stopped_and_gone_on_with(bpy: ModuleTyp
 
 
 def test_a_softer_body_is_seen_to_sink_in_deeper_and_no_material_is_left(bpy: ModuleType, plan: Path) -> None:
-    from bl_ext.user_default.dimple.operators import experiment
+    from bl_ext.user_default.dimple.operators.experiment import comparison
 
     bpy.ops.dimple.open_experiment(filepath=str(plan), participant="7")
     bpy.ops.dimple.agree_experiment()
     depths = {}
-    while trial := experiment.trial():
+    while trial := comparison.trial():
         for interval, level in enumerate(trial.shown, start=1):
-            experiment.get().samples.clear()
+            comparison.get().samples.clear()
             bpy.ops.dimple.show_trial(interval=interval)
-            depths[trial.task.kind, level] = max(depth for _, depth, _ in experiment.get().samples)
+            depths[trial.task.kind, level] = max(depth for _, depth, _ in comparison.get().samples)
         bpy.ops.dimple.answer_trial(choice=1)
     assert depths["comparison", 0.5] > 1.3 * depths["comparison", 1.0] > 1.6 * depths["comparison", 2.0]
     bpy.ops.dimple.stop_experiment()
@@ -91,7 +91,7 @@ def test_a_participant_sees_no_number_and_no_chart(
 ) -> None:
     """Force against depth is drawn over what plays, and would tell which is the stiffer."""
     from bl_ext.user_default.dimple.addon import overlay
-    from bl_ext.user_default.dimple.operators import under_way
+    from bl_ext.user_default.dimple.operators.experiment import blind_trial
 
     ops, looked = bpy.ops.dimple, []
     monkeypatch.setattr(overlay, "shown_bodies", lambda context: looked.append(context) or [])
@@ -100,7 +100,7 @@ def test_a_participant_sees_no_number_and_no_chart(
     overlay.draw_numbers()
     assert looked and bpy.types.DIMPLE_PT_readout.poll(bpy.context), "the experimenter may look"
     looked.clear()
-    assert ops.agree_experiment() == {"FINISHED"} and under_way.is_blind()
+    assert ops.agree_experiment() == {"FINISHED"} and blind_trial.is_blind()
     overlay.draw_numbers()
     assert not looked and not bpy.types.DIMPLE_PT_readout.poll(bpy.context)
     assert ops.stop_experiment() == {"FINISHED"}

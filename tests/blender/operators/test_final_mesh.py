@@ -69,7 +69,7 @@ def model(bpy: ModuleType, add: Callable[..., Any], scene: Any, request: Any) ->
 @pytest.fixture
 def left(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Any]]:
     """The sessions that have ended."""
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     ended: list[Any] = []
     stop = sessions.stop
@@ -192,7 +192,7 @@ def test_a_modifier_that_must_be_first_is_pressed_as_any(
 def test_what_shows_a_press_is_no_object_of_the_artist_after_copy_paste_and_a_full_scene_copy(
     bpy: ModuleType, scene: Any, ball: Callable[..., Any], tmp_path: Any
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     ball()
     bpy.ops.dimple.play(seconds=0.02)

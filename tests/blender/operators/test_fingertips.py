@@ -57,17 +57,17 @@ def test_a_fingertip_is_added_at_the_cursor_straight_out_of_the_surface(
 
 
 def test_the_sphere_that_is_drawn_is_the_sphere_that_presses(bpy: ModuleType, scene: Any, soft: Any) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     bpy.ops.dimple.add_fingertip()
     tip = scene.dimple.finger_1
     scene.dimple.finger_radius_mm = 25
-    assert live.fingertips(scene, 1 / M)[0].radius == pytest.approx(0.01)
+    assert live_step.fingertips(scene, 1 / M)[0].radius == pytest.approx(0.01)
     tip.scale = (2, 2, 2)
     bpy.context.view_layer.update()
-    assert live.fingertips(scene, 1 / M)[0].radius == pytest.approx(0.02)
+    assert live_step.fingertips(scene, 1 / M)[0].radius == pytest.approx(0.02)
     tip.empty_display_type = "CUBE"
-    assert live.fingertips(scene, 1 / M)[0].radius == pytest.approx(0.025), "no sphere is drawn: the tool's"
+    assert live_step.fingertips(scene, 1 / M)[0].radius == pytest.approx(0.025), "no sphere is drawn: the tool's"
 
 
 def test_bake_with_a_fingertip_active_bakes_the_body_that_it_presses(
@@ -190,17 +190,18 @@ def test_a_press_by_device_is_from_where_it_touches_to_where_it_leaves(
     bpy: ModuleType, scene: Any, soft: Any, sessions: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators import haptic, live, timeline
+    from bl_ext.user_default.dimple.operators.bridge import timeline
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips, live_step
 
     depths = [-10, -4, 2, 8, 9, 5, -3, -8]  # [mm]; it is in the air too
     top = 0.0825
     place = iter([Finger((0.0, 0.0, top + 0.01 - depth / 1e3), 0.01) for depth in depths])
-    live.start_all(bpy.context)
-    monkeypatch.setattr(haptic, "fingertips", lambda *_: [next(place), None, None])
+    live_step.start_all(bpy.context)
+    monkeypatch.setattr(haptic_fingertips, "fingertips", lambda *_: [next(place), None, None])
     monkeypatch.setattr(timeline, "is_playing", lambda _: True)
     for frame in range(20, 20 + len(depths)):
         scene.frame_set(frame)
-        live.advance(bpy.context, 1 / FPS)
+        live_step.advance(bpy.context, 1 / FPS)
     sessions.stop_all()
     scene.frame_set(3)
     assert bpy.ops.dimple.key_press() == {"FINISHED"}

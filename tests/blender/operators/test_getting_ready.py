@@ -33,19 +33,19 @@ def keyed(bpy: ModuleType, scene: Any, ball: Callable[..., Any]) -> Any:
 @pytest.fixture
 def slow(monkeypatch: pytest.MonkeyPatch) -> Iterator[SimpleNamespace]:
     """What says that a proxy is begun, and lets it be made: until then it takes for ever."""
-    from bl_ext.user_default.dimple.operators import planning
+    from bl_ext.user_default.dimple.operators.press import proxy_choice
 
     found = SimpleNamespace(begun=threading.Event(), go_on=threading.Event())
-    build = planning._proxy
+    build = proxy_choice._proxy
 
     def waiting(*given: Any) -> Any:
         found.begun.set()
         assert found.go_on.wait(LONGEST_S), "nobody went on meanwhile"
         return build(*given)
 
-    planning._choices.clear()  # of another test
-    planning._moving.clear()
-    monkeypatch.setattr(planning, "_proxy", waiting)
+    proxy_choice._choices.clear()  # of another test
+    proxy_choice._moving.clear()
+    monkeypatch.setattr(proxy_choice, "_proxy", waiting)
     yield found
     found.go_on.set()
 
@@ -80,7 +80,7 @@ def test_a_bake_makes_its_proxy_between_events_with_progress_and_esc_leaves_noth
 def test_an_export_goes_on_while_its_proxy_is_made_and_once_stopped_leaves_nothing(
     bpy: ModuleType, scene: Any, keyed: Any, slow: Any, tmp_path: Path
 ) -> None:
-    from bl_ext.user_default.dimple.operators import export_plan
+    from bl_ext.user_default.dimple.operators.export import export_plan
 
     plan = export_plan.ExportPlan(objects=[keyed], formats=["PC2"], folder=tmp_path / "out", first=1, last=4)
     plan.folder.mkdir()
@@ -95,10 +95,10 @@ def test_an_export_goes_on_while_its_proxy_is_made_and_once_stopped_leaves_nothi
 def test_all_that_takes_long_at_a_start_is_done_beside_blenders_events(
     bpy: ModuleType, empty_file: ModuleType, ball: Any
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live, sessions
+    from bl_ext.user_default.dimple.operators.press import live_step, sessions
 
     ball("Fine", 7)
-    parts, sent, done, here = live.starting_all(bpy.context), None, [], 0.0
+    parts, sent, done, here = live_step.starting_all(bpy.context), None, [], 0.0
     began = time.process_time()
     while True:
         last = time.process_time()

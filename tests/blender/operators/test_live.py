@@ -49,7 +49,7 @@ def test_a_window_that_is_closed_ends_the_operator(
 
 
 def test_play_pauses_goes_on_and_ends(bpy: ModuleType, hand: Any, body: Any, rest: bytes, coordinates: Bits) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     bpy.context.scene.dimple.use_gravity = True
     play = hand("play")
@@ -72,7 +72,7 @@ def test_play_pauses_goes_on_and_ends(bpy: ModuleType, hand: Any, body: Any, res
 
 
 def test_a_poke_takes_over_from_play(bpy: ModuleType, hand: Any, body: Any) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     play, poke = hand("play"), None
     play.invoke()
@@ -88,19 +88,19 @@ def test_a_poke_takes_over_from_play(bpy: ModuleType, hand: Any, body: Any) -> N
 def test_bodies_that_do_not_meet_are_stepped_together_in_the_time_there_is(
     bpy: ModuleType, ball: Callable[..., Any], body: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live, sessions
+    from bl_ext.user_default.dimple.operators.press import live_step, sessions
 
     for obj in (body, ball("Other")):
         sessions.start(obj, bpy.context)
-    given, step_all = [], live.step_all
+    given, step_all = [], live_step.step_all
 
     def watched(bodies: Any, seconds: Any, *, budget: float) -> Any:
         given.append((len(bodies), budget))
         return step_all(bodies, seconds)
 
-    monkeypatch.setattr(live, "step_all", watched)
+    monkeypatch.setattr(live_step, "step_all", watched)
     try:
-        live.advance(bpy.context, 0.002, budget=0.5)
+        live_step.advance(bpy.context, 0.002, budget=0.5)
     finally:
         sessions.stop_all()
     assert given == [(2, 0.5)]
@@ -110,7 +110,8 @@ def test_a_body_that_sleeps_is_not_shown_anew(
     bpy: ModuleType, ball: Callable[..., Any], body: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators import live, offset, sessions
+    from bl_ext.user_default.dimple.operators.bridge import offset
+    from bl_ext.user_default.dimple.operators.press import live_step, sessions
 
     shown, show = [], offset.show
     monkeypatch.setattr(offset, "show", lambda obj, offsets: shown.append(obj.name) or show(obj, offsets))
@@ -119,20 +120,20 @@ def test_a_body_that_sleeps_is_not_shown_anew(
         sessions.start(obj, bpy.context)
     try:
         for _ in range(50):
-            live.advance(bpy.context, 0.02)
+            live_step.advance(bpy.context, 0.02)
         shown.clear()
-        live.advance(bpy.context, 0.02)
+        live_step.advance(bpy.context, 0.02)
         assert shown == []
         entry = sessions.get(other)
         top = float(entry.session.positions()[:, 2].max())
         pressed = {entry.link.uid: [Finger((0.0, 0.0, top), 0.01)]}
         for _ in range(2):
-            live.advance(bpy.context, 0.02, pressed=pressed)
+            live_step.advance(bpy.context, 0.02, pressed=pressed)
         assert shown == [other.name, other.name]
         shown.clear()
         body.location.x += 1
         bpy.context.view_layer.update()
-        live.advance(bpy.context, 0.02, pressed=pressed)
+        live_step.advance(bpy.context, 0.02, pressed=pressed)
         assert shown == [body.name, other.name]
     finally:
         sessions.stop_all()
@@ -141,16 +142,16 @@ def test_a_body_that_sleeps_is_not_shown_anew(
 def test_a_slow_computer_slows_time_rather_than_tearing_the_skin(
     bpy: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live, modal_runs, sessions
+    from bl_ext.user_default.dimple.operators.press import live_step, modal_runs, sessions
 
     run = modal_runs.ModalRun(kind="play", timer=None)
-    asked, budget = live.ask(bpy.context.scene, run, 5.0)
+    asked, budget = live_step.ask(bpy.context.scene, run, 5.0)
     assert asked == run.step_s and budget < 0.1
     body = SimpleNamespace(done=1e-3)
     monkeypatch.setattr(sessions, "sessions", {1: body})
-    live.adapt(run, asked)
+    live_step.adapt(run, asked)
     assert run.step_s == pytest.approx(0.002)
     for _ in range(9):
         body.done = run.step_s
-        live.adapt(run, asked)
+        live_step.adapt(run, asked)
     assert run.step_s == pytest.approx(0.1), "and is real again as soon as it can"

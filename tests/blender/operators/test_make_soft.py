@@ -40,12 +40,12 @@ def test_a_press_by_force_is_as_deep_as_the_law_says_on_a_vertex_and_beside_it(
     bpy: ModuleType, bare: Any, sessions: Any, K1: float
 ) -> None:
     from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     bpy.ops.dimple.make_soft()
     body, _ = sessions.start(bare, bpy.context)
     bare.active_material.dimple.K1 = K1
-    live.advance(bpy.context, 1e-3)
+    live_step.advance(bpy.context, 1e-3)
     law, mesh = body.session.model.materials[0].law, body.session.model.mesh
     edge = float(np.median(mesh.rest_lengths))
     for aside in ((0.0, 0.0), (0.5, 0.0), (0.5, 0.5)):  # of an edge: on a vertex, an edge and a face
@@ -109,7 +109,7 @@ def broken(bpy: ModuleType) -> Any:
 def test_a_broken_mesh_is_repaired_where_the_artist_agrees_and_what_is_left_is_said(
     bpy: ModuleType, empty_file: ModuleType, coordinates: Bits, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    from bl_ext.user_default.dimple.operators import make_soft
+    from bl_ext.user_default.dimple.operators.press import make_soft
 
     obj = broken(bpy)
     before = coordinates(obj)
@@ -125,7 +125,7 @@ def test_a_broken_mesh_is_repaired_where_the_artist_agrees_and_what_is_left_is_s
 def test_whatever_is_wrong_with_a_sheet_most_of_its_faces_say_which_side_is_outward(
     bpy: ModuleType, empty_file: ModuleType
 ) -> None:
-    from bl_ext.user_default.dimple.operators import make_soft
+    from bl_ext.user_default.dimple.operators.press import make_soft
 
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=10, y_subdivisions=10)
     sheet = bpy.context.object

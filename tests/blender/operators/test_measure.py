@@ -44,10 +44,10 @@ def test_a_body_that_nothing_holds_is_not_measured(bpy: ModuleType, vinyl: Any, 
 def test_a_measurement_between_blenders_events_is_written_at_its_end_or_not_at_all(
     bpy: ModuleType, vinyl: Any, hand: Any, tmp_path: Path
 ) -> None:
-    from bl_ext.user_default.dimple.operators import working
+    from bl_ext.user_default.dimple.operators.press import progress
 
     path = tmp_path / "live.csv"
-    slice_s, working.SLICE_S = working.SLICE_S, 0.0
+    slice_s, progress.SLICE_S = progress.SLICE_S, 0.0
     try:
         for key in ("ESC", ""):
             run = hand("measure")
@@ -58,7 +58,7 @@ def test_a_measurement_between_blenders_events_is_written_at_its_end_or_not_at_a
             if key:
                 assert run.send(key) == {"CANCELLED"} and not path.exists()
     finally:
-        working.SLICE_S = slice_s
+        progress.SLICE_S = slice_s
     assert run.ticks(100) == {"FINISHED"}
     rows = np.loadtxt(path, delimiter=",", skiprows=4)
     assert rows.shape == (12, 2) and rows[-1, 0] == pytest.approx(5) and (np.diff(rows[:, 1]) > 0).all()

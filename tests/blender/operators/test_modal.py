@@ -35,7 +35,7 @@ def test_press_hold_release_and_escape(
     assert poke.send("MOUSEMOVE", "NOTHING") == {"PASS_THROUGH"}
     assert poke.send("LEFTMOUSE") == {"RUNNING_MODAL"}
     poke.ticks(20)
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     body = sessions.get(ball_of(bpy))
     assert body.frame.depths[0] == pytest.approx(0.015, abs=1e-3) and np.linalg.norm(body.frame.finger_forces[0]) > 1
@@ -98,7 +98,7 @@ def test_keys_do_what_the_status_bar_says(bpy: ModuleType, hand: Any, rest: byte
     assert settings.active_finger == 2
     poke.send("LEFTMOUSE")
     poke.ticks(3)
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     body = sessions.get(ball_of(bpy))
     assert body.fingers[0] is None and body.fingers[1] is not None
@@ -121,7 +121,7 @@ def test_keys_do_what_the_status_bar_says(bpy: ModuleType, hand: Any, rest: byte
 def test_the_keys_come_back_after_something_else_has_cleared_the_status_bar(
     bpy: ModuleType, hand: Any, rest: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import modal_runs
+    from bl_ext.user_default.dimple.operators.press import modal_runs
 
     poke = hand("poke")
     monkeypatch.setattr(modal_runs, "time", SimpleNamespace(monotonic=lambda: poke.time))
@@ -134,7 +134,7 @@ def test_the_keys_come_back_after_something_else_has_cleared_the_status_bar(
 
 
 def test_a_pen_presses_as_deep_as_it_is_pressed(bpy: ModuleType, hand: Any, rest: bytes) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     poke = hand("poke")
     poke.invoke()
@@ -145,7 +145,7 @@ def test_a_pen_presses_as_deep_as_it_is_pressed(bpy: ModuleType, hand: Any, rest
 
 
 def test_a_press_by_force_sinks_in_until_the_body_answers_with_it(bpy: ModuleType, hand: Any, rest: bytes) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     bpy.context.scene.dimple.press_by, bpy.context.scene.dimple.press_force_n = "FORCE", 4.0
     material = bpy.data.materials.new("Tuned")
@@ -172,7 +172,7 @@ def test_a_press_by_force_sinks_in_until_the_body_answers_with_it(bpy: ModuleTyp
 def test_undo_takes_a_constant_back_while_poking_but_nothing_from_before(
     bpy: ModuleType, hand: Any, rest: bytes
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     ball_of(bpy).active_material = bpy.data.materials.new("Tuned")
     bpy.ops.ed.undo_push(message="Before")
@@ -221,7 +221,7 @@ def test_undo_is_swallowed_and_navigation_sizing_and_the_side_regions_are_not(
 def test_a_3d_mouse_turns_the_view_while_a_fingertip_presses_and_the_press_stays(
     bpy: ModuleType, hand: Any, rest: bytes
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     poke = hand("poke")
     poke.invoke()
@@ -241,7 +241,7 @@ def test_a_3d_mouse_turns_the_view_while_a_fingertip_presses_and_the_press_stays
 def test_a_click_beside_the_ball_is_blenders_which_selects(
     bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     beside, poke = (500 + 2 * RADIUS_PX, 500), hand("poke")
     assert poke.invoke("LEFTMOUSE", "PRESS", beside) == {"PASS_THROUGH"} and not sessions.sessions, "nothing begins"
@@ -262,7 +262,7 @@ def test_the_tool_presses_with_the_click_that_starts_it(bpy: ModuleType, hand: A
 
 
 def test_the_tool_selects_the_soft_body_that_it_presses(bpy: ModuleType, hand: Any, body: Any, ball: Any) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     other, poke = ball("Other"), hand("poke")
     other.location = (10.0, 0.0, 0.0)
@@ -297,7 +297,7 @@ def test_fingertip_and_depth_follow_the_size_of_the_body_until_they_are_typed(bp
 
 
 def test_a_drag_takes_the_dent_along(bpy: ModuleType, hand: Any, rest: bytes) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     poke = hand("poke")
     poke.invoke()
@@ -327,7 +327,7 @@ def test_reset_from_the_sidebar_ends_the_poke(bpy: ModuleType, hand: Any, rest: 
 def test_something_unforeseen_ends_the_poke_and_is_raised(
     bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import modal_runs, sessions
+    from bl_ext.user_default.dimple.operators.press import modal_runs, sessions
 
     poke = hand("poke")
     poke.invoke()
@@ -346,7 +346,7 @@ def test_something_unforeseen_ends_the_poke_and_is_raised(
 def test_a_soft_body_that_was_not_selected_joins_when_it_is_pressed(
     bpy: ModuleType, hand: Any, ball: Any, body: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     other = ball("Other")
     other.location = (10.0, 0.0, 0.0)

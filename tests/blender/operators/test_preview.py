@@ -81,7 +81,7 @@ def test_the_same_bake_twice_is_the_same_bytes(
 def test_play_follows_the_timeline_and_begins_anew_where_it_is_wound_back(
     bpy: ModuleType, scene: Any, swinging: Callable[[float], Any], hand: Any, monkeypatch: Any, simulated: Any
 ) -> None:
-    from bl_ext.user_default.dimple.operators import timeline
+    from bl_ext.user_default.dimple.operators.bridge import timeline
 
     monkeypatch.setattr(timeline, "is_playing", lambda _context: True)
     obj = swinging(24)

@@ -27,19 +27,19 @@ def curves_of(obj: Any) -> Any:
 
 
 def advance(bpy: ModuleType, seconds: float) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     for _ in range(round(30 * seconds)):
-        assert live.advance(bpy.context, 1 / 30) == []
+        assert live_step.advance(bpy.context, 1 / 30) == []
 
 
 def test_it_falls_dents_the_body_and_is_put_back_bit_for_bit(
     bpy: ModuleType, sessions: Any, weight: Any, cube: Any
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     before = np.array(weight.matrix_basis)
-    live.start_all(bpy.context)
+    live_step.start_all(bpy.context)
     advance(bpy, 2.0)
     (body,) = sessions.sessions.values()
     skin, mesh = body.session.skin(), body.session.model.mesh
@@ -54,10 +54,10 @@ def test_it_falls_dents_the_body_and_is_put_back_bit_for_bit(
 def test_a_heavier_one_sinks_deeper_and_its_mass_can_be_changed_while_it_rests(
     bpy: ModuleType, sessions: Any, weight: Any
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     weight.dimple.prop_mass_kg = 0.3
-    live.start_all(bpy.context)
+    live_step.start_all(bpy.context)
     advance(bpy, 0.6)
     light = weight.matrix_world.translation.z
     weight.dimple.prop_mass_kg = 2.0
@@ -68,11 +68,11 @@ def test_a_heavier_one_sinks_deeper_and_its_mass_can_be_changed_while_it_rests(
 
 def test_a_prop_without_a_mass_is_refused_in_words(bpy: ModuleType, sessions: Any, weight: Any) -> None:
     from bl_ext.user_default.dimple.core.errors import DimpleError
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     weight.dimple.prop_mass_kg = 0.0
     with pytest.raises(DimpleError, match="greater than 0 kg"):
-        live.start_all(bpy.context)
+        live_step.start_all(bpy.context)
     sessions.stop_all()
 
 
@@ -92,12 +92,12 @@ def test_a_bake_keyframes_where_it_falls(bpy: ModuleType, sessions: Any, weight:
 
 
 def test_beside_the_body_it_lands_on_the_ground(bpy: ModuleType, sessions: Any, weight: Any) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     bpy.context.scene.dimple.use_ground = True
     weight.location = 3.0, 0.0, 0.5
     bpy.context.view_layer.update()
-    live.start_all(bpy.context)
+    live_step.start_all(bpy.context)
     advance(bpy, 1.0)
     assert weight.matrix_world.translation.z == pytest.approx(0.1, abs=0.01), "half its height above the ground"
     sessions.stop_all()
@@ -106,7 +106,7 @@ def test_beside_the_body_it_lands_on_the_ground(bpy: ModuleType, sessions: Any, 
 def test_on_a_table_and_a_keyframed_tray_a_bake_is_what_was_live(
     bpy: ModuleType, sessions: Any, weight: Any, cube: Any, tmp_path: Any
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     scene = bpy.context.scene
     scene.dimple.cache_dir = str(tmp_path)
@@ -121,11 +121,11 @@ def test_on_a_table_and_a_keyframed_tray_a_bake_is_what_was_live(
     cube.select_set(True)
     bpy.context.view_layer.objects.active = cube
     scene.frame_set(1)
-    live.start_all(bpy.context)
+    live_step.start_all(bpy.context)
     heights = [weight.matrix_world.translation.z]
     for frame in range(2, 15):
         scene.frame_set(frame)
-        assert live.advance(bpy.context, 1 / scene.render.fps) == []
+        assert live_step.advance(bpy.context, 1 / scene.render.fps) == []
         heights.append(weight.matrix_world.translation.z)
     sessions.stop_all()
     assert bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=14) == {"FINISHED"}

@@ -117,7 +117,7 @@ def test_caches_of_a_file_without_a_name_outlive_the_extension(bpy: ModuleType, 
 def test_bodies_that_play_together_have_one_clock(
     bpy: ModuleType, scene: Any, ball: Add, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live, sessions
+    from bl_ext.user_default.dimple.operators.press import live_step, sessions
 
     for name in ("Slow", "Fast"):
         sessions.start(ball(name), bpy.context)
@@ -126,7 +126,7 @@ def test_bodies_that_play_together_have_one_clock(
     monkeypatch.setattr(slow.session, "begin", lambda dt: begin(min(dt, 0.003)))
     bpy.ops.dimple.record()
     for _ in range(60):
-        live.advance(bpy.context, 1 / 60)
+        live_step.advance(bpy.context, 1 / 60)
     assert slow.frame.time == pytest.approx(60 * 0.003, abs=2e-3)
     assert fast.frame.time == pytest.approx(slow.frame.time, abs=1 / 60), "the fast one waits"
     assert slow.recorder.frames == fast.recorder.frames > 3
@@ -136,7 +136,7 @@ def test_bodies_that_play_together_have_one_clock(
 def test_the_end_of_a_recording_is_said_and_undo_takes_only_it_back(
     bpy: ModuleType, scene: Any, ball: Add
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     obj = ball()
     obj.location.x = 1.0

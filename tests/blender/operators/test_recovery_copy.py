@@ -16,7 +16,7 @@ Bits = Callable[[Any], bytes]
 @pytest.fixture
 def copy(bpy: ModuleType) -> Iterator[Path]:
     """Where Blender would write its autosave; nothing is there before and after."""
-    from bl_ext.user_default.dimple.operators import recovery_copy
+    from bl_ext.user_default.dimple.operators.press import recovery_copy
 
     recovery_copy.path().unlink(missing_ok=True)
     yield recovery_copy.path()
@@ -68,7 +68,7 @@ def test_no_copy_is_written_where_autosave_is_switched_off(bpy: ModuleType, hand
 def test_a_copy_that_cannot_be_written_is_said_and_the_session_goes_on(
     bpy: ModuleType, hand: Any, ball: Any, monkeypatch: Any, tmp_path: Path
 ) -> None:
-    from bl_ext.user_default.dimple.operators import recovery_copy, sessions
+    from bl_ext.user_default.dimple.operators.press import recovery_copy, sessions
 
     ball()
     run = hand("play")

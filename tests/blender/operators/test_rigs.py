@@ -130,7 +130,7 @@ def walking(bpy: ModuleType, scene: Any, add: Add) -> Any:
 
 def dent(obj: Any, seen: np.ndarray, vertex: int = 36) -> float:
     """Return how far a vertex is pushed out of its shape at rest [scene units]."""
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     return float(np.linalg.norm(seen[vertex] - sessions.get(obj).rest[vertex]))
 
@@ -231,7 +231,7 @@ def test_a_rig_that_an_artist_moves_by_hand_takes_a_pressed_body_along(
 def test_a_press_is_on_top_of_what_a_modifier_makes_of_a_rigged_body(
     bpy: ModuleType, sessions: Any, scene: Any, walking: Any, shown: Shown, kind: str
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions as running
+    from bl_ext.user_default.dimple.operators.press import sessions as running
 
     walking.modifiers.new("After", kind)
     seen = shown(walking)
@@ -246,15 +246,15 @@ def test_a_press_is_on_top_of_what_a_modifier_makes_of_a_rigged_body(
 def test_a_modifier_that_gives_other_vertices_from_frame_to_frame_ends_the_session_with_a_sentence(
     bpy: ModuleType, sessions: Any, scene: Any, walking: Any
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live
-    from bl_ext.user_default.dimple.operators import sessions as running
+    from bl_ext.user_default.dimple.operators.press import live_step
+    from bl_ext.user_default.dimple.operators.press import sessions as running
 
     build = walking.modifiers.new("Build", "BUILD")
     build.frame_start, build.frame_duration = 1, 10
     scene.frame_set(5)
     running.start(walking, bpy.context)
     scene.frame_set(6)
-    said = live.advance(bpy.context, 1 / 24)
+    said = live_step.advance(bpy.context, 1 / 24)
     assert len(said) == 1 and "What is pressed must keep its vertices" in said[0] and not sessions.sessions
     assert [each.name for each in walking.modifiers] == ["Armature", "Build"]
 

@@ -133,34 +133,34 @@ def test_an_object_taken_out_of_the_scene_is_put_back_to_rest(
 def test_edit_mode_while_playing_ends_the_session_with_the_rest_shape(
     bpy: ModuleType, sessions: Any, playing: Any, coordinates: Bits, rest: bytes, keys: bool
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     obj = playing(keys)
     bpy.ops.object.mode_set(mode="EDIT")
-    said = live.advance(bpy.context, 0.01)
+    said = live_step.advance(bpy.context, 0.01)
     bpy.ops.object.mode_set(mode="OBJECT")
     assert "edited" in said[0] and not sessions.sessions
     assert coordinates(obj) == rest and is_clean(obj)
 
 
 def test_changing_the_mesh_while_playing_ends_the_session(bpy: ModuleType, sessions: Any, playing: Any) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     obj = playing()
     obj.data.clear_geometry()
-    assert "edited" in live.advance(bpy.context, 0.01)[0]
+    assert "edited" in live_step.advance(bpy.context, 0.01)[0]
     assert not sessions.sessions
 
 
 def test_scaling_to_zero_while_playing_ends_the_session(
     bpy: ModuleType, sessions: Any, playing: Any, coordinates: Bits, rest: bytes
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     obj = playing()
     obj.scale.x = 0
     bpy.context.view_layer.update()
-    assert "scale of 0" in live.advance(bpy.context, 0.01)[0]
+    assert "scale of 0" in live_step.advance(bpy.context, 0.01)[0]
     assert coordinates(obj) == rest
 
 

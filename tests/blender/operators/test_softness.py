@@ -14,7 +14,7 @@ def test_pokes_paint_a_map_that_makes_the_press_as_stiff_as_it_was_poked(
     bpy: ModuleType, ball: Callable[..., Any], tmp_path: Path
 ) -> None:
     from bl_ext.user_default.dimple.core.material import DEFAULT_MATERIAL
-    from bl_ext.user_default.dimple.operators import bridge
+    from bl_ext.user_default.dimple.operators.bridge import scene_objects
 
     obj = ball(subdivisions=4)
     random = np.random.default_rng(0)
@@ -27,7 +27,7 @@ def test_pokes_paint_a_map_that_makes_the_press_as_stiff_as_it_was_poked(
     path.write_text("x (mm),y (mm),z (mm),depth (mm),force (N)\n" + "\n".join(rows))
     assert bpy.ops.dimple.softness_from_pokes(filepath=str(path)) == {"FINISHED"}
     assert obj.dimple.softness_group in obj.vertex_groups
-    _, model = bridge.read_body(bpy.context, obj)
+    _, model = scene_objects.read_body(bpy.context, obj)
     per_area, x = model.matching.k1 / model.mesh.vertex_areas, model.mesh.rest_positions[:, 0]
     ratio = np.median(per_area[x > 0.05]) / np.median(per_area[x < -0.05])
     assert ratio == pytest.approx(4.0, rel=0.25)

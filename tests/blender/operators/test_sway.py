@@ -111,7 +111,7 @@ def curves(obj: Any) -> Any:
 
 
 def test_what_nothing_holds_does_not_sway_and_says_so(bpy: ModuleType, scene: Any, ball: Ball, sessions: Any) -> None:
-    from bl_ext.user_default.dimple.operators import sessions as running
+    from bl_ext.user_default.dimple.operators.press import sessions as running
 
     obj = jelly(ball(), pinned="NONE")
     bpy.context.view_layer.objects.active = obj

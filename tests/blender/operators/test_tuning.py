@@ -28,12 +28,12 @@ def entry(bpy: ModuleType, sessions: Any, vinyl: Any, cube: Any) -> Any:
 
 
 def step(bpy: ModuleType, seconds: float = FRAME_S, finger: Any = None) -> list[str]:
-    from bl_ext.user_default.dimple.operators import live, sessions
+    from bl_ext.user_default.dimple.operators.press import live_step, sessions
 
     messages = []
     for uid, body in list(sessions.sessions.items()):
         fingers = (finger,) if finger else body.session.fingers
-        messages += live.advance(bpy.context, seconds, pressed={uid: fingers})
+        messages += live_step.advance(bpy.context, seconds, pressed={uid: fingers})
     return messages
 
 
@@ -142,7 +142,7 @@ def test_a_constant_that_cannot_be_is_refused_in_words_and_the_old_one_goes_on(
 def windowed(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> threading.Event:
     """A Blender that has a window, where every body is large; models are made once the event is set."""
     from bl_ext.user_default.dimple.core.body import model
-    from bl_ext.user_default.dimple.operators import tuning
+    from bl_ext.user_default.dimple.operators.press import live_settings
 
     real, may_go_on = model.build_model, threading.Event()
 
@@ -160,8 +160,8 @@ def windowed(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> threading.Even
         return real(*given, **named)
 
     monkeypatch.setattr(model, "build_model", waits)
-    monkeypatch.setattr(tuning, "bpy", Window())
-    monkeypatch.setattr(tuning, "LARGE", 0)
+    monkeypatch.setattr(live_settings, "bpy", Window())
+    monkeypatch.setattr(live_settings, "LARGE", 0)
     return may_go_on
 
 
@@ -232,10 +232,10 @@ def test_tuned_constants_are_planned_for_once_nothing_presses(
     step(bpy, 1.5)
     step(bpy)
     assert cube.dimple.plan_key == planned, "not while a fingertip rests"
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
-    live.advance(bpy.context, FRAME_S)
-    live.advance(bpy.context, FRAME_S)
+    live_step.advance(bpy.context, FRAME_S)
+    live_step.advance(bpy.context, FRAME_S)
     assert cube.dimple.plan_key != planned
 
 
@@ -243,7 +243,7 @@ def test_tuned_constants_are_planned_for_once_nothing_presses(
 def test_another_fingertip_or_share_is_planned_for_once_nothing_presses(
     bpy: ModuleType, entry: Any, cube: Any, name: str, value: float
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     step(bpy)
     planned = cube.dimple.plan_key
@@ -251,18 +251,18 @@ def test_another_fingertip_or_share_is_planned_for_once_nothing_presses(
     step(bpy, 1.5)
     step(bpy)
     assert cube.dimple.plan_key == planned, "not while a fingertip rests"
-    said = live.advance(bpy.context, FRAME_S) + live.advance(bpy.context, FRAME_S)
+    said = live_step.advance(bpy.context, FRAME_S) + live_step.advance(bpy.context, FRAME_S)
     assert cube.dimple.plan_key != planned and not any("coarse" in each for each in said)
 
 
 def test_that_a_mesh_is_coarse_for_a_smaller_fingertip_is_said_once(bpy: ModuleType, entry: Any, cube: Any) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     cube.dimple.simulated = "AUTO"
     step(bpy, 0.1)
     bpy.context.scene.dimple.finger_radius_mm = 1.0
     step(bpy, 1.5)
-    said = [each for _ in range(4) for each in live.advance(bpy.context, FRAME_S)]
+    said = [each for _ in range(4) for each in live_step.advance(bpy.context, FRAME_S)]
     assert sum("subdivided further when the body is started again" in each for each in said) == 1
 
 
@@ -289,7 +289,7 @@ def test_undo_passes_for_whatever_was_changed_in_a_panel_and_not_for_what_a_key_
 
 
 def test_another_size_lifts_the_fingertip_of_a_poke(bpy: ModuleType, hand: Any, ball: Any) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators.press import sessions
 
     obj, poke = ball(), hand("poke")
     poke.invoke()

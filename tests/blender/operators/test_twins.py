@@ -32,9 +32,9 @@ def test_the_twin_stands_beside_with_a_material_of_its_own(bpy: ModuleType, pair
 @pytest.mark.parametrize("pressed", [0, 1])
 def test_one_press_presses_both_in_the_same_place(bpy: ModuleType, sessions: Any, pair: Any, pressed: int) -> None:
     from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
-    bodies, _, wrong = live.start_all(bpy.context)
+    bodies, _, wrong = live_step.start_all(bpy.context)
     assert len(bodies) == 2 and not wrong
     cube, twin = (sessions.get(obj) for obj in pair)
     body = (cube, twin)[pressed]
@@ -42,7 +42,7 @@ def test_one_press_presses_both_in_the_same_place(bpy: ModuleType, sessions: Any
     for depth in (0.0, 0.008):
         finger = Finger((x, 0.0, body.link.scale + 0.01 - depth), 0.01)
         for _ in range(30):
-            live.advance(bpy.context, 1 / 60, pressed={body.link.uid: (finger,)})
+            live_step.advance(bpy.context, 1 / 60, pressed={body.link.uid: (finger,)})
     assert cube.frame.depths[0] == pytest.approx(0.008, rel=1e-3)
     assert twin.frame.depths[0] == pytest.approx(0.008, rel=1e-3)
     assert twin.frame.pushes[0] == pytest.approx(3 * cube.frame.pushes[0], rel=1e-3)
@@ -51,29 +51,29 @@ def test_one_press_presses_both_in_the_same_place(bpy: ModuleType, sessions: Any
 
 def test_by_force_the_softer_one_sinks_deeper(bpy: ModuleType, sessions: Any, pair: Any) -> None:
     from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
-    live.start_all(bpy.context)
+    live_step.start_all(bpy.context)
     cube, twin = (sessions.get(obj) for obj in pair)
     finger = Finger((0.0, 0.0, cube.link.scale + 0.02), 0.02, 6.0)
     for _ in range(60):
-        live.advance(bpy.context, 1 / 60, pressed={cube.link.uid: (finger,)})
+        live_step.advance(bpy.context, 1 / 60, pressed={cube.link.uid: (finger,)})
     assert cube.frame.finger_forces[0][2] == pytest.approx(6.0, rel=0.01)
     assert twin.frame.finger_forces[0][2] == pytest.approx(6.0, rel=0.01)
     assert cube.frame.depths[0] > 1.5 * twin.frame.depths[0]
 
 
 def test_a_fingertip_object_presses_the_twin_too(bpy: ModuleType, sessions: Any, pair: Any) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     bpy.ops.dimple.add_fingertip()
-    live.start_all(bpy.context)
+    live_step.start_all(bpy.context)
     cube, twin = (sessions.get(obj) for obj in pair)
     tip = bpy.context.scene.dimple.finger_1
     tip.location.z -= 0.005 / cube.link.scale
     bpy.context.view_layer.update()
     for _ in range(6):
-        live.advance(bpy.context, 1 / 60)
+        live_step.advance(bpy.context, 1 / 60)
     assert cube.frame.depths[0] == pytest.approx(twin.frame.depths[0], rel=1e-3) and twin.frame.depths[0] > 0.004
 
 
@@ -81,10 +81,10 @@ def test_a_fingertip_object_presses_the_twin_too(bpy: ModuleType, sessions: Any,
 def test_the_material_that_is_chosen_stays_and_the_twin_goes(
     bpy: ModuleType, sessions: Any, pair: Any, chosen: int, coordinates: Callable[[Any], bytes]
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live
+    from bl_ext.user_default.dimple.operators.press import live_step
 
     cube, rest = pair[0], coordinates(pair[0])
-    live.start_all(bpy.context)
+    live_step.start_all(bpy.context)
     bpy.context.view_layer.objects.active = pair[chosen]
     assert bpy.ops.dimple.use_material() == {"FINISHED"}
     assert [obj.name for obj in bpy.data.objects if obj.type == "MESH"] == ["Cube"] and len(bpy.data.meshes) == 1

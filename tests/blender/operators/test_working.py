@@ -25,9 +25,9 @@ def test_a_bake_shows_progress_and_can_be_cancelled(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from bl_ext.user_default.dimple.operators import working
+    from bl_ext.user_default.dimple.operators.press import progress
 
-    monkeypatch.setattr(working, "SLICE_S", 0.0)
+    monkeypatch.setattr(progress, "SLICE_S", 0.0)
     bpy.context.scene.dimple.cache_dir = str(tmp_path)
     run = hand("bake")
     run.operator.frame_end, run.given = 9, {"frame_start", "frame_end"}
@@ -50,9 +50,9 @@ def test_a_bake_shows_progress_and_can_be_cancelled(
 def test_a_bake_that_fails_on_its_way_leaves_nothing(
     bpy: ModuleType, hand: Any, body: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import working
+    from bl_ext.user_default.dimple.operators.press import progress
 
-    monkeypatch.setattr(working, "SLICE_S", 0.0)
+    monkeypatch.setattr(progress, "SLICE_S", 0.0)
     bpy.context.scene.dimple.cache_dir = str(tmp_path)
     run = hand("bake")
     run.invoke()
@@ -67,15 +67,15 @@ def test_a_bake_that_fails_on_its_way_leaves_nothing(
 def test_a_large_mesh_gets_ready_between_events_with_progress_and_esc_leaves_nothing(
     bpy: ModuleType, hand: Any, ball: Callable[..., Any], coordinates: Bits, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import modal_runs, sessions, start, working
+    from bl_ext.user_default.dimple.operators.press import get_ready, modal_runs, progress, sessions
 
-    monkeypatch.setattr(working, "SLICE_S", 0.01)  # many slices, however fast this computer is
+    monkeypatch.setattr(progress, "SLICE_S", 0.01)  # many slices, however fast this computer is
     large = ball("Large", subdivisions=7)
-    assert len(large.data.vertices) > start.LARGE
+    assert len(large.data.vertices) > get_ready.LARGE
     before = coordinates(large)
     run = hand("start")
     run.operator.then = "play"
-    assert start.takes_long(run.context)
+    assert get_ready.takes_long(run.context)
     for ticks in (1, 3):
         assert run.invoke() == {"RUNNING_MODAL"}
         assert run.ticks(ticks) == {"RUNNING_MODAL"} and "Getting ready" in run.context.said
@@ -88,5 +88,5 @@ def test_a_large_mesh_gets_ready_between_events_with_progress_and_esc_leaves_not
     while run.ticks(1) == {"RUNNING_MODAL"}:
         slices += 1
     assert sessions.get(large) and slices > 5
-    assert not start.takes_long(run.context), "what runs already is ready"
+    assert not get_ready.takes_long(run.context), "what runs already is ready"
     sessions.stop_all()

@@ -1,0 +1,1 @@
+"""Bakes, shape keys, and fingertips that are keyframed."""

@@ -1,0 +1,81 @@
+"""Turn a press into animation, and back."""
+
+import bpy
+from bpy.props import EnumProperty
+
+from ...core.messages import Message
+from ..messages import say
+from ..names import Op
+from ..press import fingertip_objects, polls, sessions
+from ..press.progress import READY, FrameRange, Working
+
+TARGETS = (
+    ("MESH_CACHE", "Mesh Cache", "Write a file that the object plays. Remove the modifier to undo it"),
+    ("SHAPE_KEYS", "Shape Keys", "Keyframe shape keys, which every exporter understands"),
+)
+
+
+class DIMPLE_OT_bake(FrameRange, Working, polls.Declared, bpy.types.Operator):
+    """Simulate bodies over a range of frames."""
+
+    bl_idname = Op.BAKE
+    bl_label = "Bake"
+    bl_description = (
+        "Turn the press of the keyframed fingertips on the selected bodies into an animation. A proxy is simulated for "
+        "a mesh that is too heavy, as in a live press. Full Mesh in Physics > Dimple bakes every vertex"
+    )
+    bl_options = {"UNDO"}
+    running = "Baking: Esc cancels"
+    verb, stopped = "Baking", "The bake was cancelled; nothing has changed"
+    ready = READY
+
+    target: EnumProperty(name="Target", description="Kind of animation that the bake makes", items=TARGETS)
+
+    needs = polls.in_object_mode, polls.is_free
+
+    def _begin(self, context: bpy.types.Context):
+        """Return the steps of the bake; live sessions end first, for a bake starts at rest."""
+        from ..press import live_step
+        from . import bake_frames
+
+        sessions.stop_all()
+        scene = context.scene
+        objects = live_step.candidates(context)
+        self._messages: list[str] = []
+        if not any(sessions.fingertip_objects(scene)):
+            self._messages.append("No fingertip presses the bodies. Add one with Fingertips > Add Fingertip.")
+        self._count = len(objects)
+        plan = bake_frames.plan_of(scene, objects, *self._frames(scene), self.target)
+        return bake_frames.bake(context, plan, self._messages)
+
+    def _finished(self, _context: bpy.types.Context) -> set[str]:
+        return self._done(Message("Baked objects: {count}", count=self._count), self._messages)
+
+
+def _may_play(context: bpy.types.Context) -> bool:
+    """Tell whether a mesh is selected, or a fingertip that presses one."""
+    chosen = (fingertip_objects.body_of(obj, context.scene) for obj in (*context.selected_objects, context.object))
+    return any(obj.type == "MESH" for obj in chosen if obj)
+
+
+class DIMPLE_OT_unbake(polls.Declared, bpy.types.Operator):
+    """Remove bakes and recordings from the selected objects; their files stay on the disk"""
+
+    bl_idname = Op.UNBAKE
+    bl_label = "Remove Bake"
+    bl_options = {"REGISTER", "UNDO"}
+
+    needs = polls.in_object_mode, polls.need(_may_play, "Select a mesh first")
+
+    def run(self, context: bpy.types.Context) -> None:
+        """Take modifiers and keys off."""
+        from ..bridge import cache_files
+        from ..press import live_step
+        from . import shape_keys
+
+        meshes = [obj for obj in live_step.candidates(context) if obj.type == "MESH"]
+        if not sum(cache_files.detach_cache(obj) + shape_keys.remove(obj) for obj in meshes):
+            say(self, {"WARNING"}, "There was no bake on the selected objects")
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_bake, DIMPLE_OT_unbake])

@@ -1,0 +1,87 @@
+"""A press by hand becomes fingertips that are keyframed to repeat it."""
+
+import bpy
+
+from ...core.messages import Message, in_a_row
+from ..messages import Note, report
+from ..names import Op
+from ..press import fingertip_objects, last_press, polls
+
+STRAIGHT_M = 5e-5  # how far the ways between keyframes may lead past the press, at the body's physical size
+
+
+class DIMPLE_OT_key_press(polls.Declared, bpy.types.Operator):
+    """Keyframe a fingertip by the last press."""
+
+    bl_idname = Op.KEY_PRESS
+    bl_label = "Key This Press"
+    bl_description = (
+        "Turn the last press by mouse, pen or haptic device into a keyframed fingertip, from the current frame on. A "
+        "bake then repeats the motion that you saw"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    needs = (
+        polls.in_object_mode,
+        polls.need(lambda context: _wanted(context), "Press a body first: there is nothing to keyframe"),
+        lambda operator, context: polls.has_free_fingertips(operator, context.scene, len(_wanted(context).ways)),
+        polls.is_free,
+    )
+
+    def run(self, context: bpy.types.Context) -> None:
+        """Add a fingertip for each that pressed."""
+        from ...core.errors import DimpleError
+        from ..bridge import scene_objects
+
+        press, scene = _wanted(context), context.scene
+        body = scene_objects.find(press.uid, press.name)
+        if body is None:
+            raise DimpleError('"{name}" is gone.', name=press.name)
+        report(self, fingertip_objects.leave_poke())
+        first, last = key(context, press, body)
+        said = Message(
+            'The press on "{name}" is keyframed from frame {first} to {last}.', name=body.name, first=first, last=last
+        )
+        if last > scene.frame_end:
+            end = Message("That is beyond the scene's last frame {last_frame}.", last_frame=scene.frame_end)
+            report(self, [in_a_row([said, end])])
+        else:
+            report(self, [Note(said)])
+
+
+def key(context: bpy.types.Context, press: last_press.LivePress, body: bpy.types.Object) -> tuple[int, int]:
+    """Add fingertips that repeat a press, and return its first and last frame."""
+    from ...core.poke.stroke import keys
+    from ..bridge import keyframes, timeline
+
+    scene = context.scene
+    frame, frame_s = scene.frame_current if press.frame is None else press.frame, timeline.frame_s(scene)
+    tips, shown = [], []
+    for number, way in zip(fingertip_objects.free(scene), press.ways.values(), strict=False):
+        frames, places = keys(way, press.start, frame, frame_s, STRAIGHT_M)
+        places /= press.scale
+        tip = fingertip_objects.make(context, body, number, places[0, :3], places[0, 3], way.outward)
+        resized = any(places[:, 3] != places[0, 3])
+        for at, place in zip(frames.tolist(), places, strict=True):
+            tip.location = place[:3]
+            tip.keyframe_insert("location", frame=at)
+            if resized:
+                tip.scale = [place[3] / places[0, 3]] * 3
+                tip.keyframe_insert("scale", frame=at)
+        for bag in keyframes.curve_bags(tip):
+            for curve in bag.fcurves:
+                keyframes.straighten(curve)
+        tips.append(tip)
+        shown += [int(frames[0]), int(frames[-1])]
+    for tip in tips:
+        tip.select_set(True)
+    scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)  # shows where they are now
+    return min(shown), max(shown)
+
+
+def _wanted(context: bpy.types.Context) -> last_press.LivePress | None:
+    """Return the last press on the active body, or on what the active fingertip presses."""
+    return last_press.last(context.scene, fingertip_objects.body_of(context.object, context.scene))
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_key_press])

@@ -1,0 +1,1 @@
+"""Blender's objects and the core: meshes, materials, modifiers and files, read and written here alone."""

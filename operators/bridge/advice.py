@@ -1,0 +1,74 @@
+"""Advice on a body whose press may not be what the artist expects."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from ...core.messages import Message
+from ..messages import Note
+from . import offset, sizing, stack
+
+if TYPE_CHECKING:
+    from ...core.body.model import Model
+    from ...core.mesh.surface import Mesh
+    from .object_link import ObjectLink
+
+
+def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: ObjectLink) -> tuple[str, ...]:
+    """Return sentences of advice on a body: its rig, what of the scene does not act, its size, and how fine it is."""
+    notes, size = [], mesh.size
+    if stack.is_carried(body):
+        notes.append(Note("A rig holds the body: its shape at rest follows the rig."))
+    if any(each.field and each.field.type != "NONE" for each in scene.objects):
+        notes.append(Note("Wind and other force fields of the scene do not act on the body."))
+    for bake in filter(stack.is_cache, body.modifiers):
+        if not all(path.exists() for path, _ in offset.files(bake)):
+            notes.append(Message('The file that "{name}" plays is gone: bake again.', name=bake.name))
+    for tip in sizing.fingertips(scene):
+        if tip and (tip.hide_viewport or tip.name not in bpy.context.view_layer.objects):
+            notes.append(
+                Message('The fingertip "{name}" is disabled in the viewport, so it does not move.', name=tip.name)
+            )
+    radius, edge = scene.dimple.finger_radius_mm / 1e3, float(np.median(mesh.rest_lengths))
+    if link.cuts:
+        notes.append(Note(
+            "The mesh is coarse for the fingertip: it is subdivided to {vertices:,} vertices.", vertices=len(link.rest)
+        ))  # fmt: skip
+    if radius < size / 100:
+        notes.append(Message(
+            "The body is {size:.3g} m across, over 100 times the radius of the fingertip. Set Physical Size to "
+            "Custom Size in Physics > Dimple.",
+            size=size
+        ))  # fmt: skip
+    elif edge > 2 * radius:
+        notes.append(Message(
+            "The edges of the mesh are {edge:.3g} mm long, the fingertip {radius:.3g} mm wide: subdivide the mesh or "
+            "use a larger fingertip, for a visible dent.",
+            edge=1e3 * edge, radius=2e3 * radius
+        ))  # fmt: skip
+    return tuple(notes)
+
+
+def on_sway(model: Model, wanted: tuple[float, float, float] | None) -> tuple[str, ...]:
+    """Return a sentence on why a body does not sway although it is to."""
+    if not wanted or model.sway:
+        return ()
+    if not model.mesh.pressurable:
+        return ("It cannot sway, for its mesh encloses no volume: close it.",)
+    return ("It does not sway, for nothing holds it: pin a part of it, or give it a rig.",)
+
+
+def on_fill(model: Model) -> tuple[str, ...]:
+    """Return a sentence on which fill acts, where the materials have several, or on a pressure that does nothing."""
+    fills, inside = {(each.fill, each.pressure) for each in model.materials}, model.pressure
+    if not model.mesh.pressurable and any(pressure for _, pressure in fills):
+        return ("A pressure needs an inside: close the mesh.",)
+    if len(fills) < 2 or not model.mesh.pressurable:
+        return ()
+    return (Message(
+        "Its materials differ in fill or pressure: {fill}, {kpa:g} kPa acts, on the most area.",
+        fill=Message(inside.fill), kpa=inside.rest_pressure / 1e3
+    ),)  # fmt: skip

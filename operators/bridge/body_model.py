@@ -1,0 +1,111 @@
+"""Materials, pins and maps of an object, read into a model. Part of the bridge."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from ...core.base import DimpleError
+from ...core.messages import about
+from ...core.steps import Parts, at_once
+from ..messages import Note
+from ..names import MAPS
+from . import advice, final_mesh
+
+if TYPE_CHECKING:
+    from ...core.body.model import Model
+    from ...core.material import Material
+    from ...core.mesh.surface import Mesh
+    from .object_link import Floats, ObjectLink
+
+
+def read_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink) -> Model:
+    """Read the materials and settings of an object into a model on the mesh that it was linked with.
+
+    Raises:
+        DimpleError: it cannot be pressed with them, with the reason and what to do.
+    """
+    found: Model = at_once(reading_model(scene, body, mesh, link))
+    return found
+
+
+def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink) -> Parts:
+    """Read a model in parts; see `read_model`. Blender is looked at before the first of them only."""
+    from ...core.mesh.surface import base_vertices
+
+    params, surroundings = body.dimple.to_params(), scene.dimple
+    name, said = body.name, advice.on_body(body, mesh, scene, link)
+    try:
+        pinned = base_vertices(mesh) if params["pinned"] == "base" else None
+        if params["pinned"] == "group":
+            pinned = _pins(body, params["pin_group"], link, least=0.01 if params["sway"] else 0.5)
+        materials = [_material(body, slot) for slot in link.slots]
+        groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
+        maps = {name: _weights(body, group, name, link) for name, group in groups.items() if group}
+        make = partial(
+            _made, mesh, materials, pinned=pinned, **maps,
+            gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
+            ground=0.0 if surroundings.use_ground else None, rigged=link.rigged, sway=params["sway"],
+        )  # fmt: skip
+        model: Model = yield 0.4, make
+    except DimpleError as error:
+        raise DimpleError(about(name, str(error))) from error
+    repaired = map(Note, mesh.notes)  # nothing is to be done about these
+    said = (*said, *advice.on_fill(model), *advice.on_sway(model, params["sway"]))
+    return replace(model, notes=(*repaired, *model.notes[len(mesh.notes) :], *said))
+
+
+def _made(*given: Any, **named: Any) -> Model:
+    """Build a model, its slots of springs included, so that a later change needs no frame of its own for them."""
+    from ...core.body.model import build_model
+
+    model = build_model(*given, **named)
+    _ = model.springs.in_slots
+    return model
+
+
+def gravity(scene: bpy.types.Scene) -> tuple[float, ...]:
+    """Return the gravity of a scene (3,) [m/s2]; none when the scene has it switched off."""
+    return tuple(scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0)
+
+
+def _material(body: bpy.types.Object, slot: int) -> Material:
+    """Return the constants of a body's material.
+
+    Raises:
+        DimpleError: one of them is out of its range.
+    """
+    from ...core.material import DEFAULT_MATERIAL, Material
+
+    material = body.material_slots[slot].material if body.material_slots else None
+    if material is None:
+        return DEFAULT_MATERIAL
+    try:
+        return Material(**material.dimple.to_params())
+    except DimpleError as error:
+        raise DimpleError('material "{name}": {error}', name=material.name, error=error) from error
+
+
+def _pins(body: bpy.types.Object, group: str, link: ObjectLink, *, least: float) -> Floats:
+    if not group:
+        raise DimpleError("it is pinned by a vertex group, but none is chosen. Choose one in Physics > Dimple.")
+    weights = _weights(body, group, "pin", link)
+    if not (weights >= least).any():
+        raise DimpleError(
+            'no vertex of the pin group "{group}" has a weight of {least:g} or more. Paint some.',
+            group=group, least=least,
+        )
+    return weights
+
+
+def _weights(body: bpy.types.Object, group: str, role: str, link: ObjectLink) -> Floats:
+    """Return the weight (N,) of every vertex in a vertex group, 0 outside it; or a float attribute of that name."""
+    found = final_mesh.weights(bpy.context, body, group, link.cuts)
+    if found is None:
+        raise DimpleError(
+            'there is no vertex group "{group}" ({role}). Choose another in Physics > Dimple.', group=group, role=role
+        )
+    return found

@@ -1,0 +1,202 @@
+"""Where bakes and recordings go on the disk, and the modifier that plays them."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import os
+import tempfile
+import tomllib
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+
+from ...core.base import DimpleError
+from ...core.messages import Message
+from ...core.recording import PointCache, open_point_cache
+from ..names import BAKED_PRESS, CACHE
+from . import force_curves, offset, rendered_mesh
+from .stack import is_cache
+
+LONGEST_NAME = 91  # bytes; a name has two, a number and endings, and a disk takes 255
+_PACKAGE = (__package__ or "").rpartition(".")[0]
+
+
+def take_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
+    """Return the path of the next recording of an object: a PC2 file with a number that is still free.
+
+    Raises:
+        DimpleError: the folder cannot be made.
+    """
+    return next(path for path in _numbered(context, obj, "take") if not _exists(path))
+
+
+def bake_path(context: bpy.types.Context, obj: bpy.types.Object, folder: Path | None = None) -> Path:
+    """Return the path of the bake of an object: that of its last one, in an unsaved .blend only while it plays that.
+
+    Args:
+        folder: where it goes anyway, under the name of the object.
+
+    Raises:
+        DimpleError: the folder cannot be made.
+    """
+    if folder:
+        return folder / f"{file_name(obj.name)}.pc2"
+    if bpy.data.filepath:
+        return Path(f"{_stem(context, obj, 'bake')}.pc2")
+    playing = {path for modifier in obj.modifiers if is_cache(modifier) for path, _ in offset.files(modifier)}
+    return next(path for path in _numbered(context, obj, "bake") if path in playing or not _exists(path))
+
+
+def _numbered(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Iterator[Path]:
+    stem = _stem(context, obj, kind)
+    return (Path(f"{stem}_{number:03d}.pc2") for number in itertools.count(1))
+
+
+def _exists(path: Path) -> bool:
+    return path.exists() or path.with_suffix(".csv").exists()
+
+
+def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
+    """Return folder and beginning of the names: in the scene's folder, else beside the .blend, else the preferred one.
+
+    Raises:
+        DimpleError: the folder cannot be made.
+    """
+    chosen = context.scene.dimple.cache_dir
+    if chosen.startswith("//") and not bpy.data.filepath:
+        raise DimpleError(
+            "The cache folder is relative to the .blend file, which is not saved yet. Save the file first."
+        )
+    if chosen:
+        folder = Path(bpy.path.abspath(chosen))
+    elif bpy.data.filepath:
+        folder = Path(bpy.data.filepath).parent
+    else:
+        folder = _preferred_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DimpleError(
+            "Cannot make the cache folder {folder}: {error}. Choose another.", folder=folder, error=error.strerror
+        ) from error
+    stem = Path(bpy.data.filepath).stem or "untitled"
+    return folder / f"{_shortened(stem, stem)}_{file_name(obj.name)}_{kind}"
+
+
+def file_name(name: str) -> str:
+    """Return a name that every disk takes: without what a path means something by, at most 100 bytes long."""
+    return _shortened(bpy.path.clean_name(name), name)
+
+
+def _shortened(clean: str, name: str) -> str:
+    short = clean.encode()[:LONGEST_NAME].decode(errors="ignore")
+    # two names may come out alike once cleaned and cut
+    return short if short == name else f"{short}_{zlib.crc32(name.encode()):08x}"
+
+
+def version() -> str:
+    """Return the version of the extension."""
+    manifest = Path(__file__).parent.parent / "blender_manifest.toml"
+    return str(tomllib.loads(manifest.read_text(encoding="utf-8"))["version"])
+
+
+def _preferred_folder() -> Path:
+    """Return where recordings go that have no other place; it may be missing."""
+    settings = bpy.context.preferences.addons.get(_PACKAGE)
+    chosen = settings.preferences.cache_dir if settings else ""
+    # not the extension's own folder: Blender deletes that with the extension, and scenes go on playing these files
+    return Path(bpy.path.abspath(chosen) if chosen else bpy.utils.user_resource("DATAFILES", path="dimple"))
+
+
+@contextlib.contextmanager
+def unfinished_folder(parent: Path) -> Iterator[Path]:
+    """Make a folder for unfinished files, on the disk where they go, and delete it in the end.
+
+    A Blender that is killed leaves it behind: its point caches can be read up to their last frame.
+    """
+    parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".dimple-", dir=parent, ignore_cleanup_errors=True) as folder:
+        yield Path(folder)
+
+
+@contextlib.contextmanager
+def plain_os_errors(doing: str, folder: str = "cache folder") -> Iterator[None]:
+    """Turn an error of the disk into a sentence for the artist.
+
+    Args:
+        folder: what it was to be written to.
+
+    Raises:
+        DimpleError: with what was being done, where, and why it failed.
+    """
+    try:
+        yield
+    except OSError as error:
+        where = error.filename or Message("the disk")
+        raise DimpleError(
+            "{doing} failed at {where}: {error}. Choose another {folder}.",
+            doing=Message(doing), where=where, error=error.strerror, folder=Message(folder)
+        ) from error  # fmt: skip
+
+
+def attach_cache(
+    context: bpy.types.Context, obj: bpy.types.Object, path: str, start_frame: int, cuts: int
+) -> bpy.types.Modifier:
+    """Let an object play a PC2 file of offsets, on top of all its modifiers; an earlier bake makes room.
+
+    Where a render has other vertices than the viewport, they have a file of their own beside it. Where the scene asks
+    for curves it has those of the table beside the file too.
+
+    Args:
+        cuts: how often its final mesh is subdivided.
+
+    Raises:
+        OSError: the disk refuses, or the file is gone.
+    """
+    detach_cache(obj)
+    add_curves(obj, Path(path))
+    return play(context, obj, Path(path), start_frame, cuts)
+
+
+def play(
+    context: bpy.types.Context, obj: bpy.types.Object, path: Path, start_frame: float, cuts: int
+) -> bpy.types.Modifier:
+    """Let an object play a PC2 file of offsets; see `attach_cache`."""
+    _, samples = open_point_cache(path)
+    shown = rendered_mesh.shown(context, obj, samples.shape[1], cuts)
+    for each, carried in shown:
+        file = path
+        if carried:
+            file = path.with_name(f"{path.stem}_render.pc2")
+            with PointCache(file, len(carried.corners), start_frame) as cache:
+                for sample in samples:
+                    cache.append(carried.carry(sample))
+        plays = each.carrier.modifiers.new(CACHE, "MESH_CACHE")
+        plays.cache_format, plays.filepath, plays.frame_start = "PC2", _stored(os.fspath(file)), start_frame
+    return offset.add(obj, CACHE, BAKED_PRESS, [each for each, _ in shown])
+
+
+def add_curves(obj: bpy.types.Object, cache: Path) -> None:
+    """Give an object the curves of the table beside a PC2 file, where the scene asks for curves."""
+    if bpy.context.scene.dimple.use_curves:
+        with contextlib.suppress(OSError):  # a recording of which the disk has taken no table still plays
+            force_curves.add(obj, cache.with_suffix(".csv"))
+
+
+def detach_cache(obj: bpy.types.Object) -> int:
+    """Take the modifiers that play a bake and its curves off an object; return how many modifiers there were."""
+    force_curves.remove(obj)
+    return offset.remove(obj, BAKED_PRESS)
+
+
+def _stored(path: str) -> str:
+    """Return a path as the .blend stores it: relative if possible, so that a moved project still plays."""
+    if not bpy.data.filepath:
+        return path
+    try:
+        return bpy.path.relpath(path)
+    except ValueError:  # another drive
+        return os.fspath(path)

@@ -1,0 +1,296 @@
+"""The final mesh of an object: what keys and modifiers make of its own, which is what is seen, and what is pressed.
+
+Where it is too coarse for the fingertip, the modifier that shows the press subdivides it.
+Part of the bridge: with `bridge`, `bridge_write` and `offset` the only toucher of mesh arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import bpy
+import numpy as np
+
+from ...core.base import DimpleError
+from ..names import BAKED_KEY, CACHES_OFF, PRESS, REST
+from . import offset
+from .object_link import check_matrix, find, get_points, scale_of_body, to_physical
+from .stack import is_cache
+
+if TYPE_CHECKING:
+    from ...core.session import Session
+    from .object_link import Floats, ObjectLink, Singles
+
+WIDE = 0.83  # fingertip radii: in wider faces a dent shows facets
+SHARE = 0.05  # of the surface in wider faces is too much
+MOST = 20_000  # vertices that are made by subdividing: more do not follow a hand
+
+
+class Final(NamedTuple):
+    """A final mesh at rest, as the modifier is given it, subdivided.
+
+    points: (N, 3) its coordinates.
+    triangles: (t, 3).
+    slots: (t,) the material slot of each.
+    cuts: how often it is subdivided.
+    """
+
+    points: Singles
+    triangles: np.ndarray
+    slots: np.ndarray
+    cuts: int
+
+
+@contextmanager
+def unbaked(body: bpy.types.Object) -> Iterator[None]:
+    """Mute the shape keys of an earlier bake for a while."""
+    keys = body.data.shape_keys.key_blocks if body.data.shape_keys else ()
+    names = [key.name for key in keys if key.name.startswith(BAKED_KEY) and not key.mute]
+    for key in names:
+        keys[key].mute = True
+    uid, name = body.session_uid, body.name
+    try:
+        yield
+    finally:
+        there = find(uid, name) if names else None
+        keys = there.data.shape_keys.key_blocks if there and there.data.shape_keys else {}
+        for key in names:
+            if key in keys:
+                keys[key].mute = False
+
+
+@contextmanager
+def attached(context: bpy.types.Context, body: bpy.types.Object, cuts: int | None = None) -> Iterator[None]:
+    """Let an object have the modifier that shows a press for a while, if it has it not already; one that is hidden is
+    evaluated for as long.
+    """
+    if offset.modifier_of(body):
+        yield
+        return
+    hidden, hidden_here = body.hide_viewport, body.name in context.view_layer.objects and body.hide_get()
+    if hidden:
+        body.hide_viewport = False
+    if hidden_here:
+        body.hide_set(False)
+    uid, name = body.session_uid, body.name
+    try:
+        attach(context, body, cuts)
+        yield
+    finally:
+        if there := find(uid, name):  # it may have been deleted, or replaced by an undo
+            detach(there)
+            there.hide_viewport = hidden
+            if hidden_here:
+                there.hide_set(True)
+
+
+def attach(context: bpy.types.Context, body: bpy.types.Object, cuts: int | None = None) -> None:
+    """Give an object the modifier that shows a press, unless it has it; its bakes are switched off.
+
+    Args:
+        cuts: how often to subdivide; None is as the fingertip needs it.
+    """
+    if offset.modifier_of(body):
+        return
+    shown = [modifier for modifier in body.modifiers if is_cache(modifier) and modifier.show_viewport]
+    for modifier in shown:
+        modifier.show_viewport = False
+    if shown:
+        body[CACHES_OFF] = "\n".join(modifier.name for modifier in shown)  # its duplicates know it too
+    try:
+        mesh = evaluated(context, body)
+        given, cuts = len(mesh.vertices), cuts_of(context, body, mesh) if cuts is None else cuts
+        offset.add(body, "Dimple Press", PRESS, [offset.Shown(given, cuts, offset.new_carrier())])
+    except BaseException:
+        detach(body)
+        raise
+
+
+def detach(body: bpy.types.Object) -> None:
+    """Take the modifier away, and switch the bakes on again."""
+    offset.remove(body, PRESS)
+    for name in str(body.pop(CACHES_OFF, "")).split("\n"):
+        if name in body.modifiers:
+            body.modifiers[name].show_viewport = True
+
+
+def read(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = True, cuts: int | None = None) -> Final:
+    """Return the final mesh of an object at rest now; change nothing.
+
+    Args:
+        baked: take the shape keys of an earlier bake as part of it.
+        cuts: how often to subdivide; None is as the fingertip needs it.
+
+    Raises:
+        DimpleError: it has no faces.
+    """
+    if not baked:
+        with unbaked(body):
+            return read(context, body, cuts=cuts)
+    if body.name not in context.view_layer.objects:
+        raise DimpleError(
+            '"{name}" is not in this view layer, so it has no shape now. Put it there first.', name=body.name
+        )
+    with attached(context, body, cuts):
+        mesh = evaluated(context, body)
+        rest = read_rest(body, context.evaluated_depsgraph_get())
+        if rest is None or not len(mesh.polygons):
+            raise DimpleError(
+                '"{name}" has no faces, so there is no surface to press. Add faces first.', name=body.name
+            )
+        return Final(rest, *triangles_of(mesh), _cuts_now(body))
+
+
+def _cuts_now(body: bpy.types.Object) -> int:
+    """Return how often the modifier that shows a press subdivides."""
+    modifier = offset.modifier_of(body)
+    nodes = modifier.node_group.nodes if modifier else ()
+    return next((each.inputs["Level"].default_value for each in nodes if each.type == "SUBDIVIDE_MESH"), 0)
+
+
+def weights(context: bpy.types.Context, body: bpy.types.Object, group: str, cuts: int) -> Floats | None:
+    """Return the weight (N,) of each vertex of the final mesh in a vertex group, 0 outside it, or the float attribute
+    of that name; None where there is neither.
+    """
+    found = body.vertex_groups.get(group)
+    with attached(context, body, cuts):
+        mesh = evaluated(context, body)
+        attribute = mesh.attributes.get(group)
+        if found is None and attribute and attribute.domain == "POINT" and attribute.data_type == "FLOAT":
+            values = np.empty(len(mesh.vertices), np.float32)
+            attribute.data.foreach_get("value", values)
+            return values.astype(np.float64)
+        if found is None:
+            return None
+        import bmesh
+
+        read = bmesh.new()  # half the time of vertex.groups: a dictionary a vertex
+        try:
+            read.from_mesh(mesh, face_normals=False, vertex_normals=False)
+            layer, index = read.verts.layers.deform.active, found.index
+            return np.array([vertex[layer].get(index, 0.0) if layer else 0.0 for vertex in read.verts])
+        finally:
+            read.free()
+
+
+def read_rest(body: bpy.types.Object, graph: bpy.types.Depsgraph) -> Singles | None:
+    """Return the final mesh (N, 3) at rest at this frame, None where it is not evaluated, or has other vertices than
+    the modifier that shows a press knows.
+    """
+    attribute = body.evaluated_get(graph).data.attributes.get(REST)
+    return None if attribute is None else get_points(attribute.data, len(attribute.data), "vector")
+
+
+def lead(
+    context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, session: Session, matrix: Floats,
+    rest: Singles,
+) -> tuple[Floats, Singles]:
+    """Let pins and the shape at rest of a session go where its object and its rig have gone.
+
+    Args:
+        matrix: (4, 4) of the object before.
+        rest: (N, 3) its shape at rest before.
+
+    Returns:
+        Both as they are now.
+
+    Raises:
+        DimpleError: the object is flat, or its modifiers give other vertices than they did.
+    """
+    now, shape = np.array(body.matrix_world), rest
+    if link.shaped:
+        read_now = read_rest(body, context.evaluated_depsgraph_get())
+        if read_now is None or len(read_now) != len(rest):
+            _check_count(context, body, link)
+        elif not np.array_equal(read_now, rest):
+            shape = read_now
+    if shape is rest and np.array_equal(now, matrix):
+        return matrix, rest
+    check_matrix(body.name, now)
+    there = to_physical(link.scale, now, shape)
+    session.set_pins(there)
+    if shape is not rest or session.model.rigged or _is_stretched(now, matrix):
+        session.set_rest(there)
+    return now, shape
+
+
+def _is_stretched(matrix: Floats, before: Floats) -> bool:
+    """Tell whether a matrix (4, 4) scales or shears otherwise than one before."""
+    now, then = (m[:3, :3].T @ m[:3, :3] for m in (matrix, before))
+    return not np.allclose(now, then, rtol=1e-6, atol=1e-12)
+
+
+def _check_count(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink) -> None:
+    """Raise a DimpleError where an object is seen, with other vertices than it was read with."""
+    count = len(evaluated(context, body).vertices)
+    if body.visible_get() and count != len(link.rest):
+        raise DimpleError(
+            '"{name}": its modifiers give {count:,} vertices now, and gave {vertices:,}. What is pressed must keep '
+            "its vertices: apply the modifier that changes them, or switch it off.",
+            name=body.name, count=count, vertices=len(link.rest)
+        )  # fmt: skip
+
+
+def is_coarse(context: bpy.types.Context, body: bpy.types.Object) -> bool:
+    """Tell whether the final mesh of a body, as it is pressed, is too coarse for the fingertip."""
+    return cuts_of(context, body, evaluated(context, body)) > 0
+
+
+def cuts_of(context: bpy.types.Context, body: bpy.types.Object, mesh: bpy.types.Mesh) -> int:
+    """Return how often to halve the edges of the final mesh of a body until it is fine enough for a fingertip, or of
+    as many vertices as follow a hand; 0 where the artist wants it simulated as it is.
+    """
+    radius = context.scene.dimple.finger_radius_mm / 1e3
+    if body.dimple.simulated != "AUTO" or not 0 < len(mesh.loops) <= MOST:
+        return 0
+    matrix, points = np.array(body.matrix_world), points_of(mesh)
+    scale = scale_of_body(context.scene, body, points, matrix)
+    widths, areas = _widths(mesh, scale * points.astype(np.float64) @ matrix[:3, :3].T)
+    cuts = 0
+    while areas[widths > 2**cuts * WIDE * radius].sum() > SHARE * areas.sum() and len(mesh.loops) * 4**cuts <= MOST:
+        cuts += 1
+    return cuts
+
+
+def _widths(mesh: bpy.types.Mesh, points: Floats) -> tuple[Floats, Floats]:
+    """Return how wide each face (f,) is, and its area (f,): halving all edges halves it."""
+    count, corners = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.loops), np.int32)
+    mesh.polygons.foreach_get("loop_total", count)
+    mesh.loops.foreach_get("vertex_index", corners)
+    starts = np.cumsum(count) - count
+    following = np.arange(1, len(corners) + 1)
+    following[starts + count - 1] = starts
+    a = points[corners]
+    b, centre = a[following], np.repeat(np.add.reduceat(a, starts) / count[:, None], count, axis=0)
+    edges, arms = np.linalg.norm(b - a, axis=1), 2 * np.linalg.norm((a + b) / 2 - centre, axis=1)
+    across = np.linalg.norm(np.cross(a - centre, b - centre), axis=1) / 2
+    return np.maximum.reduceat(np.maximum(edges, arms), starts), np.add.reduceat(across, starts)
+
+
+def evaluated(context: bpy.types.Context, body: bpy.types.Object) -> bpy.types.Mesh:
+    """Return the mesh of an object after all its modifiers."""
+    context.view_layer.update()
+    return body.evaluated_get(context.evaluated_depsgraph_get()).data
+
+
+def points_of(mesh: bpy.types.Mesh) -> Singles:
+    """Return the coordinates (N, 3) of a mesh."""
+    return get_points(mesh.vertices, len(mesh.vertices), "co")
+
+
+def triangles_of(mesh: bpy.types.Mesh) -> tuple[Any, Any]:
+    """Return the triangles (t, 3) of a mesh and the material slot of each (t,).
+
+    Only the corners are asked for one by one, which takes 0.3 s for a million: a polygon's triangles follow each other.
+    """
+    mesh.calc_loop_triangles()
+    corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    begins = np.empty(len(mesh.polygons), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", corners)
+    mesh.polygons.foreach_get("loop_start", begins)
+    slots = np.zeros(len(mesh.polygons), np.int32)
+    if given := mesh.attributes.get("material_index"):
+        given.data.foreach_get("value", slots)
+    return corners.reshape(-1, 3), np.repeat(slots, np.diff(begins, append=len(mesh.loops)) - 2)

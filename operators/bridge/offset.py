@@ -1,0 +1,179 @@
+"""The modifier that shows a press, a kept one or a bake, without changing a mesh: the last of the stack.
+
+It is given the final mesh, subdivides it where it is too coarse for the fingertip, and adds an offset to each vertex.
+The offsets are the vertices of a mesh of their own, the carrier, so the artist's mesh, its shape keys, and whatever
+else uses them know nothing of a press. Viewport and render may have meshes of different counts: each has its carrier,
+and a mesh of any other count stays as it is.
+
+Part of the bridge: with `bridge`, `bridge_write` and `final_mesh` the only toucher of mesh arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import bpy
+
+from ..names import CARRIER, OURS, PRESS, REST
+from .stack import shows
+
+
+class Shown(NamedTuple):
+    """How a final mesh is shown.
+
+    given: vertices that the modifiers before give.
+    cuts: how often each of its edges is halved.
+    carrier: the object whose vertices are the offsets.
+    """
+
+    given: int
+    cuts: int
+    carrier: bpy.types.Object
+
+
+def modifier_of(body: bpy.types.Object) -> bpy.types.Modifier | None:
+    """Return the modifier that shows a running press on an object."""
+    return next((each for each in body.modifiers if shows(each, PRESS)), None)
+
+
+def new_carrier(count: int = 0) -> bpy.types.Object:
+    """Return a carrier of so many offsets of 0."""
+    carrier = bpy.data.objects.new(CARRIER, bpy.data.meshes.new(CARRIER))
+    carrier.hide_render = carrier.hide_viewport = True
+    carrier.data.vertices.add(count)
+    return carrier
+
+
+def add(body: bpy.types.Object, name: str, kind: str, shown: Sequence[Shown]) -> bpy.types.Modifier:
+    """Give an object a modifier, behind all that it has."""
+    modifier = body.modifiers.new(name, "NODES")
+    modifier.node_group = _group(kind, shown)
+    modifier.show_in_editmode = False
+    modifier.use_pin_to_last = True
+    body.modifiers.move(list(body.modifiers).index(modifier), len(body.modifiers) - 1)
+    return modifier
+
+
+def remove(body: bpy.types.Object, kind: str) -> int:
+    """Take the modifiers of a kind off an object, with all that they brought; return how many there were."""
+    ours = [each for each in body.modifiers if shows(each, kind)]
+    for modifier in ours:
+        body.modifiers.remove(modifier)
+    sweep_data()
+    return len(ours)
+
+
+def sweep_data() -> None:
+    """Remove what no modifier uses any more: an undo may leave it. A paste may put a carrier in the scene."""
+    carriers = [each for each in bpy.data.objects if each.name.startswith(CARRIER) and not each.library]
+    for carrier in carriers:
+        for collection in carrier.users_collection:
+            collection.objects.unlink(carrier)
+    for group in [each for each in bpy.data.node_groups if each.name.startswith(OURS) and not each.users]:
+        bpy.data.node_groups.remove(group)
+    for carrier in [each for each in carriers if not each.users]:
+        bpy.data.objects.remove(carrier)
+    for mesh in [each for each in bpy.data.meshes if each.name.startswith(CARRIER) and not each.users]:
+        bpy.data.meshes.remove(mesh)
+
+
+def show(body: bpy.types.Object, offsets: Any) -> None:
+    """Show offsets (N, 3) of a running press from the shape at rest, in the object's own space."""
+    modifier = modifier_of(body)
+    if modifier is None:  # its session is about to end, or to show itself anew
+        return
+    info = next(each for each in modifier.node_group.nodes if each.type == "OBJECT_INFO")
+    if info.inputs["Object"].default_value is None:  # somebody has deleted it
+        info.inputs["Object"].default_value = new_carrier()
+    set_offsets(info.inputs["Object"].default_value, offsets)
+
+
+def set_offsets(carrier: bpy.types.Object, offsets: Any) -> None:
+    """Let a carrier have offsets (N, 3)."""
+    mesh = carrier.data
+    if len(mesh.vertices) != len(offsets):
+        mesh.clear_geometry()
+        mesh.vertices.add(len(offsets))
+    mesh.attributes["position"].data.foreach_set("vector", offsets.ravel())
+    mesh.update_tag()
+
+
+def carriers(modifier: bpy.types.Modifier) -> Iterator[bpy.types.Object]:
+    """Yield the carriers of a modifier of ours, the viewport's first."""
+    infos = [each for each in modifier.node_group.nodes if each.type == "OBJECT_INFO"]
+    for info in sorted(infos, key=lambda each: each.name):
+        if carrier := info.inputs["Object"].default_value:
+            yield carrier
+
+
+def files(modifier: bpy.types.Modifier) -> list[tuple[Path, float]]:
+    """Return the PC2 files that a modifier of ours plays, the viewport's first, each with its first frame."""
+    plays, library = [each.modifiers[0] for each in carriers(modifier) if each.modifiers], modifier.id_data.library
+    return [(Path(bpy.path.abspath(each.filepath, library=library)), each.frame_start) for each in plays]
+
+
+def _group(kind: str, shown: Sequence[Shown]) -> bpy.types.NodeTree:
+    """Return a node group that moves the mesh of each count that it knows by its carrier."""
+    group = bpy.data.node_groups.new(kind, "GeometryNodeTree")
+    for direction in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
+    new, link = group.nodes.new, group.links.new
+    given, size = new("NodeGroupInput"), new("GeometryNodeAttributeDomainSize")
+    link(given.outputs[0], size.inputs[0])
+    result = given.outputs[0]
+    for each in shown:
+        is_it, choose = new("FunctionNodeCompare"), new("GeometryNodeSwitch")
+        is_it.data_type, is_it.operation, choose.input_type = "INT", "EQUAL", "GEOMETRY"
+        whole, other = (socket for socket in is_it.inputs if socket.type == "INT")
+        other.default_value = each.given
+        link(size.outputs[0], whole)
+        link(is_it.outputs[0], choose.inputs["Switch"])
+        link(result, choose.inputs["False"])
+        finer = _finer(group, given.outputs[0], each.cuts) if each.cuts else given.outputs[0]
+        link(_moved(group, finer, each.carrier, keep=kind == PRESS), choose.inputs["True"])
+        result = choose.outputs[0]
+    link(result, new("NodeGroupOutput").inputs[0])
+    return group
+
+
+def _finer(group: bpy.types.NodeTree, given: bpy.types.NodeSocket, cuts: int) -> bpy.types.NodeSocket:
+    """Subdivide a mesh in its own shape and shading; where it is moved afterwards, normals go along."""
+    new, link = group.nodes.new, group.links.new
+    normal, capture, cut = new("GeometryNodeInputNormal"), new("GeometryNodeCaptureAttribute"), None
+    capture.domain = "CORNER"
+    capture.capture_items.new("VECTOR", "Normal")
+    cut, smooth, shade = (new(f"GeometryNode{name}") for name in ("SubdivideMesh", "SetShadeSmooth", "SetMeshNormal"))
+    cut.inputs["Level"].default_value = cuts
+    shade.mode, shade.domain = "TANGENT_SPACE", "CORNER"
+    link(given, capture.inputs[0])
+    link(normal.outputs["Normal"], capture.inputs["Normal"])
+    link(capture.outputs[0], cut.inputs["Mesh"])
+    link(cut.outputs[0], smooth.inputs["Geometry"])
+    link(smooth.outputs[0], shade.inputs["Mesh"])
+    link(capture.outputs["Normal"], next(each for each in shade.inputs if each.type == "VECTOR"))
+    return shade.outputs[0]
+
+
+def _moved(
+    group: bpy.types.NodeTree, given: bpy.types.NodeSocket, carrier: bpy.types.Object, *, keep: bool
+) -> bpy.types.NodeSocket:
+    """Add the vertices of a carrier to those of a mesh; the positions before may be kept as an attribute."""
+    new, link = group.nodes.new, group.links.new
+    kinds = "InputPosition", "InputIndex", "ObjectInfo", "SampleIndex", "SetPosition"
+    position, index, info, sample, move = (new(f"GeometryNode{kind}") for kind in kinds)
+    sample.data_type = "FLOAT_VECTOR"
+    info.inputs["Object"].default_value = carrier
+    if keep:
+        store = new("GeometryNodeStoreNamedAttribute")
+        store.data_type, store.inputs["Name"].default_value = "FLOAT_VECTOR", REST
+        link(given, store.inputs["Geometry"])
+        link(position.outputs[0], store.inputs["Value"])
+        given = store.outputs[0]
+    link(info.outputs["Geometry"], sample.inputs["Geometry"])
+    link(position.outputs[0], sample.inputs["Value"])
+    link(index.outputs[0], sample.inputs["Index"])
+    link(given, move.inputs["Geometry"])
+    link(sample.outputs[0], move.inputs["Offset"])
+    return move.outputs[0]

@@ -1,0 +1,106 @@
+"""The final mesh of an object in a render, where that is not the viewport's, and what carries offsets to it.
+
+Part of the bridge, above `final_mesh`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, NamedTuple
+
+import bpy
+import numpy as np
+
+from ..names import PRESS
+from . import offset
+from .final_mesh import Final, cuts_of, evaluated, points_of, triangles_of
+
+if TYPE_CHECKING:
+    from .object_link import Singles
+
+
+def shown(
+    context: bpy.types.Context, body: bpy.types.Object, count: int, cuts: int
+) -> list[tuple[offset.Shown, Carried | None]]:
+    """Return how the final mesh of an object is to be moved, in the viewport and where it differs in a render, each
+    with what carries the offsets of the viewport's to it, None for that itself.
+
+    Args:
+        count: vertices of the viewport's.
+        cuts: how often that is subdivided, unless it is already.
+    """
+    given = len(evaluated(context, body).vertices)
+    cuts = 0 if given == count else cuts
+    with _as_rendered(body):
+        mesh = evaluated(context, body)
+        rendered, there = len(mesh.vertices), None
+        if rendered != given:
+            there = _final(context, body, rendered, cuts_of(context, body, mesh))
+    carried = _carried(_final(context, body, given, cuts), there.points) if there else None
+    found: list[tuple[offset.Shown, Carried | None]] = [(offset.Shown(given, cuts, offset.new_carrier(count)), None)]
+    if there and carried:
+        found.append((offset.Shown(rendered, there.cuts, offset.new_carrier(len(carried.corners))), carried))
+    return found
+
+
+class Carried(NamedTuple):
+    """What carries offsets to the vertices of another mesh: each follows the nearest triangle.
+
+    corners: (M, 3) of that.
+    shares: (M, 3) of each corner.
+    """
+
+    corners: np.ndarray
+    shares: np.ndarray
+
+    def carry(self, offsets: Singles) -> Singles:
+        """Return the offsets (M, 3) of the other mesh for those (N, 3) of the one."""
+        return np.einsum("mc,mcd->md", self.shares, offsets[self.corners])
+
+
+def _carried(final: Final, points: Singles) -> Carried:
+    """Return what carries offsets of a final mesh to other points (M, 3) on or near it."""
+    from mathutils.bvhtree import BVHTree
+
+    tree = BVHTree.FromPolygons(final.points.tolist(), final.triangles.tolist())
+    nearest = [tree.find_nearest(point)[::2] for point in points.tolist()]
+    at, number = np.array([[*place] for place, _ in nearest]), np.array([each for _, each in nearest])
+    corners = final.triangles[number]
+    a, b, c = final.points[corners].astype(np.float64).transpose(1, 0, 2)
+    whole = np.cross(b - a, c - a)
+    parts = [np.cross(v - u, at - u) for u, v in ((b, c), (c, a), (a, b))]
+    shares = np.stack([(each * whole).sum(axis=1) for each in parts], axis=1)
+    total = shares.sum(axis=1)
+    flat = total <= 0
+    shares[flat], total[flat] = (1, 0, 0), 1
+    return Carried(corners, np.asarray(shares / total[:, None], np.float32))
+
+
+def _final(context: bpy.types.Context, body: bpy.types.Object, given: int, cuts: int) -> Final:
+    """Return the final mesh of an object as it is now, subdivided."""
+    offset.add(body, "Dimple Press", PRESS, [offset.Shown(given, cuts, offset.new_carrier())])
+    try:
+        mesh = evaluated(context, body)
+        return Final(points_of(mesh), *triangles_of(mesh), cuts)
+    finally:
+        offset.remove(body, PRESS)
+
+
+@contextmanager
+def _as_rendered(body: bpy.types.Object) -> Iterator[None]:
+    """Let the viewport show an object as a render does, for a while."""
+    before = [(each, each.show_viewport, getattr(each, "levels", None)) for each in body.modifiers]
+    try:
+        for each, was_shown, level in before:
+            if each.show_render != was_shown:
+                each.show_viewport = each.show_render
+            if hasattr(each, "render_levels") and each.render_levels != level:
+                each.levels = each.render_levels
+        yield
+    finally:
+        for each, was_shown, level in before:
+            if each.show_viewport != was_shown:
+                each.show_viewport = was_shown
+            if level is not None and each.levels != level:
+                each.levels = level

@@ -1,0 +1,147 @@
+"""The bridge between Blender's objects and the core: an object becomes a model that can be pressed.
+
+With `object_link`, `bridge_model`, `bridge_write`, `final_mesh`, `rendered_mesh` and `offset` the only toucher of mesh
+arrays and scale.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+from ...core.base import DimpleError
+from ...core.messages import Message, about, in_a_row
+from ...core.steps import Parts, at_once
+from . import body_model, final_mesh, stack
+from .object_link import Floats as Floats
+from .object_link import ObjectLink as ObjectLink
+from .object_link import Singles as Singles
+from .object_link import find as find
+from .object_link import get_points as get_points
+from .object_link import offsets_of as offsets_of
+from .object_link import scale_of_body
+from .object_link import to_physical as to_physical
+
+if TYPE_CHECKING:
+    from ...core.body.model import Model
+    from ...core.mesh.surface import Mesh
+
+LEVEL = 1e-4  # of its size: points of an object as high as its highest one
+_CONVERTIBLE = {"CURVE", "SURFACE", "META", "FONT"}  # Blender turns them into meshes that have faces
+
+def read_body(context: bpy.types.Context, body: bpy.types.Object, **options: Any) -> tuple[ObjectLink, Model]:
+    """Read a mesh object at once; see `reading_body`."""
+    found: tuple[ObjectLink, Model] = at_once(reading_body(context, body, **options))
+    return found
+
+
+def reading_body(
+    context: bpy.types.Context,
+    body: bpy.types.Object,
+    *,
+    baked: bool = True,
+    cuts: int | None = None,
+) -> Parts:
+    """Read a mesh object with its materials and settings into a link and a model, in parts; change nothing.
+
+    Args:
+        baked: take the shape keys of an earlier bake as part of the rest shape.
+        cuts: how often its final mesh is subdivided; None is as the fingertip needs it.
+
+    Raises:
+        DimpleError: this object cannot be pressed, with the reason and what to do.
+    """
+    check(body)
+    context.view_layer.update()
+    matrix = np.array(body.matrix_world)
+    rest, triangles, slots, cuts = final_mesh.read(context, body, baked=baked, cuts=cuts)
+    scale = scale_of_body(context.scene, body, rest, matrix)
+    if np.linalg.det(matrix[:3, :3]) < 0:  # mirrored: what looked outward looks inward
+        triangles = triangles[:, ::-1]
+    used, triangle_material = np.unique(np.clip(slots, 0, max(len(body.material_slots) - 1, 0)), return_inverse=True)
+    try:
+        mesh: Mesh = yield 0.1, partial(_mesh, scale, matrix, rest, triangles, triangle_material)
+    except DimpleError as error:
+        raise DimpleError(about(body.name, str(error))) from error
+    resting = mesh.rest_positions[mesh.source].astype(np.float32)
+    pinned = body.dimple.to_params()["pinned"] != "none"
+    link = ObjectLink(
+        uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix, resting=resting, cuts=cuts,
+        own=get_points(body.data.attributes["position"].data, len(body.data.vertices), "vector"),
+        rounding=float(4 * np.finfo(np.float32).eps * np.abs(resting).max()), slots=tuple(map(int, used)),
+        shaped=stack.is_shaped(body), rigged=stack.is_carried(body) or (stack.is_deformed(body) and pinned),
+    )  # fmt: skip
+    model: Model = yield from body_model.reading_model(context.scene, body, mesh, link)
+    return link, model
+
+
+def _mesh(scale: float, matrix: Floats, rest: Singles, triangles: Any, triangle_material: Any) -> Mesh:
+    from ...core.mesh.surface import mesh_from_triangles
+
+    points = to_physical(scale, matrix, rest)
+    return mesh_from_triangles(points, triangles, triangle_material=triangle_material)
+
+
+def scale_of(scene: bpy.types.Scene, body: bpy.types.Object, link: ObjectLink) -> float:
+    """Return physical metres per scene unit of a running body by the settings it has now.
+
+    Raises:
+        DimpleError: it has no size.
+    """
+    return scale_of_body(scene, body, link.rest, link.matrix)
+
+
+def check(body: bpy.types.Object) -> None:
+    """Raise a DimpleError when an object is not a mesh in Object Mode."""
+    if body.type != "MESH":
+        raise DimpleError(_not_a_mesh(body))
+    if body.mode != "OBJECT":
+        raise DimpleError('"{name}" is being edited. Go back to Object Mode first.', name=body.name)
+
+
+def _not_a_mesh(body: bpy.types.Object) -> str:
+    """Return the sentence that says what an object is instead, and what to do."""
+    if body.type == "EMPTY" and body.instance_type == "COLLECTION":
+        return Message(
+            '"{name}" is a collection instance, not a mesh. Make its objects real first: Object > Apply > Make '
+            "Instances Real.",
+            name=body.name,
+        )
+    kind = body.bl_rna.properties["type"].enum_items[body.type].name.lower()
+    article = "an" if kind[0] in "aeiou" else "a"
+    what = Message('"{name}" is {article} {kind}, not a mesh.', name=body.name, article=article, kind=kind)
+    can = body.type in _CONVERTIBLE
+    return in_a_row([what, "Make Soft converts it to a mesh." if can else "Select a mesh to press."])
+
+
+def check_writable(body: bpy.types.Object) -> None:
+    """Raise a DimpleError when an object may not be given a modifier."""
+    if body.library:
+        raise DimpleError(
+            '"{name}" is linked from another file. Make it local first: Object > Relations.', name=body.name
+        )
+
+
+def scale_and_top(context: bpy.types.Context, body: bpy.types.Object) -> tuple[float, Floats]:
+    """Return physical metres per scene unit of an object, and in the scene the middle (3,) of its highest points."""
+    context.view_layer.update()
+    rest, matrix = final_mesh.read(context, body).points, np.array(body.matrix_world)
+    scale = scale_of_body(context.scene, body, rest, matrix)
+    world = to_physical(1.0, matrix, rest)
+    height = world[:, 2]
+    highest = world[height >= height.max() - LEVEL * np.ptp(world, axis=0).max()]
+    return scale, highest[((highest - highest.mean(axis=0)) ** 2).sum(axis=1).argmin()]
+
+
+def nearest_final(link: ObjectLink) -> list[int]:
+    """Return for each vertex of an object's own mesh the nearest one of its final mesh."""
+    from mathutils.kdtree import KDTree
+
+    tree = KDTree(len(link.rest))
+    for number, point in enumerate(link.rest.tolist()):
+        tree.insert(point, number)
+    tree.balance()
+    return [tree.find(point)[1] for point in link.own.tolist()]

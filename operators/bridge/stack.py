@@ -1,0 +1,41 @@
+"""What the modifiers of an object do, and which of them are ours."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..names import BAKED_PRESS, PRESS
+
+# a rig: it holds the surface that it moves, so the body follows it
+CARRYING = frozenset({"ARMATURE", "LATTICE", "CURVE", "MESH_DEFORM", "SURFACE_DEFORM", "HOOK"})
+# these move vertices and leave them as many as they are
+_DEFORMING = CARRYING | {
+    "CAST", "CORRECTIVE_SMOOTH", "DISPLACE", "LAPLACIANDEFORM", "LAPLACIANSMOOTH", "MESH_CACHE", "MESH_SEQUENCE_CACHE",
+    "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH", "WARP", "WAVE",
+}  # fmt: skip
+
+
+def shows(modifier: bpy.types.Modifier, kind: str) -> bool:
+    """Tell whether a modifier is ours, with a node group whose name begins so."""
+    return modifier.type == "NODES" and modifier.node_group is not None and modifier.node_group.name.startswith(kind)
+
+
+def is_cache(modifier: bpy.types.Modifier) -> bool:
+    """Tell whether a modifier plays a bake of ours."""
+    return shows(modifier, BAKED_PRESS)
+
+
+def is_shaped(body: bpy.types.Object) -> bool:
+    """Tell whether shape keys or modifiers make the shape at rest of the coordinates of a mesh."""
+    others = [each for each in body.modifiers if each.show_viewport and not shows(each, PRESS)]
+    return bool(body.data.shape_keys) or bool(others)
+
+
+def is_deformed(body: bpy.types.Object) -> bool:
+    """Tell whether shape keys or modifiers move the vertices of a mesh."""
+    return bool(body.data.shape_keys) or any(each.type in _DEFORMING and each.show_viewport for each in body.modifiers)
+
+
+def is_carried(body: bpy.types.Object) -> bool:
+    """Tell whether a rig holds an object: then the body follows it, pinned or not."""
+    return any(each.type in CARRYING and each.show_viewport for each in body.modifiers)

@@ -1,0 +1,77 @@
+"""Write through the bridge: keep a press, shape keys and painted weights.
+
+A press is shown by a modifier (`offset`): nothing here changes a mesh while a body is live.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import bpy
+import numpy as np
+
+from ..names import CACHES_OFF, KEPT, KEPT_PRESS, PAINTING
+from . import final_mesh, offset, rendered_mesh
+from .scene_objects import ObjectLink, Singles, get_points
+
+
+def rescue(live: Collection[int]) -> None:
+    """Put objects right that show a session they do not have: duplicates, or caught by an undo step or a crash.
+
+    Args:
+        live: session_uids of the objects whose sessions go on.
+    """
+    for body in bpy.data.objects:
+        if body.session_uid not in live and not body.library and (offset.modifier_of(body) or CACHES_OFF in body):
+            final_mesh.detach(body)
+    offset.sweep_data()
+
+
+def is_shared(mesh: bpy.types.Mesh) -> bool:
+    """Tell whether several objects use a mesh."""
+    return mesh.users - mesh.use_fake_user > 1
+
+
+def is_intact(body: bpy.types.Object, link: ObjectLink) -> bool:
+    """Tell whether an object still has the mesh that was read, and nobody edits its shape."""
+    mesh = body.data
+    if body.mode not in ("OBJECT", PAINTING) or len(mesh.vertices) != len(link.own):
+        return False
+    if link.shaped:  # its shape at rest is read at every step
+        return True
+    return np.array_equal(get_points(mesh.attributes["position"].data, len(link.own), "vector"), link.own)
+
+
+def keep(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, offsets: Singles) -> None:
+    """Leave a press, offsets (N, 3) from the shape at rest, in a modifier on top of all others."""
+    final_mesh.detach(body)
+    shown = rendered_mesh.shown(context, body, len(link.rest), link.cuts)
+    for each, own in shown:
+        offset.set_offsets(each.carrier, offsets if own is None else own.carry(offsets))
+    offset.add(body, KEPT, KEPT_PRESS, [each for each, _ in shown])
+
+
+def remember(what: str) -> None:
+    """Push an undo step, where there are any."""
+    if bpy.ops.ed.undo_push.poll():
+        bpy.ops.ed.undo_push(message=what)
+
+
+def add_key(body: bpy.types.Object, name: str, offsets: Singles) -> bpy.types.ShapeKey:
+    """Add a shape key that moves the vertices by offsets (N, 3) when its value is 1; the first one needs a basis."""
+    active = body.active_shape_key_index
+    if not body.data.shape_keys:
+        body.shape_key_add(name="Basis", from_mix=False)
+    key = body.shape_key_add(name=name, from_mix=False)
+    reference = body.data.shape_keys.reference_key
+    key.value, key.relative_key = 0.0, reference
+    body.active_shape_key_index = active
+    key.points.foreach_set("co", (get_points(reference.points, len(offsets), "co") + offsets).ravel())
+    return key
+
+
+def paint(body: bpy.types.Object, group: str, weights: Singles) -> None:
+    """Give every vertex a weight (N,) in a vertex group."""
+    painted = body.vertex_groups.get(group) or body.vertex_groups.new(name=group)
+    for vertex, weight in enumerate(weights.tolist()):
+        painted.add([vertex], weight, "REPLACE")

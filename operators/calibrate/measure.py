@@ -1,0 +1,143 @@
+"""The experiment itself: press the active body with a round tip and write what an instrument would."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from ...core.messages import Message, about
+from ..messages import say
+from ..names import PLACES, Op
+from ..press import modal_runs, polls, sessions
+from ..press.progress import Working
+from . import results
+
+_ASKED = ("tip_radius_mm", "place", "depth_mm", "rows")
+
+
+class DIMPLE_OT_measure(Working, bpy.types.Operator):
+    """Press the active object with a round tip, virtually, and write force against depth as a CSV file"""
+
+    bl_idname = Op.MEASURE
+    bl_label = "Measure"
+    verb, stopped = "Measuring", "The measurement was stopped; nothing was written"
+
+    filepath: StringProperty(name="File", description="Where the CSV goes", subtype="FILE_PATH", options={"SKIP_SAVE"})
+    filter_glob: StringProperty(name="Filter", description="Files that are shown", options={"HIDDEN"}, default="*.csv")
+    check_existing: BoolProperty(
+        name="Check Existing", description="Ask before a file is overwritten", options={"HIDDEN"}, default=True
+    )
+    tip_radius_mm: FloatProperty(
+        name="Tip Radius (mm)", description="Radius of the tip; 0 is that of the tip that measured the material",
+        default=0.0, min=0.0, soft_max=50.0,
+    )  # fmt: skip
+    place: EnumProperty(name="Press At", description="Where the tip presses", items=PLACES)
+    depth_mm: FloatProperty(
+        name="Depth (mm)", description="How deep to press; 0 is the measured depth",
+        default=0.0, min=0.0, soft_max=200.0,
+    )  # fmt: skip
+    rows: IntProperty(name="Rows", description="Rows of the file", default=60, min=12, soft_max=300)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need Object Mode, a mesh, and nothing else at work."""
+        return polls.can_press(cls, context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask for the file, then measure between Blender's events."""
+        if self.properties.is_property_set("filepath"):
+            return Working.invoke(self, context, event)
+        self.filepath = f"{bpy.path.clean_name(context.object.name)}.csv"
+        self._browsing = True
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Measure at once; behind the file browser start anew, for this one cannot go on between events."""
+        if getattr(self, "_browsing", False):
+            given = self.properties.is_property_set
+            settings = {name: getattr(self, name) for name in _ASKED if given(name)}
+            bpy.ops.dimple.measure("INVOKE_DEFAULT", filepath=self.filepath, **settings)
+            return {"CANCELLED"}
+        return Working.execute(self, context)
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Draw how deep, in how many rows and where."""
+        layout = self.layout
+        layout.use_property_split = True
+        for name in _ASKED:
+            layout.prop(self, name)
+
+    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
+        return modal_runs.open_run(context, "measure", "Measuring: Esc cancels", interval=0.01)
+
+    def _begin(self, context: bpy.types.Context):
+        """Return the steps; a body is at rest before it is pressed."""
+        from ...core.base import DimpleError
+        from ...core.calibration.virtual_press import find_site, press_rows
+        from ..bridge import scene_objects
+
+        if not self.filepath:
+            raise DimpleError("Say where the file goes: give it a path.")
+        sessions.stop_all()
+        body = context.object
+        link, model = scene_objects.read_body(context, body, baked=False)
+        if model.free and model.ground is None:
+            raise DimpleError(
+                '"{name}" is held by nothing, so the tip would push it away. Pin its base.', name=body.name
+            )
+        slot = link.slots.index(body.active_material_index) if body.active_material_index in link.slots else 0
+        material = model.materials[slot]
+        radius = self.tip_radius_mm / 1e3 or material.indenter.radius
+        place = self.place if self.properties.is_property_set("place") else context.scene.dimple.tip_place
+        try:
+            site = find_site(model.mesh, *(_at_cursor(context, link.scale, model.mesh) if place == "CURSOR" else ()))
+        except DimpleError as error:
+            raise DimpleError(about(body.name, str(error))) from error
+        settings = body.active_material and body.active_material.dimple
+        self._deepest = self.depth_mm / 1e3 or results.deepest(settings, material.x0)
+        self._about = [
+            f"Simulated by Dimple, not measured: {body.name}, {1e3 * model.mesh.size:.4g} mm",
+            f"Tip: sphere, radius {1e3 * radius:.4g} mm",
+            f"Material: K1 {material.K1 / 1e3:.4g} N/mm, K2 {material.K2 / 1e3:.4g} N/mm, "
+            f"x0 {material.x0 * 1e3:.4g} mm",
+        ]
+        return self._steps_of(press_rows(model, radius, site, self._deepest, self.rows))
+
+    def _steps_of(self, rows):
+        self._rows = []
+        for row in rows:
+            self._rows.append(row)
+            yield min(len(self._rows) / self.rows, 0.999)
+
+    def _finished(self, _context: bpy.types.Context) -> set[str]:
+        """Write the file."""
+        import numpy as np
+
+        from ...core.calibration.export import write_press
+
+        depth, force = np.array(self._rows).T
+        path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".csv")
+        write_press(path, depth, force, about=self._about)
+        deepest, wanted = float(depth[-1]), self._deepest
+        if deepest < 0.999 * wanted:
+            why = Message("the body is no thicker, or gives way")
+            say(self, {"WARNING"}, Message(
+                "Pressed {depth:.3g} mm of {wanted:.3g} mm deep: {why}",
+                depth=1e3 * deepest, wanted=1e3 * wanted, why=why
+            ))  # fmt: skip
+        say(self, {"INFO"}, Message(
+            "Measured {depth:.3g} mm deep with up to {force:.3g} N: {path}",
+            depth=1e3 * deepest, force=force.max(), path=path
+        ))  # fmt: skip
+        return {"FINISHED"}
+
+
+def _at_cursor(context: bpy.types.Context, scale: float, mesh):
+    """Return the point (3,) [m] of the surface nearest to the 3D cursor, and the way in."""
+    from mathutils.bvhtree import BVHTree
+
+    tree = BVHTree.FromPolygons(mesh.rest_positions.tolist(), mesh.triangles.tolist())
+    point, normal, _, _ = tree.find_nearest(scale * context.scene.cursor.location)
+    return point, -normal
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_measure])

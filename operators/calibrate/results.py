@@ -1,0 +1,96 @@
+"""Calibrations as Blender keeps them: text in a scene or a material.
+
+As text they are carried along by undo, by files and by presets.
+"""
+
+from __future__ import annotations
+
+import math
+from datetime import date
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from ...core.messages import Message, from_json, to_json
+
+if TYPE_CHECKING:
+    from ...core.calibration.calibrate import Calibration
+
+EXTENSIONS = ".csv;.txt;.tsv;.dat;.asc;.tra"
+FILTER = ";".join(f"*{ending}" for ending in EXTENSIONS.split(";"))  # of a file browser
+POINTS = 160  # of the measured curve that are kept, for the chart
+BAND = 40  # and of the band round its law
+BEYOND = 1.5  # knees: how deep is pressed where the depth of the measurement is not known
+
+
+@lru_cache(maxsize=32)
+def load(text: str) -> dict[str, Any]:
+    """Return the record in a kept text, empty where there is none or it is damaged; not to be changed."""
+    try:
+        record = from_json(text) if text else {}
+    except ValueError:
+        return {}
+    return record if isinstance(record, dict) else {}
+
+
+def to_text(calibration: Calibration) -> str:
+    """Return the text that keeps a calibration: the core's record, and what a chart and a material need of it."""
+    from ...core.calibration.doubts import NOTICEABLE_FORCE
+    from ...core.calibration.record import to_record
+
+    record = to_record(calibration)
+    loading, surface = calibration.loading, calibration.surface
+    record["date"], record["noticeable"] = date.today().isoformat(), NOTICEABLE_FORCE
+    record["provenance"] = Message(
+        "{provenance}, calibrated {date}", provenance=record["provenance"], date=record["date"]
+    )
+    record["points"] = thinned(1e3 * loading.depth, loading.force, POINTS)
+    record["band"] = band(calibration)
+    record["k_to_use"] = surface.k.value / 1e3 if surface and surface.k else None
+    record["unusable"] = _unusable(record)
+    return to_json(record)
+
+
+def source(record: dict[str, Any], k: str) -> str:
+    """Return the line that a material keeps of where its constants come from; k: where its own does, if so."""
+    return Message("{provenance}; {k}", provenance=record["provenance"], k=k) if k else record["provenance"]
+
+
+def band(calibration: Calibration) -> list[list[float]]:
+    """Return rows [mm, N, N] of depth and of the ends of the law's 95 % interval there, for the chart."""
+    import numpy as np
+
+    fit = calibration.fit
+    x = np.linspace(0, calibration.loading.depth.max(), BAND)
+    rows = zip(1e3 * x, fit.law(x) - fit.band(x), fit.law(x) + fit.band(x), strict=True)
+    return [[float(f"{value:.6g}") for value in row] for row in rows]
+
+
+def thinned(depth_mm: Any, force: Any, most: int) -> list[list[float]]:
+    """Return at most so many rows [mm, N] of a curve, evenly picked."""
+    step = max(math.ceil(len(depth_mm) / most), 1)
+    pairs = zip(depth_mm[::step].tolist(), force[::step].tolist(), strict=True)
+    return [[float(f"{x:.6g}"), float(f"{f:.6g}")] for x, f in pairs]
+
+
+def deepest(settings: Any, x0: float) -> float:
+    """Return how deep [m] a material was measured; where that is not known, as deep as its law has two slopes.
+
+    Args:
+        settings: of the material, None where there is none.
+        x0: its knee [m].
+    """
+    measured = load(settings.calibration).get("deepest") if settings else None
+    return float(measured) / 1e3 if measured else BEYOND * x0
+
+
+def _unusable(record: dict[str, Any]) -> str:
+    """Return why there is no material with these constants, "" where there is."""
+    from ...core.base import DimpleError
+    from ...core.material import Material
+
+    k = record["k_to_use"] or 1.0
+    try:
+        Material(K1=1e3 * record["K1"], K2=1e3 * record["K2"], x0=record["x0"] / 1e3, k=1e3 * k, density=1.0)
+    except DimpleError as error:
+        return str(error)
+    return ""

@@ -1,0 +1,1 @@
+"""Connect a haptic device and place it in the scene."""

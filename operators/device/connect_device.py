@@ -1,0 +1,173 @@
+"""Connect a haptic device, arm and disarm it, and place it in the scene."""
+
+import time
+
+import bpy
+from bpy.props import FloatProperty
+
+from ..messages import say
+from ..names import DEAD_MAN, Op
+from ..press import haptic_fingertips, modal_runs, polls, sessions
+from ..translation import translated
+
+RENEW_S = 0.05  # between two renewals of the dead-man key; `limits.LEASE` covers a standstill of 0.2 s and one of them
+ANSWER_S = 1.0  # within which the device reports that it arms
+KEYS = "Hold Shift: force | Esc: disarm"
+
+
+class _NeedsDevice:
+    """Operators that need a device that is connected and ready."""
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        """Need a device that is ready."""
+        connection = haptic_fingertips.get()
+        if connection is None or connection.report.link.name != "READY":
+            return polls.refuse(cls, "No haptic device is ready")
+        return True
+
+
+class DIMPLE_OT_connect_device(bpy.types.Operator):
+    """Connect or disconnect the haptic device. It exerts no force until it is armed"""
+
+    bl_idname = Op.CONNECT_DEVICE
+    bl_label = "Connect"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Connect or disconnect."""
+        from ...core.base import DimpleError
+
+        if haptic_fingertips.get():
+            haptic_fingertips.disconnect()
+            return {"FINISHED"}
+        try:
+            haptic_fingertips.connect(context.scene)
+        except DimpleError as error:
+            say(self, {"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
+    """Allow force while Shift or the device's own button is held. Esc disarms"""
+
+    bl_idname = Op.ARM_DEVICE
+    bl_label = "Arm"
+
+    hold_s: FloatProperty(
+        name="Hold (s)", description="For scripts: how long the dead-man key counts as held", default=0.0, min=0.0
+    )
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        """Arm, and hold the dead-man key for the time given."""
+        connection = haptic_fingertips.get()
+        connection.watch = None
+        haptic_fingertips.hold(self.hold_s)
+        connection.device.arm()
+        return {"FINISHED"}
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Arm, and follow the key from now on."""
+        connection = haptic_fingertips.get()
+        self._watch = connection.watch = object()
+        self._since, self._down = time.perf_counter(), False
+        haptic_fingertips.hold(0.0)
+        connection.device.arm()
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(RENEW_S, window=context.window)
+        manager.modal_handler_add(self)
+        context.workspace.status_text_set(translated(KEYS))
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Follow the key: it is held from its press until any event shows otherwise. A lost device and Esc end it.
+
+        Every event carries which keys are down. Timers and the loss of the focus reach every modal operator, whatever
+        events the one before it consumes; without either the lease expires.
+        """
+        from ...core.device.limits import LEASE
+
+        connection = haptic_fingertips.get()
+        if connection is None or connection.watch is not self._watch or not self._is_armed(connection):
+            return self._end(context)
+        if event.type == "ESC" and event.value == "PRESS":
+            connection.device.disarm()
+            haptic_fingertips.hold(0.0)
+            connection.watch = None
+            return {"PASS_THROUGH"} if modal_runs.runs else self._end(context)
+        before, key = self._down, event.value if event.type == DEAD_MAN else ""
+        if key == "PRESS":
+            self._down = True
+        elif key == "RELEASE" or event.type == "WINDOW_DEACTIVATE" or not event.shift:
+            self._down = False
+        if event.type == "TIMER" or self._down != before:
+            haptic_fingertips.hold(LEASE if self._down else 0.0)
+        return {"PASS_THROUGH"}
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Disarm when Blender ends the operator."""
+        sessions.disarm()
+        self._end(context)
+
+    def _is_armed(self, connection: haptic_fingertips.Connection) -> bool:
+        """Tell whether it is armed, or may still answer that it is."""
+        report = connection.report
+        settled = time.perf_counter() - self._since > ANSWER_S
+        return report.link.name == "READY" and not (settled and report.arming.name == "OFF")
+
+    def _end(self, context: bpy.types.Context) -> set[str]:
+        context.window_manager.event_timer_remove(self._timer)
+        owner = connection.watch if (connection := haptic_fingertips.get()) else None
+        if owner is self._watch:
+            haptic_fingertips.hold(0.0)
+        if owner in (None, self._watch):  # a newer operator has a text of its own, a script has none
+            modal_runs.clear_status()
+        return {"FINISHED"}
+
+
+class DIMPLE_OT_disarm_device(_NeedsDevice, bpy.types.Operator):
+    """End all force of the device at once"""
+
+    bl_idname = Op.DISARM_DEVICE
+    bl_label = "Disarm"
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        """Disarm."""
+        haptic_fingertips.hold(0.0)
+        haptic_fingertips.get().device.disarm()
+        return {"FINISHED"}
+
+
+class DIMPLE_OT_centre_device(_NeedsDevice, bpy.types.Operator):
+    """Place the middle of the fingertips, as you hold them now, at the 3D cursor"""
+
+    bl_idname = Op.CENTRE_DEVICE
+    bl_label = "Calibrate Origin"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Set the origin."""
+        from ...core.base import DimpleError
+
+        try:
+            haptic_fingertips.set_origin(context.scene)
+        except DimpleError as error:
+            say(self, {"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(
+    [DIMPLE_OT_connect_device, DIMPLE_OT_arm_device, DIMPLE_OT_disarm_device, DIMPLE_OT_centre_device]
+)
+
+
+def register() -> None:
+    """Register the operators."""
+    _register_classes()
+    haptic_fingertips.register()
+
+
+def unregister() -> None:
+    """Disconnect the device, and unregister."""
+    haptic_fingertips.unregister()
+    _unregister_classes()

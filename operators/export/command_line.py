@@ -1,0 +1,156 @@
+"""`blender --command dimple bake FILE.blend ...`: export without a window, for farms and pipelines.
+
+It prints one line of JSON, which --json writes to a file too. Exit codes: 0 all is written; 1 something is wrong, and
+the JSON says what; 2 the words of the command are.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ..names import EXPORTS
+
+COMMAND = "dimple"
+NAMES = {
+    "abc": "ALEMBIC", "alembic": "ALEMBIC", "usd": "USD", "usdc": "USD", "usdskel": "USD_SHAPES", "glb": "GLB",
+    "gltf": "GLB", "fbx": "FBX", "pc2": "PC2", "mdd": "MDD", "stl": "STL", "ply": "PLY", "vat": "VAT",
+}  # fmt: skip
+ENDED, WRONG = 0, 1
+
+
+def run(words: list[str]) -> int:
+    """Run a command; argparse ends the process with 2 where the words are wrong."""
+    options = parser().parse_args(words)
+    started, written, messages = time.perf_counter(), [], []  # type: ignore[var-annotated]
+    result: dict[str, Any] = {"ok": False, "error": None, "file": str(options.file)}
+    from ...core.base import DimpleError
+
+    try:
+        plan = _open(options)
+        result |= {"objects": [obj.name for obj in plan.objects], "frames": [plan.first, plan.last]}
+        _export(plan, messages, written, quiet=options.quiet)
+        result["ok"] = True
+    except (DimpleError, OSError) as error:
+        result["error"] = str(error)
+    result |= {
+        "written": [str(path) for path in written], "messages": messages,
+        "seconds": round(time.perf_counter() - started, 3),
+    }  # fmt: skip
+    line = json.dumps(result, ensure_ascii=False)
+    if options.json:
+        options.json.write_text(line + "\n", encoding="utf-8")
+    print(line, flush=True)
+    return ENDED if result["ok"] else WRONG
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command's words."""
+    whole = argparse.ArgumentParser(prog=f"blender --command {COMMAND}", description=(__doc__ or "").split("\n\n")[1])
+    bake = whole.add_subparsers(metavar="COMMAND", required=True).add_parser(
+        "bake", help="simulate bodies of a .blend file and export what they do", allow_abbrev=False
+    )
+    bake.add_argument("file", type=Path, metavar="FILE.blend")
+    bake.add_argument("--object", action="append", metavar="NAME", help="more than one may be given; else every body")
+    bake.add_argument("--frames", type=_frames, metavar="FIRST-LAST", help="else those of the scene")
+    bake.add_argument("--begin", type=int, metavar="FRAME", help="simulate from there; FIRST unless given")
+    bake.add_argument("--format", type=_formats, default=["ALEMBIC"], metavar="abc,usd,glb", help=", ".join(NAMES))
+    bake.add_argument("--out", type=Path, required=True, metavar="DIR", help="it is made")
+    bake.add_argument("--step", type=int, default=1, metavar="N", help="glTF and FBX: a shape key every N frames")
+    bake.add_argument("--key-error", type=float, default=0.0, metavar="PERCENT", help="glTF and FBX: few shape keys")
+    bake.add_argument("--played", action="store_true", help="take the bake or recording that an object plays")
+    bake.add_argument("--no-normals", action="store_true", help="smaller files, shaded by who reads them")
+    bake.add_argument("--overwrite", action="store_true", help="replace files that are there")
+    bake.add_argument("--json", type=Path, metavar="FILE", help="write the summary there too")
+    bake.add_argument("--quiet", action="store_true", help="no progress on the error output")
+    return whole
+
+
+def _frames(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(-?\d+)(?:-(-?\d+))?", text)
+    if not found:
+        raise argparse.ArgumentTypeError(f"{text!r} is no range of frames such as 1-250")
+    return int(found[1]), int(found[2] or found[1])
+
+
+def _formats(text: str) -> list[str]:
+    names = [each for each in re.split(r"[,\s]+", text.lower()) if each]
+    unknown = [each for each in names if each not in NAMES]
+    if unknown or not names:
+        raise argparse.ArgumentTypeError(f"{', '.join(unknown) or text!r} is no format; there are {', '.join(NAMES)}")
+    wanted = {NAMES[each] for each in names}
+    return [key for key, *_ in EXPORTS if key in wanted]
+
+
+def _open(options: argparse.Namespace) -> Any:
+    from ...core.base import DimpleError
+    from . import export_plan
+
+    if not options.file.is_file():
+        raise DimpleError(f"There is no file {options.file}.")
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(options.file.resolve()))
+    except RuntimeError as error:
+        raise DimpleError(f"Blender cannot open {options.file}: {str(error).strip()}") from error
+    scene = bpy.context.scene
+    first, last = options.frames or (scene.frame_start, scene.frame_end)
+    return export_plan.ExportPlan(
+        objects=_bodies(scene, options.object),
+        formats=options.format,
+        folder=options.out.resolve(),
+        first=first,
+        last=last,
+        begin=options.begin,
+        step=max(options.step, 1),
+        key_error=max(options.key_error, 0.0) / 100,
+        simulate=not options.played,
+        overwrite=options.overwrite,
+        normals=not options.no_normals,
+    )
+
+
+def _bodies(scene: bpy.types.Scene, names: Sequence[str] | None) -> list[bpy.types.Object]:
+    from ...core.base import DimpleError
+
+    bodies = [obj for obj in scene.objects if obj.type == "MESH" and obj.dimple.enabled]
+    if names is None:
+        if not bodies:
+            raise DimpleError("No object of the scene is a Dimple body. Name one with --object.")
+        return bodies
+    missing = [name for name in names if name not in scene.objects]
+    if missing:
+        there = ", ".join(obj.name for obj in bodies) or "none"
+        raise DimpleError(f'The scene has no object "{missing[0]}". Its Dimple bodies: {there}.')
+    return [scene.objects[name] for name in dict.fromkeys(names)]
+
+
+def _export(plan: Any, messages: list[str], written: list[Path], *, quiet: bool) -> None:
+    from . import export_plan
+
+    shown = -1
+    for share in export_plan.export(bpy.context, plan, messages, written):
+        if not quiet and int(20 * share) > shown:
+            shown = int(20 * share)
+            print(f"dimple: {share:.0%}", file=sys.stderr, flush=True)
+
+
+_handles: list[object] = []
+
+
+def register() -> None:
+    """Let Blender know the command."""
+    _handles.append(bpy.utils.register_cli_command(COMMAND, run))
+
+
+def unregister() -> None:
+    """Take the command away."""
+    while _handles:
+        bpy.utils.unregister_cli_command(_handles.pop())

@@ -1,0 +1,166 @@
+"""File > Export > Dimple Animation: one dialog for every format."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from ...core.messages import Message
+from ..messages import megabytes, wrapped
+from ..names import EXPORTS, Op
+from ..press import polls, sessions
+from ..press.progress import READY, FrameRange, Working
+from ..translation import translated
+
+CHARACTER = 8.5  # [px] of a line of the dialog for each character, its icon and borders included
+_ASKED = ("formats", "source", "frame_start", "frame_end", "step", "key_error", "normals", "overwrite")
+_SOURCES = (
+    ("PLAYED", "Bake or Recording", "Export the animation that the objects play, and simulate those that play none"),
+    ("SIMULATE", "Simulate Again", "Simulate the objects as a bake does, whatever they play now"),
+)
+
+
+class DIMPLE_OT_export_animation(FrameRange, Working, polls.Declared, bpy.types.Operator):
+    """Export the selected bodies as they move, for other programs, with a table of forces and a JSON about the files"""
+
+    bl_idname = Op.EXPORT
+    bl_label = "Export Animation"
+    running = "Exporting: Esc cancels"
+    verb, stopped = "Exporting", "The export was cancelled; the files that were finished are kept"
+    ready = READY
+
+    directory: StringProperty(
+        name="Folder", description="Folder for the files, which are named after the objects", subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+    )  # fmt: skip
+    formats: EnumProperty(
+        name="Formats", description="File formats to write", items=EXPORTS, options={"ENUM_FLAG"}, default={"ALEMBIC"},
+    )  # fmt: skip
+    source: EnumProperty(
+        name="Source", description="Export the animation that the objects play, or simulate it first", items=_SOURCES,
+        translation_context="*",  # Blender's word: ours is where a number comes from
+    )  # fmt: skip
+    step: IntProperty(
+        name="Frame Step",
+        description="Write a shape key every this many frames, in formats with shape keys. The JSON states the error "
+        "of the frames between",
+        default=1, min=1, soft_max=25,
+    )  # fmt: skip
+    key_error: FloatProperty(
+        name="Key Error (%)",
+        description="Write few shape keys, with which no vertex is off by more than this share of the object's size. "
+        "0 writes one every Frame Step",
+        default=0.0, min=0.0, soft_max=1.0, max=100.0, precision=3,
+    )  # fmt: skip
+    normals: BoolProperty(
+        name="Normals", description="Write the normals that shade the surface. Files are smaller without",
+        default=True,
+    )  # fmt: skip
+    overwrite: BoolProperty(name="Overwrite", description="Replace files that are there already", default=False)
+
+    needs = polls.in_object_mode, polls.is_free
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask for the folder, then export between Blender's events."""
+        if self.properties.is_property_set("directory"):
+            return Working.invoke(self, context, event)
+        self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
+        self._browsing = True
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Export at once; behind the file browser start again, for this one cannot go on between events."""
+        if getattr(self, "_browsing", False):
+            settings = {name: getattr(self, name) for name in _ASKED}
+            bpy.ops.dimple.export_animation("INVOKE_DEFAULT", directory=self.directory, **settings)
+            return {"CANCELLED"}
+        return Working.execute(self, context)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        column = layout.column()
+        column.use_property_split = False  # beside a label their names would be cut off
+        column.label(text="Formats")
+        column.prop(self, "formats")
+        for name in _ASKED[1:]:
+            row = layout.row()
+            row.active = name != "step" or not self.key_error  # with few shape keys every frame counts
+            row.prop(self, name)
+        sentence, icon = self._estimate(context)
+        column = layout.box().column(align=True)
+        for line in wrapped(
+            translated(sentence), int(context.region.width / context.preferences.system.ui_scale / CHARACTER)
+        ):
+            column.label(text=line, translate=False, icon=icon)
+            icon = "BLANK1"
+
+    def _estimate(self, context: bpy.types.Context) -> tuple[str, str]:
+        """Return a sentence on frames and size, and its icon."""
+        from ...core.base import DimpleError
+        from . import export_plan
+
+        try:
+            plan = self._plan(context)
+            export_plan.check_choice(plan)
+            size = megabytes(export_plan.estimate(context, plan))
+        except DimpleError as error:
+            return str(error), "ERROR"
+        return Message("{frames} frames, about {size} MB", frames=plan.last - plan.first + 1, size=size), "INFO"
+
+    def _begin(self, context: bpy.types.Context):
+        """Return the steps; live sessions end first, for an export starts at rest."""
+        from ...core.base import DimpleError
+        from . import export_plan
+
+        if not self.directory:
+            raise DimpleError("No folder is chosen. Choose where the files go.")
+        if self.directory.startswith("//") and not bpy.data.filepath:
+            raise DimpleError("The folder is relative to the .blend file, which is not saved yet. Save the file first.")
+        sessions.stop_all()
+        self._messages: list[str] = []
+        self._written: list[Path] = []
+        return export_plan.export(context, self._plan(context), self._messages, self._written)
+
+    def _plan(self, context: bpy.types.Context):
+        from ..press import live_step
+        from . import export_plan
+
+        first, last = self._frames(context.scene)
+        chosen = live_step.candidates(context)
+        return export_plan.ExportPlan(
+            objects=[obj for obj in chosen if obj.type == "MESH"] or chosen,
+            formats=[key for key, *_ in EXPORTS if key in self.formats],
+            folder=Path(bpy.path.abspath(self.directory)),
+            first=first,
+            last=last,
+            step=self.step,
+            key_error=self.key_error / 100,
+            simulate=self.source == "SIMULATE",
+            overwrite=self.overwrite,
+            normals=self.normals,
+        )
+
+    def _finished(self, _context: bpy.types.Context) -> set[str]:
+        return self._done(
+            Message("Exported {count} files to {folder}", count=len(self._written), folder=self._written[0].parent),
+            self._messages,
+        )
+
+
+def _draw_in_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    menu.layout.operator(Op.EXPORT, text="Dimple Animation...")
+
+
+_register_class, _unregister_class = bpy.utils.register_classes_factory([DIMPLE_OT_export_animation])
+
+
+def register() -> None:
+    _register_class()
+    bpy.types.TOPBAR_MT_file_export.append(_draw_in_menu)
+
+
+def unregister() -> None:
+    bpy.types.TOPBAR_MT_file_export.remove(_draw_in_menu)
+    _unregister_class()

@@ -1,0 +1,118 @@
+"""The tables beside an exported animation: its forces, and a JSON on the files and the simulation."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import os
+import zlib
+from dataclasses import asdict, is_dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+from ..bridge import cache_files, scene_objects
+from .clips import Clip
+from .formats import FORMATS
+
+if TYPE_CHECKING:
+    from ...core.session import Session
+
+VERSION = 1  # of the layout of this JSON
+
+
+def describe(
+    context: bpy.types.Context, obj: bpy.types.Object, first: int, last: int, simulated: dict[str, Any] | None
+) -> dict[str, Any]:
+    """Return the description that all files of an object share, which plays; `files` is still empty."""
+    render, mesh = context.scene.render, obj.evaluated_get(context.evaluated_depsgraph_get()).data
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return {
+        "dimple_animation": VERSION,
+        "dimple": cache_files.version(),
+        "blender": bpy.app.version_string,
+        "object": obj.name,
+        "vertices": len(mesh.vertices),
+        "polygons": len(mesh.polygons),
+        "topology_crc32": f"{zlib.crc32(corners.tobytes()):08x}",
+        "frames": [first, last],
+        "frame_rate": render.fps / render.fps_base,
+        "metres_per_scene_unit": scene_objects.scale_and_top(context, obj)[0],
+        "scene_unit_scale": context.scene.unit_settings.scale_length,
+        "table_units": "force N, depth mm, pressure Pa, volume m3, work and energy J, time s",
+        "seeds": [],  # nothing is random: the same file gives the same bytes
+        "simulation": simulated or "a bake or recording made before this export",
+        "body": _plain(obj.dimple.to_params()),
+        "materials": {
+            slot.material.name: _plain(slot.material.dimple.to_params())
+            for slot in obj.material_slots
+            if slot.material
+        },
+        "files": {},
+    }
+
+
+def describe_session(session: Session) -> dict[str, Any]:
+    """Return how a session simulated."""
+    return {
+        "solver": session.backend,
+        "tick_s": session.clock.tick,
+        "steps_in_a_tick": session.substeps,
+        "proxy_vertices": len(session.proxy.seeds) if session.proxy else None,
+        "model_notes": list(session.model.notes),
+    }
+
+
+def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
+    """Return the contents, size and checksum of a file, or of the files in a folder."""
+    kind = FORMATS[each]
+    keys = clip.keys() if kind.keyed else None
+    files = sorted(path.iterdir()) if path.is_dir() else [path]
+    checksum = hashlib.sha256()
+    for file in files:
+        with file.open("rb") as opened:
+            while block := opened.read(1 << 20):
+                checksum.update(block)
+    return {
+        "format": kind.label,
+        "coordinates": kind.space,
+        "shape_keys": len(keys.shapes) if keys else None,
+        "worst_vertex_error": keys.error if keys else 0.0,
+        "bytes": sum(file.stat().st_size for file in files),
+        "sha256": checksum.hexdigest(),
+    }
+
+
+def write(path: Path, described: dict[str, Any]) -> None:
+    """Write the JSON.
+
+    Raises:
+        OSError: the disk refuses.
+    """
+    with path.open("w", encoding="utf-8") as file:
+        json.dump(described, file, indent=1, ensure_ascii=False)
+        file.write("\n")
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def copy_table(table: Path, path: Path, first: int, last: int) -> None:
+    """Write the lines of a table of forces that are within some frames."""
+    with table.open(newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    kept = [row for row in rows if row and first <= float(row[0]) <= last]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([head, *kept])
+
+
+def _plain(params: dict[str, Any]) -> dict[str, Any]:
+    """Return settings as JSON can hold them."""
+    return {name: _value(value) for name, value in params.items()}
+
+
+def _value(value: Any) -> Any:
+    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value

@@ -1,0 +1,1 @@
+"""Pressing live: the poke, play, what runs, and what it presses with and against."""

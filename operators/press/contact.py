@@ -1,0 +1,202 @@
+"""Contact of running bodies: with objects that have Dimple Collider ticked, with each other, and with themselves.
+
+Once an object of the scene is ticked, all running bodies meet it and each other, where they are of one scale; without
+one, bodies run alone and nothing of this is paid for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ...core.base import DimpleError
+from ...core.messages import in_a_row
+from ..bridge import body_model, scene_objects, sizing
+
+if TYPE_CHECKING:
+    from ...core.base import Floats, Ints
+    from ...core.session import Session
+    from ...core.world import World
+
+SAME_SCALE = 1e-6
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class LiveWorld:
+    """Bodies that are stepped together.
+
+    key: what it was made of.
+    uids: of the bodies.
+    scale: physical metres per scene unit.
+    colliders: names of the objects.
+    props: which of them fall: session_uid, name and matrix in the scene when the world was made.
+    world: what steps them.
+    """
+
+    key: tuple[Any, ...]
+    uids: tuple[int, ...]
+    scale: float
+    colliders: tuple[str, ...]
+    props: dict[int, tuple[int, str, Matrix]]
+    world: World
+
+
+def is_on(scene: bpy.types.Scene) -> bool:
+    """Tell whether contact is on: an object of the scene is a collider, or a body has self contact."""
+    return any(obj.dimple.collider or (obj.dimple.enabled and obj.dimple.self_contact) for obj in scene.objects)
+
+
+def worlds_of(
+    context: bpy.types.Context,
+    bodies: Mapping[int, tuple[bpy.types.Object, Session, float]],
+    before: Sequence[LiveWorld] = (),
+) -> list[LiveWorld]:
+    """Return the worlds of bodies: object, session and scale by uid; those of `before` that are still right go on.
+
+    Raises:
+        DimpleError: something passes through something else.
+    """
+    for _, session, _ in bodies.values():
+        session.contact_note = ""
+    if not is_on(context.scene):
+        return []
+    graph = context.evaluated_depsgraph_get()
+    colliders = [obj for obj in context.scene.objects if _is_collider(context.scene, graph, obj, bodies)]
+    frictions = [(obj.session_uid, obj.dimple.collider_friction, _mass_of(obj)) for obj in colliders]
+    found = []
+    for scale, uids in _groups(bodies).items():
+        itself = [bool(bodies[uid][0].dimple.self_contact) for uid in uids]
+        if not colliders and not any(itself) and len(uids) < 2:
+            continue
+        sessions = _moving([bodies[uid][1] for uid in uids])
+        key = (scale, tuple(uids), tuple(itself), tuple(frictions), sessions)
+        same = next((world for world in before if world.key == key), None)
+        found.append(same or _make(context, key, scale, [bodies[uid] for uid in uids], colliders, itself))
+        for uid, note in zip(uids, found[-1].world.notes, strict=True):
+            bodies[uid][1].contact_note = note
+    return found
+
+
+def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
+    """Say where the colliders of a world are to be at the end of the next step: where their objects are now.
+
+    Raises:
+        DimpleError: one is gone, or has other vertices.
+    """
+    from ...core.world.props import PropWorld
+
+    graph = context.evaluated_depsgraph_get()
+    if isinstance(live.world, PropWorld):
+        live.world.gravity, live.world.ground = _pull(context.scene)
+    ends = []
+    for i, name in enumerate(live.colliders):
+        if i in live.props:  # the world moves it
+            ends.append(None)
+            continue
+        obj = context.scene.objects.get(name)
+        if obj is None:
+            raise DimpleError('Collider "{name}" is gone. Start again.', name=name)
+        end = surface(graph, obj, live.scale)[0]
+        same = end.shape == live.world.target(i).shape and np.array_equal(end, live.world.target(i))
+        ends.append(None if same else end)
+    live.world.set_colliders(ends)
+
+
+def _is_collider(
+    scene: bpy.types.Scene, graph: bpy.types.Depsgraph, obj: bpy.types.Object, bodies: Mapping[int, Any]
+) -> bool:
+    return (
+        obj.dimple.collider
+        and obj.type == "MESH"
+        and obj.session_uid not in bodies
+        and obj.evaluated_get(graph).is_evaluated  # else it is disabled in viewports, and stands still
+        and obj not in sizing.fingertips(scene)
+    )
+
+
+def _groups(bodies: Mapping[int, tuple[bpy.types.Object, Session, float]]) -> dict[float, list[int]]:
+    """Return the bodies of each scale: only those are in one space."""
+    groups: dict[float, list[int]] = {}
+    for uid, (_, _, scale) in bodies.items():
+        near = next((other for other in groups if abs(other - scale) <= SAME_SCALE * scale), scale)
+        groups.setdefault(near, []).append(uid)
+    return groups
+
+
+def _moving(sessions: Sequence[Session]) -> tuple[tuple[int, int], ...]:
+    """Return what sessions and meshes move: in the place of another mesh one may intersect something."""
+    return tuple((id(session), id(session.body.model.mesh)) for session in sessions)
+
+
+def _mass_of(obj: bpy.types.Object) -> float | None:
+    """Return the mass of a prop [kg], None for a collider that its object moves."""
+    return obj.dimple.prop_mass_kg if obj.dimple.is_prop else None
+
+
+def _pull(scene: bpy.types.Scene) -> tuple[Floats, float | None]:
+    """Return the gravity (3,) [m/s2] and the height of the ground [m] for props, None without a ground."""
+    return np.array(body_model.gravity(scene)), 0.0 if scene.dimple.use_ground else None
+
+
+def _make(
+    context: bpy.types.Context,
+    key: tuple[Any, ...],
+    scale: float,
+    bodies: Sequence[tuple[bpy.types.Object, Session, float]],
+    colliders: Sequence[bpy.types.Object],
+    itself: Sequence[bool],
+) -> LiveWorld:
+    from ...core.world import Collider, World, drop_proxies
+    from ...core.world.props import PropWorld
+
+    graph, made = context.evaluated_depsgraph_get(), []
+    for obj in colliders:
+        points, triangles = surface(graph, obj, scale)
+        if not len(triangles) or not np.isfinite(points).all():
+            raise DimpleError(
+                'Collider "{name}" has no faces, or a coordinate that is not a number. Repair it, or switch '
+                "Dimple Collider off.",
+                name=obj.name,
+            )
+        made.append(Collider(points.T.copy(), triangles, obj.dimple.collider_friction))
+    for (_, session, _), meets in zip(bodies, itself, strict=True):
+        if meets and session.proxy is not None:  # its cells may bridge a fold
+            session.change(session.model, proxy=None)
+    names = [obj.name for obj, _, _ in bodies] + [obj.name for obj in colliders]
+    falling = {i: (obj.session_uid, obj.name, obj.matrix_world.copy()) for i, obj in enumerate(colliders)}
+    falling = {i: prop for i, prop in falling.items() if _mass_of(colliders[i]) is not None}
+    running = [session for _, session, _ in bodies]
+    notes = drop_proxies(running, made, names)
+    if falling:
+        gravity, ground = _pull(context.scene)
+        world: World = PropWorld(
+            running, made, masses=[_mass_of(obj) for obj in colliders], gravity=gravity, ground=ground, itself=itself,
+            names=names,
+        )  # fmt: skip
+    else:
+        world = World(running, made, itself=itself, names=names)
+    world.notes = [in_a_row(each) for each in zip(notes, world.notes, strict=True)]
+    key = (*key[:-1], _moving(running))
+    uids = tuple(obj.session_uid for obj, _, _ in bodies)
+    names = [obj.name for obj in colliders]
+    return LiveWorld(key=key, uids=uids, scale=scale, colliders=tuple(names), props=falling, world=world)
+
+
+def surface(graph: bpy.types.Depsgraph, obj: bpy.types.Object, scale: float) -> tuple[Floats, Ints]:
+    """Return where the vertices (m, 3) [m] of an object are, as its modifiers leave it, and its triangles (t, 3)."""
+    evaluated = obj.evaluated_get(graph)
+    mesh = evaluated.to_mesh()
+    try:
+        mesh.calc_loop_triangles()
+        points = scene_objects.get_points(mesh.vertices, len(mesh.vertices), "co")
+        corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
+        mesh.loop_triangles.foreach_get("vertices", corners)
+        placed = scene_objects.to_physical(scale, np.array(evaluated.matrix_world), points)
+        return placed, corners.reshape(-1, 3).astype(np.int64)
+    finally:
+        evaluated.to_mesh_clear()

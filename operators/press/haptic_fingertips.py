@@ -1,0 +1,244 @@
+"""The haptic device beside the sessions: its fingertips press what runs, and it renders the force on them.
+
+What runs does not need the device: when it is lost the sessions go on, and the panel says so. The connection is kept
+here; `sessions` does not know of it, but calls `disarm` before it ends anything.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ...core.messages import Message, in_a_row
+from . import modal_runs, sessions
+
+if TYPE_CHECKING:
+    from ...core.device.device import Device
+    from ...core.device.orders import ServoReport
+    from ...core.device.workspace import Workspace
+    from ...core.session import Finger
+    from .sessions import LiveBody
+
+SLOW_S = 0.25  # between two frames of Blender: slower, and the dead-man key lapses between them (limits.LEASE)
+LOOK_S = 0.1  # between two looks at the device while nothing runs
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Connection:
+    """A connected device.
+
+    device: what was opened.
+    report: its last one.
+    watch: token of the operator that follows the dead-man key.
+    known: bodies with which of its fingertips they know since the last frame, its place in their space, and the
+        fingertips' radius [mm].
+    note: a sentence for the artist that was not shown yet.
+    read_at: when it was read last [s].
+    slow: Blender draws too slowly for the dead-man key.
+    """
+
+    device: Device
+    report: ServoReport
+    watch: object = None
+    known: set[tuple[LiveBody, int, Workspace, float]] = field(default_factory=set)
+    note: str = ""
+    read_at: float = 0.0
+    slow: bool = False
+
+
+connections: list[Connection] = []  # the device, where one is connected
+
+
+def get() -> Connection | None:
+    """Return the device, None where none is connected."""
+    return connections[0] if connections else None
+
+
+def disarm() -> None:
+    """End all force of the device; without one nothing happens."""
+    if connection := get():
+        connection.device.disarm()
+
+
+def connect(scene: bpy.types.Scene) -> Connection:
+    """Connect the device of a scene, and read it from now on.
+
+    Raises:
+        DimpleError: it cannot be started, with the reason and what to do.
+    """
+    from ...core.base import DimpleError
+    from ...core.device.device import HapticMaster
+
+    disconnect()
+    port = scene.dimple.device_port.strip()
+    if not port:
+        raise DimpleError("Choose a port, or type its path.")
+    file = Path(bpy.path.abspath(scene.dimple.device_file)) if scene.dimple.device_file else None
+    device = HapticMaster(bpy.path.abspath(port), spec_path=file)
+    device.open()
+    connection = Connection(device=device, report=device.read())
+    connections.append(connection)
+    bpy.app.timers.register(_look, first_interval=LOOK_S, persistent=False)
+    return connection
+
+
+def disconnect() -> None:
+    """Disconnect the device; without one nothing happens."""
+    while connections:
+        connections.pop().device.close()
+    if bpy.app.timers.is_registered(_look):
+        bpy.app.timers.unregister(_look)
+
+
+def hold(seconds: float) -> None:
+    """Keep the dead-man key held for some seconds from now; 0 releases it."""
+    if connection := get():
+        connection.device.hold(time.perf_counter() + seconds)
+
+
+def read() -> list[str]:
+    """Read the device; return sentences for the artist."""
+    from ...core.device.orders import LinkState
+    from ...core.device.safety import Arming
+
+    connection = get()
+    if connection is None:
+        return []
+    gap = time.perf_counter() - connection.read_at if connection.read_at else 0.0
+    before, connection.report, connection.read_at = connection.report, connection.device.read(), time.perf_counter()
+    report = connection.report
+    armed = report.link is LinkState.READY and report.arming is not Arming.OFF
+    if gap > SLOW_S and armed and not connection.slow:
+        connection.slow, connection.note = True, Message(
+            "Blender draws only {rate:.1f} frames a second, so the dead-man key lapses and there is no force. "
+            "Simulate a proxy, or draw less.",
+            rate=1 / gap
+        )  # fmt: skip
+    elif gap < SLOW_S / 2 or not armed:
+        connection.slow = False
+    ended = report.link is not before.link and report.link in (LinkState.LOST, LinkState.REFUSED)
+    if ended or (report.arming is not before.arming and report.arming is Arming.OFF and report.note):
+        connection.note = report.note
+    note, connection.note = connection.note, ""
+    return [note] if note else []
+
+
+def workspace(scene: bpy.types.Scene, scale: float) -> Workspace:
+    """Return the place of the device in a session of a physical scale [m per scene unit]."""
+    from ...core.device.workspace import Workspace
+
+    settings = scene.dimple
+    enlarged = settings.device_scale
+    x, y, z = (
+        scale * at - enlarged * centre / 1e3
+        for at, centre in zip(settings.device_origin, settings.device_centre_mm, strict=True)
+    )
+    return Workspace(origin=(x, y, z), scale=enlarged)
+
+
+def fingertips(scene: bpy.types.Scene, body: LiveBody) -> list[Finger | None]:
+    """Return the device's fingertips in a session's space; none where no device is ready."""
+    from ...core.device.orders import LinkState
+    from ...core.device.workspace import fingers
+
+    connection = get()
+    if connection is None or connection.report.link is not LinkState.READY:
+        return []
+    return fingers(connection.report, workspace(scene, body.link.scale), scene.dimple.finger_radius_mm / 1e3)
+
+
+def write(scene: bpy.types.Scene) -> None:
+    """Send the surface under each fingertip, of the body in which it is deepest.
+
+    A body that is suddenly under a fingertip, by a new session, another place of the device, another radius or the end
+    of a poke, must not push, as when the device is armed: else it is disarmed.
+    """
+    from ...core.device.limits import QUIET_FORCE
+    from ...core.device.orders import TIPS, LinkState
+    from ...core.device.workspace import surfaces_of
+
+    connection = get()
+    if connection is None or connection.report.link is not LinkState.READY:
+        return
+    now, radius, known, kicks = time.perf_counter(), scene.dimple.finger_radius_mm, set(), False
+    deepest, surfaces = [-math.inf] * TIPS, [None] * TIPS
+    for body in sessions.sessions.values():
+        where, touches = workspace(scene, body.link.scale), body.frame.touches
+        for i, surface in enumerate(surfaces_of(body.session, touches, where, now)):
+            if i in body.poked:
+                continue
+            known.add(which := (body, i, where, radius))
+            if surface is None:
+                continue
+            kicks |= math.hypot(*touches[i].force) >= QUIET_FORCE * where.scale and which not in connection.known
+            if touches[i].depth > deepest[i]:
+                deepest[i], surfaces[i] = touches[i].depth, surface
+    if kicks and connection.report.arming.name != "OFF":
+        connection.device.disarm()
+        connection.note = "What is under a fingertip has changed. Lift it and arm the device again."
+    connection.known = known
+    connection.device.write(surfaces)
+
+
+def set_origin(scene: bpy.types.Scene) -> None:
+    """Place the middle of the fingertips, where they are now, at the 3D cursor.
+
+    Raises:
+        DimpleError: their positions are not known.
+    """
+    from ...core.base import DimpleError
+
+    connection = get()
+    tips = [tip.position for tip in connection.report.tips if not tip.masked] if connection else []
+    if not tips:
+        raise DimpleError("The device is not ready. Connect it and wait until the panel says so.")
+    settings = scene.dimple
+    settings.device_centre_mm = [1e3 * sum(tip[c] for tip in tips) / len(tips) for c in range(3)]
+    settings.device_origin = scene.cursor.location
+
+
+def _look() -> float | None:
+    """Keep the panel up to date while nothing runs, or what runs is paused."""
+    connection, now = get(), time.perf_counter()
+    if connection is None:
+        return None
+    if now - connection.read_at > LOOK_S:
+        notes = read()
+        if sessions.sessions:
+            connection.note = in_a_row(notes)  # for when it goes on
+            connection.device.renew()
+        else:
+            write(bpy.context.scene)
+    modal_runs.redraw()
+    return LOOK_S
+
+
+def ports() -> list[tuple[str, str]]:
+    """Return what can be connected, as paths and descriptions."""
+    from ...core.device.serial_line import ports
+    from ...core.device.udp_line import EXAMPLE
+
+    return [*ports(), (EXAMPLE, "Network")]
+
+
+@bpy.app.handlers.persistent
+def _on_load_pre(*_: object) -> None:
+    disconnect()
+
+
+def register() -> None:
+    """Listen to Blender and to the sessions."""
+    sessions.disarming.append(disarm)
+    bpy.app.handlers.load_pre.append(_on_load_pre)
+
+
+def unregister() -> None:
+    """Disconnect the device and stop listening."""
+    disconnect()
+    sessions.disarming.remove(disarm)
+    bpy.app.handlers.load_pre.remove(_on_load_pre)

@@ -1,0 +1,165 @@
+"""Settings that are changed while a body runs: they act on it at its next step.
+
+Weights of vertex groups are read again with any other change, and all the time while they are painted.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ...core.base import DimpleError
+from ...core.messages import about, in_a_row
+from ...core.steps import Parts, at_once, beside
+from ..bridge import body_model, final_mesh, scene_objects, timeline
+from ..bridge.settings import settings_of
+from ..names import PAINTING
+from . import proxy_choice, sessions
+
+if TYPE_CHECKING:
+    from ...core.body.model import Model
+    from ...core.session import Session
+    from ..bridge.settings import Settings
+    from .sessions import LiveBody
+
+PAINTED_S = 0.2  # simulated time between two looks at weights that are being painted
+LARGE = 12_000  # vertices: to change more takes several frames
+WAIT_S = 0.008  # that a frame waits for the change of fewer, so that it is shown in it or soon after
+UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned again
+
+
+def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
+    """Let a running body have the settings it has now; return sentences for the artist.
+
+    A change that cannot be simulated is refused: the body keeps what it had, and `refused` says why.
+    """
+    if body.change is None:
+        now, around = settings_of(context.scene, obj), proxy_choice.around(context.scene, obj)
+        body.around = body.around or around
+        if around != body.around and body.changed_at is None:
+            body.changed_at = body.frame.time
+        painting = obj.mode == PAINTING and body.frame.time >= body.painted_at + PAINTED_S
+        if now == body.seen and not painting:
+            return _plan_when_due(context, obj, body)
+        body.painted_at = body.frame.time
+        refused_before, body.seen, body.refused = body.refused, now, ""
+        if now == body.settings and not painting:
+            return []
+        parts = _changing(context, obj, body, now, refused_before)
+        if bpy.app.background or timeline.is_playing(context):
+            messages: list[str] = at_once(parts)
+            return messages
+        body.change = beside(parts, WAIT_S if len(body.session.model.mass) <= LARGE else 0.0)
+    try:
+        next(body.change)
+    except StopIteration as end:
+        body.change = None
+        messages = end.value
+        return messages
+    return []
+
+
+def follow_keyframes(
+    scene: bpy.types.Scene, obj: bpy.types.Object, session: Session, link: scene_objects.ObjectLink, before: Settings
+) -> Settings:
+    """Let the session of a bake have the settings of this frame; return them.
+
+    What is simulated stays: the same proxy, with other constants.
+
+    Raises:
+        DimpleError: they cannot be simulated.
+    """
+    from ...core.reduction.proxy import with_constants
+
+    now = settings_of(scene, obj)
+    if now != before:
+        model = body_model.read_model(scene, obj, session.model.mesh, link)
+        proxy = session.proxy and with_constants(session.proxy, model)
+        session.change(model, proxy=proxy)
+    return now
+
+
+def _changing(
+    context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings, refused_before: str
+) -> Parts:
+    """Change a body in parts; return sentences for the artist. Undo may have replaced `obj` after any of them."""
+    try:
+        yield from _change(context, obj, body, now)
+    except DimpleError as error:
+        body.refused = in_a_row([str(error), "Until then the body keeps its old settings."])
+        return [] if refused_before else [body.refused]
+    gone = any(had and not has for had, has in zip(body.settings.materials, now.materials, strict=False))
+    body.settings, body.changed_at = now, body.frame.time
+    return [about(body.name, "a material is gone: the constants of a new one act in its place.")] if gone else []
+
+
+def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings) -> Parts:
+    """Change a body, or raise a DimpleError and leave it as it is."""
+    session, before = body.session, body.settings
+    scale = scene_objects.scale_of(context.scene, obj, body.link)
+    slots, slots_before = (max(len(each.materials), 1) for each in (now, before))
+    again = now.plan != before.plan
+    if scale == body.link.scale and slots == slots_before:
+        model = yield from body_model.reading_model(context.scene, obj, session.model.mesh, body.link)
+        session.change(model, proxy=(yield from _proxy(body, model, again=again)))
+        return
+    link, model = scene_objects.read_body(context, obj, cuts=body.link.cuts)
+    proxy = yield from _proxy(body, model, again=again)
+    session.change(model, proxy=proxy, scale=link.scale / body.link.scale)
+    _define(body, link, model)
+
+
+def _define(body: LiveBody, link: scene_objects.ObjectLink, model: Model) -> None:
+    """Let a body have another definition than it was started with."""
+    from ...core.mesh.surface import input_vertices
+
+    body.link, body.matrix, body.rest = link, link.matrix, link.rest
+    body.triangles = input_vertices(model.mesh)[model.mesh.triangles]
+
+
+def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
+    """Return what moves in place of another model: as much of what there is as can go on."""
+    from ...core.reduction.proxy import build_proxy, with_constants
+
+    old = body.session.proxy
+    if not again and old is None:
+        return None
+    scaled = model.mesh is not body.session.model.mesh
+    if not again and old is not None:
+        try:
+            if scaled:
+                return build_proxy(model, len(old.seeds))
+            proxy = yield 0.8, partial(with_constants, old, model)
+            now = body.session.proxy
+            return proxy if now else None  # contact may have dropped it meanwhile
+        except DimpleError:  # other pins or laws: another choice is made
+            pass
+    obj = scene_objects.find(body.link.uid, body.name)
+    assert obj  # else the session has ended
+    return proxy_choice.proxy_for(bpy.context.scene, obj, model)
+
+
+def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
+    """Plan again for constants that were tuned, once nothing presses: a proxy takes a while to make."""
+    if body.changed_at is None:
+        return []
+    session, before, around = body.session, body.around, proxy_choice.around(context.scene, obj)
+    if not (before and around.itself > before.itself):  # then every vertex is simulated from now on
+        if body.frame.time < body.changed_at + UNTOUCHED_S:
+            return []
+        touches = any(body.link.uid in each.uids and each.world.meeting.touching for each in sessions.worlds)
+        if body.recording or body.refused or touches or any(session.fingers):
+            return []
+    body.changed_at, body.around = None, around
+    finer = before and around.radius_mm < before.radius_mm
+    coarse = finer and final_mesh.is_coarse(context, obj)
+    try:
+        proxy = proxy_choice.proxy_for(context.scene, obj, session.model, session.proxy)
+        if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
+            session.change(session.model, proxy=proxy)
+    except DimpleError as error:
+        return [str(error)]
+    cut = "The mesh is coarse for this fingertip: it is subdivided further when the body is started again."
+    return [cut] if coarse else []

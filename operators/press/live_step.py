@@ -1,0 +1,254 @@
+"""One step of everything that runs: fingertips in, frames out. Poke, play and the scripted press share it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from ...core.base import DimpleError
+from ...core.constants import MAX_FINGERTIPS
+from ...core.messages import about, in_a_row
+from ...core.session import Finger
+from ...core.session.clock import step_all
+from ...core.steps import Parts, at_once
+from ..bridge import scene_objects, sizing
+from ..messages import Note, gathered
+from . import contact, fingertip_objects, haptic_fingertips, last_press, live_settings, props, sessions, showing, twins
+from .modal_runs import ModalRun
+from .sessions import LiveBody
+
+if TYPE_CHECKING:
+    from ...core.world import World
+
+LONGEST_S = 0.1  # after a hiccup of Blender, time is lost rather than jumped over
+SHORTEST_S = 0.002
+
+
+def candidates(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """Return the objects to press: the selected meshes, else the active object; of a fingertip, the body it presses.
+
+    Raises:
+        DimpleError: nothing is selected.
+    """
+    fingers = sessions.fingertip_objects(context.scene)
+    chosen = [*context.selected_objects, *([context.object] if context.object else [])]
+    others = [obj for obj in chosen if obj not in fingers]
+    if meshes := [obj for obj in others if obj.type == "MESH" and obj.select_get()]:
+        return list(dict.fromkeys(meshes))
+    bodies = [fingertip_objects.body_of(obj, context.scene) for obj in chosen if obj in fingers]
+    if pressed := list(dict.fromkeys(filter(None, bodies))):
+        return pressed
+    if others:
+        return others[:1]
+    if context.selected_objects:
+        raise DimpleError("Only a fingertip is selected. Select the mesh to press.")
+    raise DimpleError("Nothing is selected. Select a mesh to press it.")
+
+
+def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], list[str]]:
+    """Start a session on every candidate.
+
+    Returns:
+        The bodies, sentences for the artist, and what is wrong with objects that had to be left out.
+
+    Raises:
+        DimpleError: none of them can be pressed.
+    """
+    found: tuple[list[LiveBody], list[str], list[str]] = at_once(starting_all(context))
+    return found
+
+
+def starting_all(context: bpy.types.Context) -> Parts:
+    """Start a session on every candidate, in parts; see `start_all`. Closed, nothing was started."""
+    bodies, messages, wrong, before = [], [], [], set(sessions.sessions)
+    try:
+        for obj in twins.joined(candidates(context), context.scene):
+            try:
+                body, notes = yield from sessions.starting(obj, context)
+            except DimpleError as error:
+                wrong.append(str(error))
+            else:
+                bodies.append(body)
+                messages += notes
+        if not bodies:
+            raise DimpleError(in_a_row(gathered(wrong)))
+        if crossing := _meet(context):
+            raise DimpleError(crossing[0])
+    except BaseException:
+        for uid in set(sessions.sessions) - before:
+            sessions.stop(uid)
+        raise
+    return bodies, messages, wrong
+
+
+def advance(
+    context: bpy.types.Context,
+    dt: float,
+    *,
+    budget: float | None = None,
+    pressed: Mapping[int, Sequence[Finger | None]] | None = None,
+) -> list[str]:
+    """Step every session and show it.
+
+    Args:
+        dt: simulated time [s].
+        budget: wall time for all of them [s]; what bringing them up to date takes beyond as much comes off it.
+        pressed: fingertips of a poke by body; they go before the haptic device's, and those before fingertip objects.
+
+    Returns:
+        Sentences for the artist: sessions that ended, or were put back to rest.
+    """
+    messages = [*haptic_fingertips.read(), *showing.end_changed(context.view_layer)]
+    pressed = twins.shared(pressed or {}, context.scene)
+    began = time.perf_counter()
+    for uid, body in list(sessions.sessions.items()):
+        messages += _trying(uid, prepare, context, body, pressed.get(uid, ()))
+    if budget:  # a change of constants takes longer: no frame is to wait for both
+        late = time.perf_counter() - began - budget
+        budget = min(budget, max(budget - late, SHORTEST_S))
+    messages += _meet(context)
+    share = budget / len(sessions.sessions) if budget and sessions.sessions else budget  # of a body
+    for group in _groups():
+        messages += _run(group, dt, share and share * len(group[0]))
+    for world in sessions.worlds:
+        props.show(world)
+    for uid, body in list(sessions.sessions.items()):
+        messages += _trying(uid, finish, body)
+        last_press.note(context, body)
+        if body.frame.note:
+            sessions.disarm()  # it is back at rest at once, which may be on a fingertip
+            messages.append(about(body.name, body.frame.note))
+    slowest = min((body.lead for body in sessions.sessions.values()), default=0.0)
+    for body in sessions.sessions.values():
+        body.done, body.lead = body.lead, body.lead - slowest  # the others wait for it: all have one clock
+    haptic_fingertips.write(context.scene)
+    return messages
+
+
+def _trying(uid: int, do: Callable[..., list[str]], *arguments: Any) -> list[str]:
+    """Do something with a session; where it cannot go on it ends, with the reason."""
+    try:
+        return do(*arguments)
+    except DimpleError as error:
+        return [str(error), *sessions.stop(uid)]
+
+
+def _meet(context: bpy.types.Context) -> list[str]:
+    """Bring up to date which bodies are stepped together, and where their colliders go; end all that cannot be."""
+    if not contact.is_on(context.scene):
+        sessions.set_worlds(())
+        return []
+    bodies = {
+        uid: (obj, body.session, body.link.scale)
+        for uid, body in sessions.sessions.items()
+        if (obj := scene_objects.find(uid, body.name))  # else its session is about to end
+    }
+    try:
+        sessions.set_worlds(contact.worlds_of(context, bodies, sessions.worlds))
+        for world in sessions.worlds:
+            contact.lead_colliders(context, world)
+    except DimpleError as error:
+        return [str(error), *(each for uid in list(sessions.sessions) for each in sessions.stop(uid))]
+    return []
+
+
+def _groups() -> list[tuple[list[LiveBody], World | None]]:
+    """Return the running bodies in groups that are stepped together, each with its world, None without contact."""
+    together = [([sessions.sessions[uid] for uid in each.uids], each.world) for each in sessions.worlds]
+    met = {uid for each in sessions.worlds for uid in each.uids}
+    return [*together, ([body for uid, body in sessions.sessions.items() if uid not in met], None)]
+
+
+def _run(group: tuple[list[LiveBody], World | None], dt: float, budget: float | None) -> list[str]:
+    """Step a group of bodies."""
+    bodies, world = group
+    left = [max(dt - body.lead, 0.0) for body in bodies]
+    try:
+        if world:
+            world.step(min(left), budget=budget)
+        else:
+            step_all([body.session for body in bodies], left, budget=budget)
+    except DimpleError as error:
+        return [str(error), *(each for body in bodies for each in sessions.stop(body.link.uid))]
+    for body in bodies:
+        body.lead += body.frame.steps * body.session.clock.tick
+    return []
+
+
+def _object(body: LiveBody) -> bpy.types.Object:
+    obj = scene_objects.find(body.link.uid, body.name)
+    assert obj  # else its session has just ended
+    return obj
+
+
+def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger | None]) -> list[str]:
+    """Bring settings, pins and fingertips of a session up to date; return sentences for the artist."""
+    obj, link = _object(body), body.link
+    messages = live_settings.follow(context, obj, body)
+    if body.link is not link:
+        pressed = ()  # those were in metres of another size
+        sessions.disarm()  # which may put it under a fingertip of the haptic device at once
+    body.follow(context, obj)
+    device = haptic_fingertips.fingertips(context.scene, body)
+    fingers = merged(device or pressing(context.scene, body), pressed)
+    body.held = {i: finger for i, finger in enumerate(merged(device, pressed)) if finger}
+    before, body.poked = body.poked, frozenset(i for i, finger in enumerate(pressed) if finger)
+    # one that goes from hand to hand is lifted: it would fly through the body, and a device would render the flight
+    body.session.set_fingers([None if i in before ^ body.poked else finger for i, finger in enumerate(fingers)])
+    body.session.set_fingers(fingers)
+    return messages
+
+
+def finish(body: LiveBody) -> list[str]:
+    """Show and record what a session came to; return sentences for the artist."""
+    frame = body.frame
+    messages: list[str] = []
+    body.fingers = merged(body.session.placed, ())
+    showing.show(_object(body), body)
+    if body.recorder:
+        try:
+            body.recorder.append(frame.time, body.offsets(), body.session)
+        except OSError as error:
+            ended = body.recorder.cut_short(body.name, error)
+            messages += [ended, *(each for each in sessions.end_recording(body) if not isinstance(each, Note))]
+    return messages
+
+
+def pressing(scene: bpy.types.Scene, body: LiveBody) -> Sequence[Finger | None]:
+    """Return the fingertip objects that press a body, or its twin."""
+    if original := twins.source(body):
+        return twins.moved(fingertips(scene, original.link.scale), original, body)
+    return fingertips(scene, body.link.scale)
+
+
+def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:
+    """Return the fingertip objects of a scene in a session's space."""
+    def finger(obj: bpy.types.Object) -> Finger:
+        place = tuple(scale * c for c in obj.matrix_world.translation)
+        return Finger(place, sizing.radius_of(obj, scene, scale))
+
+    return [finger(obj) if obj else None for obj in sizing.fingertips(scene)]
+
+
+def merged(fingers: Sequence[Finger | None], pressed: Sequence[Finger | None]) -> tuple[Finger | None, ...]:
+    """Return the fingertips of a session: those of a poke, where there are any, else the device's or the objects."""
+    first, second = ([*some, *([None] * MAX_FINGERTIPS)][:MAX_FINGERTIPS] for some in (pressed, fingers))
+    return tuple(poked or finger for poked, finger in zip(first, second, strict=True))
+
+
+def ask(scene: bpy.types.Scene, run: ModalRun, wall: float) -> tuple[float, float]:
+    """Return the simulated time [s] to ask for after a wall time, and the budget for it [s].
+
+    Where the computer cannot keep up time runs slower, so fingertips are moved by what will really be simulated.
+    """
+    wall = min(wall, LONGEST_S)
+    return min(wall, run.step_s), max(scene.dimple.frame_budget_percent / 100 * wall, SHORTEST_S)
+
+
+def adapt(run: ModalRun, asked: float) -> None:
+    """Set the size of the next step by the progress of the slowest session."""
+    done = min((body.done for body in sessions.sessions.values()), default=asked)
+    run.step_s = min(max(2 * done, SHORTEST_S), LONGEST_S)

@@ -1,0 +1,225 @@
+"""Make Soft: everything that a bare mesh needs to be pressed, in one click; the mesh itself stays as it is."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty
+
+from ...core.messages import Message, about
+from ..bridge.sizing import fit, settle_size
+from ..messages import gathered, report, say
+from ..names import Op
+from . import polls, sessions
+from .get_ready import LARGE
+
+if TYPE_CHECKING:
+    import bmesh
+
+PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # other types than meshes are converted
+TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
+SAME = 1e-6  # of the size: vertices that are no farther apart are one
+FIRST = "object_2_vinyl_air"  # number 0 of the list, and so its default
+Item = tuple[str, str, str, str, int]
+_items: list[Item] = []  # Blender does not keep the strings of a list that a function returns
+
+
+class Faults(NamedTuple):
+    """How many vertices are doubled or loose, and how many faces look inward."""
+
+    doubled: int = 0
+    loose: int = 0
+    inward: int = 0
+
+
+def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[Item]:
+    """Return the known objects, from soft to hard: identifier, name, source and number."""
+    from ...core.everyday import OBJECTS
+
+    if not _items:
+        numbers = {name: i for i, name in enumerate([FIRST, *(each.name for each in OBJECTS if each.name != FIRST)])}
+        _items.extend((each.name, each.label, each.provenance, "NONE", numbers[each.name]) for each in OBJECTS)
+    return _items
+
+
+class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
+    """Make the selected meshes soft and ready to press, with a material, a real size and pins"""
+
+    bl_idname = Op.MAKE_SOFT
+    bl_label = "Make Soft"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: EnumProperty(
+        name="Material",
+        description="Material for the meshes. Unless you choose one, only meshes without a material get it",
+        items=presets, default=0, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
+    )  # fmt: skip
+    repair: BoolProperty(
+        name="Repair", options={"SKIP_SAVE"},
+        description="Repair the mesh itself: weld doubled vertices, delete loose ones and turn faces outward",
+    )  # fmt: skip
+
+    needs = (
+        polls.in_object_mode,
+        polls.need(lambda context: context.object and context.object.type in PRESSABLE, "Select a mesh first"),
+        polls.is_own, polls.is_free,
+    )  # fmt: skip
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Set up every selected mesh; one that cannot be pressed is said and left as it was."""
+        from ...core.base import DimpleError
+        from . import live_step, pointer
+
+        done, soft, wrong, noted = [], [], [], []
+        try:
+            bodies = [obj for obj in live_step.candidates(context) if obj.type in PRESSABLE]
+        except DimpleError as error:
+            say(self, {"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for chosen in bodies:
+            obj = chosen
+            try:
+                if obj.type != "MESH":
+                    obj, sentence = convert(context, obj)
+                    done.append(sentence)
+                if self.repair and not is_shared(obj) and any(repaired := repair(obj)):
+                    done += [Message('"{name}" was repaired.', name=obj.name), words(repaired)]
+                chosen = self.properties.is_property_set("preset")
+                sentence, notes = make_soft(context, obj, self.preset, chosen=chosen)
+                soft.append(sentence)
+                noted += notes
+            except DimpleError as error:
+                wrong.append(str(error))
+        if not (done or soft):
+            say(self, {"ERROR"}, *gathered(wrong))
+            return {"CANCELLED"}
+        report(self, [*wrong, *noted])
+        pointer.choose_tool(context)
+        if len(soft) > 1:
+            soft = [Message("{count} meshes are soft. Press them with the left mouse button.", count=len(soft))]
+        say(self, {"INFO"}, *done, *soft)
+        return {"FINISHED"}
+
+
+def words(found: Faults) -> str:
+    """Return the faults of meshes in words."""
+    return Message(
+        "Doubled vertices: {doubled}. Loose vertices: {loose}. Faces that look inward: {inward}.",
+        doubled=found.doubled, loose=found.loose, inward=found.inward
+    )  # fmt: skip
+
+
+def is_shared(obj: bpy.types.Object) -> bool:
+    """Tell whether to change a mesh would change more than this object, or unmake its shape keys."""
+    return bool(obj.data.shape_keys) or obj.data.users > 1
+
+
+def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool) -> tuple[str, list[str]]:
+    """Make a mesh a soft body; return a sentence on the result, and notes on the mesh.
+
+    A large one is prepared when it is pressed first, with its progress shown.
+
+    Args:
+        chosen: it gets the preset whether it has a material or not.
+
+    Raises:
+        DimpleError: it cannot be pressed; only its material and settings may have been set.
+    """
+    from ...core.base import DimpleError
+    from ..bridge import scene_objects
+    from .object_body import ObjectBody
+
+    scene_objects.check(obj)
+    scene_objects.check_writable(obj)
+    if sessions.get(obj):
+        raise DimpleError('"{name}" is being pressed already.', name=obj.name)
+    if chosen and obj.active_material and obj.active_material.library:
+        raise DimpleError('The material of "{name}" is linked from another file. Make it local first.', name=obj.name)
+    if chosen or obj.active_material is None:
+        with context.temp_override(object=obj, active_object=obj):
+            bpy.ops.dimple.apply_preset(preset=preset)
+    settle_size(context.scene, obj)
+    fit(context.scene, obj)
+    obj.dimple.enabled = True
+    if len(obj.data.vertices) > LARGE:
+        return Message(
+            '"{name}" is soft: "{material}". It is prepared when you press it first.',
+            name=obj.name,
+            material=obj.active_material.name,
+        ), []
+    model = ObjectBody.from_object(obj).session.model  # planned now, so that the first press begins at once
+    size, notes = f"{1e3 * model.mesh.size:.3g} mm", [about(obj.name, note) for note in model.notes]
+    said = Message(
+        '"{name}" is soft: "{material}", {size} across. Press it with the left mouse button.',
+        name=obj.name, material=obj.active_material.name, size=size
+    )  # fmt: skip
+    return said, notes
+
+
+def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.types.Object, str]:
+    """Turn a text, a curve or a metaball into the mesh that it shows, flat text with a depth.
+
+    Returns:
+        The mesh object, which takes the place of a metaball, and a sentence on it.
+
+    Raises:
+        DimpleError: it shows no faces; it was left as it was.
+    """
+    from ...core.base import DimpleError
+
+    deepened, name, replaced = False, obj.name, obj.type == "META"
+    if obj.type == "FONT" and not obj.data.extrude and not obj.data.bevel_depth:  # flat characters are all rim
+        obj.data.extrude, deepened = TEXT_DEPTH * obj.data.size, True
+    shown = obj.evaluated_get(context.evaluated_depsgraph_get())
+    faces = len(shown.to_mesh().polygons)
+    shown.to_mesh_clear()
+    if not faces:
+        if deepened:
+            obj.data.extrude = 0.0
+        raise DimpleError(
+            '"{name}" has no faces, so there is no surface to press. Give it depth or a bevel first.', name=name
+        )
+    with context.temp_override(object=obj, active_object=obj, selected_objects=[obj], selected_editable_objects=[obj]):
+        bpy.ops.object.convert(target="MESH")
+    made = context.view_layer.objects.active if replaced else obj  # Blender removes a metaball
+    made.name = name
+    what = '"{name}" was given a depth and converted to a mesh.' if deepened else '"{name}" was converted to a mesh.'
+    return made, Message(what, name=made.name)
+
+
+def repair(obj: bpy.types.Object) -> Faults:
+    """Weld doubled vertices, delete loose ones and turn faces outward; return the repaired faults."""
+    import bmesh
+
+    mesh = bmesh.new()
+    try:
+        mesh.from_mesh(obj.data)
+        size = max(obj.dimensions) / max(*map(abs, obj.matrix_world.to_scale()), 1e-30)
+        pairs = bmesh.ops.find_doubles(mesh, verts=mesh.verts, dist=SAME * size)["targetmap"]
+        bmesh.ops.weld_verts(mesh, targetmap=pairs)
+        loose = [vertex for vertex in mesh.verts if not vertex.link_faces]
+        found = Faults(len(pairs), len(loose), _turn_outward(mesh))
+        bmesh.ops.delete(mesh, geom=loose, context="VERTS")
+        mesh.to_mesh(obj.data)
+        obj.data.update()
+        return found
+    finally:
+        mesh.free()
+
+
+def _turn_outward(mesh: "bmesh.types.BMesh") -> int:
+    """Turn faces outward; return how many. Which side of an open mesh is outward nobody knows: most faces decide."""
+    import bmesh
+
+    mesh.normal_update()
+    before = [face.normal.copy() for face in mesh.faces]
+    bmesh.ops.recalc_face_normals(mesh, faces=mesh.faces)
+    mesh.normal_update()
+    turned = [face for face, normal in zip(mesh.faces, before, strict=True) if face.normal.dot(normal) < 0]
+    is_open = any(edge.is_boundary for edge in mesh.edges)
+    if is_open and 2 * len(turned) > len(before):
+        bmesh.ops.reverse_faces(mesh, faces=mesh.faces)
+        return len(before) - len(turned)
+    return len(turned)
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_make_soft])

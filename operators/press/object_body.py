@@ -1,0 +1,135 @@
+"""An object and the session that moves it: what live presses, bakes and scripts have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ...core.messages import about
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Self
+
+    import numpy as np
+
+    from ...core.session import Session
+    from ...core.session.frame import Frame
+    from ...core.steps import Parts
+    from ..bridge.scene_objects import ObjectLink, Singles
+    from ..bridge.settings import Settings
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class ObjectBody:
+    """An object and the session that moves it; the object itself is only read.
+
+    link: the object at rest.
+    session: what moves it.
+    settings: of the panels, as the session has them.
+    matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
+    triangles: (t, 3) of the vertices of the final mesh, outward.
+    """
+
+    link: ObjectLink
+    session: Session
+    settings: Settings
+    matrix: np.ndarray
+    rest: Singles
+    triangles: np.ndarray
+
+    @classmethod
+    def from_object(cls, obj: bpy.types.Object) -> Self:
+        """Return the body of a mesh object, with its materials and settings, at rest.
+
+        Raises:
+            DimpleError: it cannot be pressed, with the reason and what to do.
+        """
+        from ...core.steps import at_once
+
+        body: Self = at_once(cls.opening(bpy.context, obj))[0]
+        return body
+
+    @classmethod
+    def opening(cls, context: bpy.types.Context, obj: bpy.types.Object) -> Parts:
+        """Read an object, plan how it is simulated and make its session, in parts; change nothing.
+
+        Returns:
+            The body, and sentences for the artist.
+
+        Raises:
+            DimpleError: it cannot be pressed, with the reason and what to do.
+        """
+        from ...core.mesh.surface import input_vertices
+        from ...core.session import Session
+        from ..bridge import scene_objects, timeline
+        from ..bridge.settings import settings_of
+        from . import proxy_choice
+
+        link, model = yield from scene_objects.reading_body(context, obj)
+        proxy = yield from proxy_choice.planning_for(context.scene, obj, model)
+        session = yield 0.9, partial(Session, model, proxy=proxy, tick=timeline.tick_s(context.scene))
+        body = cls(
+            link=link, session=session, settings=settings_of(context.scene, obj), matrix=link.matrix, rest=link.rest,
+            triangles=input_vertices(model.mesh)[model.mesh.triangles],
+        )  # fmt: skip
+        return body, [about(obj.name, note) for note in model.notes]
+
+    @property
+    def name(self) -> str:
+        """Return the name of the object."""
+        return self.link.name
+
+    @property
+    def obj(self) -> bpy.types.Object:
+        """Return the object.
+
+        Raises:
+            DimpleError: it is gone.
+        """
+        from ...core.base import DimpleError
+        from ..bridge import scene_objects
+
+        obj = scene_objects.find(self.link.uid, self.name)
+        if obj is None:
+            raise DimpleError('"{name}" is gone.', name=self.name)
+        return obj
+
+    @property
+    def frame(self) -> Frame:
+        """Return the last frame of the session."""
+        return self.session.frame
+
+    @property
+    def force(self) -> float:
+        """Return the force on all fingertips [N]."""
+        return float(sum(self.frame.pushes))
+
+    @property
+    def depth(self) -> float:
+        """Return how deep the deepest fingertip is [m]."""
+        return float(max(self.frame.depths, default=0.0))
+
+    def positions(self) -> np.ndarray:
+        """Return where the vertices (N, 3) of the final mesh are in the scene [scene units]."""
+        return self.session.positions() / self.link.scale
+
+    def offsets(self) -> Singles:
+        """Return how far (N, 3) the vertices are from the shape at rest, in the space of the object."""
+        from ..bridge import scene_objects
+
+        return scene_objects.offsets_of(self.link, self.matrix, self.rest, self.session.positions())
+
+    def to_world(self, point: Sequence[float]) -> tuple[float, float, float]:
+        """Return a point of the session [m] in the scene."""
+        x, y, z = (float(c) / self.link.scale for c in point)
+        return x, y, z
+
+    def follow(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        """Move the pins to where the object is now, and the shape at rest to where its rig has bent it."""
+        from ..bridge import final_mesh
+
+        self.matrix, self.rest = final_mesh.lead(context, obj, self.link, self.session, self.matrix, self.rest)

@@ -1,0 +1,156 @@
+"""Let time run, along the timeline while that plays: fingertip objects press, bodies swing, fall and come to rest."""
+
+import time
+from itertools import chain
+
+import bpy
+from bpy.props import FloatProperty, IntProperty
+
+from ..messages import gathered, report, say
+from ..names import Op
+from . import modal_runs, polls, sessions, showing
+
+
+class DIMPLE_OT_play(polls.Declared, bpy.types.Operator):
+    """Run or pause the selected bodies, which fingertip objects press. Esc ends it and restores the shapes"""
+
+    bl_idname = Op.PLAY
+    bl_label = "Play"
+
+    seconds: FloatProperty(
+        name="Seconds", description="From a script: how long to run", default=1.0, min=0.0, soft_max=60.0
+    )
+    frames: IntProperty(
+        name="Frames",
+        description="From a script: run this many frames of the timeline, as a bake does, instead of the seconds",
+        default=0,
+        min=0,
+    )
+
+    needs = polls.in_object_mode, polls.is_free
+
+    def run(self, context: bpy.types.Context) -> None:
+        """Run for some seconds or along the timeline at once, frame by frame of the scene."""
+        from ..bridge import timeline
+        from . import live_step
+
+        polls.check_numbers(self, "seconds")
+        self._report(live_step.start_all(context))
+        scene = context.scene
+        now, count = scene.frame_current, max(round(self.seconds / timeline.frame_s(scene)), 1)
+        steps = [self.seconds / count] * count
+        if self.frames:
+            looks = (look for frame in range(now, now + self.frames) for look in timeline.looks(scene, frame + 1))
+            steps = chain([0.0] * _at_rest(), looks)  # a fingertip's way begins where it is now
+        with sessions.ending_on_error():
+            for step_s in steps:
+                report(self, live_step.advance(context, step_s))
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Start, pause or go on."""
+        from ...core.base import DimpleError
+        from . import get_ready, live_step
+
+        if modal_runs.runs:
+            run = modal_runs.runs[0]
+            modal_runs.pause(context, run, not run.paused)
+            return {"FINISHED"}
+        try:
+            if get_ready.takes_long(context):
+                bpy.ops.dimple.start("INVOKE_DEFAULT", then="play")
+                return {"CANCELLED"}  # it starts again once they are ready
+            self._report(live_step.start_all(context))
+        except DimpleError as error:
+            say(self, {"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self._run = modal_runs.open_run(context, "play", "Playing: Esc ends and puts the rest shape back")
+        self._clock, self._frame = time.perf_counter(), context.scene.frame_current
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Step by the clock, or along the timeline while that plays; everything but Esc is Blender's."""
+        if self._run.closed:
+            return {"CANCELLED"}
+        if event.type == "ESC" and event.value == "PRESS":
+            report(self, sessions.stop_all())
+            return {"CANCELLED"}
+        if event.type == "TIMER":
+            with sessions.ending_on_error():
+                return self._tick(context)
+        return {"PASS_THROUGH"}
+
+    def cancel(self, _context: bpy.types.Context) -> None:
+        """End when Blender ends the operator: the window closes, another file is loaded."""
+        if not self._run.closed:
+            sessions.stop_all()
+
+    def _tick(self, context: bpy.types.Context) -> set[str]:
+        from ..bridge import timeline
+        from . import live_step, recovery_copy
+
+        now = time.perf_counter()
+        wall, self._clock = now - self._clock, now
+        if self._run.paused:
+            messages = showing.end_changed(context.view_layer)
+        elif timeline.is_playing(context):
+            messages = self._follow(context)
+        else:
+            asked, budget = live_step.ask(context.scene, self._run, wall)
+            messages = live_step.advance(context, asked, budget=budget)
+            live_step.adapt(self._run, asked)
+        report(self, [*messages, *recovery_copy.save_when_due(self._run)])
+        modal_runs.redraw()
+        if not sessions.sessions:
+            sessions.stop_all()
+            return {"CANCELLED"}
+        return {"PASS_THROUGH"}
+
+    def _follow(self, context: bpy.types.Context) -> list[str]:
+        """Go on with the timeline by one frame, as a bake does.
+
+        Once the timeline is wound back, the bodies begin again at rest.
+        """
+        from ..bridge import timeline
+        from . import live_step, props
+
+        scene, before = context.scene, self._frame
+        if scene.frame_current > before:
+            self._frame += 1
+            return [each for step_s in timeline.looks(scene, before + 1) for each in live_step.advance(context, step_s)]
+        self._frame = scene.frame_current
+        if self._frame == before and not _at_rest():
+            return showing.end_changed(context.view_layer)
+        for body in sessions.sessions.values():
+            body.session.reset()
+            sessions.set_worlds(())
+            props.put_back()
+            body.matrix, body.rest = body.link.matrix, body.link.rest
+        return live_step.advance(context, 0.0)
+
+    def _report(self, started: tuple[list, list[str], list[str]]) -> None:
+        _, messages, wrong = started
+        report(self, wrong)
+        if messages:
+            say(self, {"INFO"}, *gathered(messages))
+
+
+def _at_rest() -> bool:
+    """Tell whether no time has run yet."""
+    return not any(body.frame.time for body in sessions.sessions.values())
+
+
+class DIMPLE_OT_reset(polls.Declared, bpy.types.Operator):
+    """Stop pressing, and put every shape back exactly as it was"""
+
+    bl_idname = Op.RESET
+    bl_label = "Reset"
+
+    needs = (polls.need(lambda _: sessions.sessions or modal_runs.runs, "Nothing is being pressed"),)
+
+    def run(self, _context: bpy.types.Context) -> None:
+        """Put everything back."""
+        report(self, sessions.stop_all())
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_play, DIMPLE_OT_reset])

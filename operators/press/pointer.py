@@ -1,0 +1,196 @@
+"""Mouse, tablet and keys become events of the poke: the surface under the pointer, and the meaning of each key."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+from bpy_extras import view3d_utils
+
+from ...core.mesh.ray import ray_hit
+from ...core.poke import Hit, Kind, PokeEvent
+from ...core.vectors import Vector, along, dot, length
+from ..bridge import sizing
+from ..names import DEAD_MAN, POKE_TOOL
+from .sessions import LiveBody, fingertip_objects, sessions
+
+KEYS = {"SPACE": Kind.PAUSE, "RET": Kind.KEEP, "NUMPAD_ENTER": Kind.KEEP}
+FINGERS = {"ONE": 1, "TWO": 2, "THREE": 3}
+NAVIGATION = {
+    "MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM",
+    "HOME", "ACCENT_GRAVE",
+}  # fmt: skip
+PASSING = {DEAD_MAN, *NAVIGATION}
+SIZING = "F"  # Blender's own, by the keymap of the tool; not in a stroke, whose end it would take
+SIDES = {"N", "T"}  # open and close the sidebar and the toolbar
+SAVE = "S"
+DOWN = {"PRESS", "DOUBLE_CLICK"}
+
+Shapes = Mapping[int, np.ndarray]
+
+
+class Under(NamedTuple):
+    """A mesh that the pointer is on, and where in the scene, with the normal there."""
+
+    obj: bpy.types.Object
+    point: Vector
+    normal: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """The viewport under the pointer, and where the pointer is in it [px]."""
+
+    region: bpy.types.Region
+    region_3d: bpy.types.RegionView3D
+    at: tuple[int, int]
+
+
+def view_under(context: bpy.types.Context, event: bpy.types.Event) -> View | None:
+    """Return the viewport the pointer is in, None over anything else."""
+    x, y = event.mouse_x, event.mouse_y
+    for area in context.window.screen.areas:
+        if area.type != "VIEW_3D" or not _inside(area, x, y):
+            continue
+        over = [region for region in area.regions if region.width > 1 and region.height > 1 and _inside(region, x, y)]
+        # sidebar and toolbar may lie over the viewport
+        if over and all(region.type == "WINDOW" for region in over):
+            return View(over[0], over[0].data, (x - over[0].x, y - over[0].y))
+    return None
+
+
+def poke_event(
+    event: bpy.types.Event, view: View | None, bodies: Mapping[int, LiveBody], shapes: Shapes, *, pressing: bool
+) -> PokeEvent | None:
+    """Return what an event means to the poke, None when it is none of its business.
+
+    Args:
+        view: the viewport the pointer is in.
+        shapes: positions (N, 3) of bodies as they were when the stroke began; others are taken as they are.
+        pressing: a stroke is under way.
+    """
+    kind, down = event.type, event.value in DOWN
+    if kind == "ESC" and down:
+        return PokeEvent(kind=Kind.LEAVE)
+    if kind == "LEFTMOUSE" and event.value == "RELEASE":
+        return PokeEvent(kind=Kind.RELEASE) if pressing else None
+    if view is None:
+        return None
+    if kind == "MOUSEMOVE" and pressing:
+        return _pointed(Kind.MOVE, event, view, bodies, shapes)
+    if not down:
+        return None
+    if kind == "LEFTMOUSE" and not event.alt:
+        return _pointed(Kind.PRESS, event, view, bodies, {})
+    if kind == "RIGHTMOUSE":
+        return PokeEvent(kind=Kind.LEAVE)
+    if event.ctrl or event.shift or event.alt or event.oskey:
+        return None
+    if kind in FINGERS:
+        return PokeEvent(kind=Kind.FINGER, amount=FINGERS[kind])
+    return PokeEvent(kind=KEYS[kind]) if kind in KEYS else None
+
+
+def passes(event: bpy.types.Event, view: View | None, *, pressing: bool, undo: bool = False) -> bool:
+    """Tell whether Blender may have an event that is not the poke's: navigation, what follows a click beside the
+    bodies, the keys that size the fingertip, those of sidebar and toolbar, the haptic device's dead-man key, and all
+    that happens outside the viewport.
+
+    Args:
+        pressing: a stroke is under way.
+        undo: there is something to undo that was done since the poke began; what was done before it stays.
+    """
+    if event.type == "Z" and (event.ctrl or event.oskey):
+        return undo
+    if view is None or event.type in PASSING or event.type.startswith(("NDOF", "NUMPAD", "TIMER", "WINDOW")):
+        return True
+    if event.type == SAVE and (event.ctrl or event.oskey) and not event.alt:
+        return True  # Dimple saves bodies at rest
+    if event.type in SIDES:
+        return not (event.ctrl or event.shift or event.alt or event.oskey)
+    if event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE", SIZING}:
+        return event.alt or not pressing
+    return event.type == "NONE"
+
+
+def choose_tool(context: bpy.types.Context) -> None:
+    """Make the poke the tool of the viewport, where there is one."""
+    if context.area and context.area.type == "VIEW_3D" and context.window:
+        bpy.ops.wm.tool_set_by_id(name=POKE_TOOL)
+
+
+def under(context: bpy.types.Context, view: View) -> Under | None:
+    """Return the mesh under the pointer that a click with the tool presses: a selected one, or a soft body."""
+    origin, direction = _ray(view)
+    graph = context.evaluated_depsgraph_get()
+    _, at, normal, _, found, _ = context.scene.ray_cast(graph, origin, direction)
+    obj = found.original if found else None
+    if obj is None or obj.type != "MESH" or not (obj.dimple.enabled or obj.select_get()):
+        return None
+    return Under(obj, tuple(at), tuple(normal))
+
+
+def touched(context: bpy.types.Context, view: View) -> tuple[Vector, Vector, float] | None:
+    """Return where the pointer is on a body, the normal there, and the fingertip's radius, all in scene units."""
+    radius = context.scene.dimple.finger_radius_mm / 1e3
+    if not sessions:
+        found = under(context, view)
+        return found and (found.point, found.normal, radius / sizing.metres_per_unit(context.scene, found.obj))
+    hit = nearest(*_ray(view), sessions, {})
+    if hit is None:
+        return None
+    body = sessions[hit.body]
+    return body.to_world(hit.point), hit.normal, radius / body.link.scale
+
+
+def fingertip_under(context: bpy.types.Context, view: View) -> bpy.types.Object | None:
+    """Return the fingertip object whose sphere the pointer is on, before any surface."""
+    origin, direction = _ray(view)
+    hit, place, *_ = context.scene.ray_cast(context.evaluated_depsgraph_get(), origin, direction)
+    first, found = length(along(tuple(place), origin, -1.0)) if hit else np.inf, None
+    for tip in fingertip_objects(context.scene):
+        if tip and tip.type == "EMPTY" and tip.visible_get():
+            centre = along(tuple(tip.matrix_world.translation), origin, -1.0)
+            radius, ahead = tip.empty_display_size * tip.matrix_world.median_scale, dot(centre, direction)
+            square = radius**2 - dot(centre, centre) + ahead**2
+            if square > 0 and 0 < (away := ahead - square**0.5) < first:
+                first, found = away, tip
+    return found
+
+
+def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, LiveBody], shapes: Shapes) -> Hit | None:
+    """Return the first hit of a ray in the scene, in the space of the body that it hits."""
+    best, found = np.inf, None
+    for uid, body in bodies.items():
+        scale = body.link.scale
+        x, y, z = (scale * c for c in origin)
+        positions = shapes[uid] if uid in shapes else body.session.positions()
+        hit = ray_hit((x, y, z), direction, positions, body.triangles)
+        if hit and hit[0] / scale < best:
+            best, found = hit[0] / scale, Hit(point=hit[1], normal=hit[2], body=uid)
+    return found
+
+
+def _pointed(
+    kind: Kind, event: bpy.types.Event, view: View, bodies: Mapping[int, LiveBody], shapes: Shapes
+) -> PokeEvent:
+    origin, direction = _ray(view)
+    hit = nearest(origin, direction, bodies, shapes)
+    return PokeEvent(kind=kind, hit=hit, view=direction, pressure=_pressure(event))
+
+
+def _ray(view: View) -> tuple[Vector, Vector]:
+    """Return where the pointer's ray begins in the scene, and its unit direction."""
+    origin = tuple(view3d_utils.region_2d_to_origin_3d(view.region, view.region_3d, view.at))
+    return origin, tuple(view3d_utils.region_2d_to_vector_3d(view.region, view.region_3d, view.at).normalized())
+
+
+def _pressure(event: bpy.types.Event) -> float:
+    return event.pressure if event.is_tablet else 1.0
+
+
+def _inside(box: bpy.types.Area | bpy.types.Region, x: int, y: int) -> bool:
+    return box.x <= x < box.x + box.width and box.y <= y < box.y + box.height

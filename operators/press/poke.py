@@ -1,0 +1,275 @@
+"""Press with mouse or pen, live and without the timeline; or, from a script, at a place, a depth and a time."""
+
+import time
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
+
+from ..messages import gathered, report, say
+from ..names import Op
+from . import fingertip_objects, modal_runs, polls, sessions, showing
+
+if TYPE_CHECKING:
+    from ...core.poke import Effect, PokeEvent
+    from .pointer import View
+
+_CONTACT = ("collider", "collider_friction", "is_prop", "prop_mass_kg", "self_contact")
+
+
+class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
+    """Press the selected meshes with a fingertip: live with the mouse, or from a script at a given place"""
+
+    bl_idname = Op.POKE
+    bl_label = "Poke"
+    bl_options = {"UNDO"}
+
+    location: FloatVectorProperty(
+        name="Location", description="Where to press [scene units]; by default the top of the body", subtype="XYZ"
+    )
+    direction: FloatVectorProperty(
+        name="Direction", description="Direction in which the fingertip presses; 0 is straight into the surface",
+        subtype="XYZ",
+    )  # fmt: skip
+    depth_mm: FloatProperty(name="Depth (mm)", description="How deep to press", default=15.0, min=0.01, soft_max=200.0)
+    force_n: FloatProperty(
+        name="Force (N)", description="Force to press with; 0 presses to the depth", default=0.0, min=0.0,
+        soft_max=100.0,
+    )  # fmt: skip
+    press_s: FloatProperty(
+        name="Press (s)", description="Time the fingertip takes to go in", default=0.25, min=0.0, soft_max=5.0
+    )
+    hold_s: FloatProperty(name="Hold (s)", description="Time at full depth", default=0.25, min=0.0, soft_max=5.0)
+    release_s: FloatProperty(
+        name="Release (s)", description="Time the fingertip takes to come out; 0 stays pressed",
+        default=0.25, min=0.0, soft_max=5.0,
+    )  # fmt: skip
+    radius_mm: FloatProperty(
+        name="Radius (mm)", description="Radius of the fingertip; 0 uses that of the scene", default=0.0, min=0.0
+    )
+    finger: IntProperty(
+        name="Finger", description="Fingertip to press with: 1, 2 or 3; 0 uses that of the scene", default=0, min=0,
+        max=3,
+    )  # fmt: skip
+    keep: BoolProperty(name="Keep", description="Keep the dent at the end instead of putting the rest shape back")
+    record: BoolProperty(name="Record", description="Record the press and let the object play it")
+
+    needs = (
+        polls.in_object_mode,
+        polls.need(lambda _: all(run.kind != "poke" for run in modal_runs.runs), "A poke is running; Esc leaves it"),
+        polls.is_free,
+    )
+
+    def run(self, context: bpy.types.Context) -> None:
+        """Press once, as the properties say, without a window."""
+        from . import scripted_press
+
+        scripted_press.press_once(self, context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Start to press live."""
+        from ...core.base import DimpleError
+        from ...core.poke import PokeState
+        from ..bridge import sizing
+        from . import fingertip_settings, get_ready, live_step, pointer
+
+        view = pointer.view_under(context, event)
+        clicked = view if event.type == "LEFTMOUSE" and event.value in pointer.DOWN else None  # with the tool
+        if clicked and self._chosen(context, clicked):
+            return {"CANCELLED"}
+        found = pointer.under(context, clicked) if clicked else None
+        if clicked and found is None:
+            return {"PASS_THROUGH"}  # it selects
+        if found and not found.obj.select_get():
+            fingertip_objects.select(context, found.obj)
+        try:
+            if get_ready.takes_long(context):
+                bpy.ops.dimple.start("INVOKE_DEFAULT", then="poke")
+                return {"CANCELLED"}  # it starts again once they are ready
+            sizing.fit(context.scene, found.obj if found else live_step.candidates(context)[0])
+            self._tool = fingertip_settings.settings_of(context.scene)
+            self._state = PokeState(**self._tool)
+            _, messages, wrong = live_step.start_all(context)
+        except DimpleError as error:
+            say(self, {"ERROR"}, str(error))
+            return {"CANCELLED"}
+        report(self, wrong)
+        if messages:
+            say(self, {"INFO"}, *gathered(messages))
+        self._shapes: dict[int, object] = {}
+        self._clock = time.perf_counter()
+        self._run = modal_runs.open_run(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
+        context.window_manager.modal_handler_add(self)
+        self._settings = {uid: body.settings for uid, body in sessions.sessions.items()}
+        self._contacts, self._typed = _contacts(context), {}
+        modal_runs.show_status(context, self._run, self._help(context))
+        if clicked:
+            self._take(context, pointer.poke_event(event, clicked, sessions.sessions, {}, pressing=False))
+        else:
+            pointer.choose_tool(context)  # its keys and its circle
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Pass every event to the state machine; after an error, everything ends and is restored."""
+        if self._run.closed:
+            return {"CANCELLED"}
+        with sessions.ending_on_error():
+            return self._handle(context, event)
+
+    def cancel(self, _context: bpy.types.Context) -> None:
+        """Leave when Blender ends the operator: the window closes, another file is loaded."""
+        if not self._run.closed:
+            sessions.stop_all()
+
+    def _handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        from ...core.poke import Kind
+        from . import pointer
+
+        if event.type == "TIMER":
+            return self._tick(context)
+        if context.mode != "OBJECT" and event.type != "ESC":
+            return {"PASS_THROUGH"}  # weights are painted while fingertips rest
+        view = pointer.view_under(context, event)
+        pressing = self._state.pressing
+        meant = pointer.poke_event(event, view, sessions.sessions, self._shapes, pressing=pressing)
+        if meant is None:
+            passes = pointer.passes(event, view, pressing=pressing, undo=self._tuned(context))
+            return {"PASS_THROUGH"} if passes else {"RUNNING_MODAL"}
+        if view and meant.kind is Kind.PRESS and self._chosen(context, view):
+            return {"CANCELLED"}
+        if view and meant.kind is Kind.PRESS and meant.hit is None:
+            meant = self._joined(context, event, view)
+            if meant is None:
+                return {"PASS_THROUGH"}  # a click beside the bodies selects
+        return self._take(context, meant)
+
+    def _chosen(self, context: bpy.types.Context, view: "View") -> bool:
+        """Select the fingertip object that is clicked, and leave the poke: Blender's own tools move it."""
+        from ..bridge import write_back
+        from . import pointer
+
+        tip = pointer.fingertip_under(context, view)
+        if tip is None:
+            return False
+        report(self, fingertip_objects.leave_poke())
+        fingertip_objects.select(context, tip)
+        write_back.remember("Select")
+        return True
+
+    def _tick(self, context: bpy.types.Context) -> set[str]:
+        """Let as much time pass as did since the last tick, or as this computer manages."""
+        from ...core.poke import Kind, PokeEvent
+        from . import fingertip_settings, live_step, recovery_copy
+
+        now = time.perf_counter()
+        wall, self._clock = now - self._clock, now
+        asked, self._budget = live_step.ask(context.scene, self._run, wall)
+        tool = fingertip_settings.settings_of(context.scene)
+        undone = not any(self._run.shown)  # then which finger is active, which is no step, may have gone back too
+        for name in tool:
+            if tool[name] != self._tool[name] and (name in self._typed or not undone):  # typed in a panel, or undone
+                if self._typed.setdefault(name, self._tool[name]) == tool[name]:
+                    del self._typed[name]
+        self._state, self._tool = fingertip_settings.taken(self._state, self._tool, tool), tool
+        modal_runs.show_status(context, self._run, self._help(context))
+        if self._run.paused != self._state.paused:  # the sidebar's button
+            self._take(context, PokeEvent(kind=Kind.PAUSE))
+        if self._state.paused and (ended := self._went_on(showing.end_changed(context.view_layer))):
+            return ended
+        report(self, recovery_copy.save_when_due(self._run))
+        result = self._take(context, PokeEvent(kind=Kind.TICK, amount=asked))
+        return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
+
+    def _take(self, context: bpy.types.Context, event: "PokeEvent") -> set[str]:
+        """Update the state by an event, and carry out its effects."""
+        from ...core.poke import Kind, on_event
+
+        was_pressing = self._state.pressing
+        self._state, effects = on_event(self._state, event)
+        if self._run.paused != self._state.paused:
+            modal_runs.pause(context, self._run, self._state.paused)
+        if self._state.pressing and not was_pressing:
+            # a drag follows the surface as it was: the dent would lead the fingertip deeper and deeper
+            self._shapes = {uid: body.session.positions() for uid, body in sessions.sessions.items()}
+        if event.kind is Kind.FINGER:
+            context.scene.dimple.active_finger = self._state.active + 1
+            self._tool["active"] = self._state.active
+        for effect in effects:
+            if result := self._do(context, effect, event.amount):
+                return result
+        return {"RUNNING_MODAL"}
+
+    def _do(self, context: bpy.types.Context, effect: "Effect", amount: float) -> set[str] | None:
+        """Carry out an effect of the state machine; return the result of the operator, None while it continues."""
+        from ...core.poke import Effect, fingers, lifted
+        from ..bridge import scene_objects, sizing
+        from . import live_step
+
+        match effect:
+            case Effect.STEP:
+                pressed = {uid: fingers(self._state, uid) for uid in sessions.sessions}
+                scales = {uid: body.link.scale for uid, body in sessions.sessions.items()}
+                messages = live_step.advance(context, amount, budget=self._budget, pressed=pressed)
+                for uid, body in sessions.sessions.items():
+                    if body.link.scale != scales[uid]:
+                        self._state = lifted(self._state, uid)
+                        sizing.fit(context.scene, scene_objects.find(uid, body.name))
+                live_step.adapt(self._run, amount)
+                return self._went_on(messages)
+            case Effect.KEEP | Effect.RESTORE:
+                report(self, sessions.stop_all(restore=effect is Effect.RESTORE))
+                return {"FINISHED"} if effect is Effect.KEEP else {"CANCELLED"}
+        return None
+
+    def _joined(self, context: bpy.types.Context, event: bpy.types.Event, view: "View") -> "PokeEvent | None":
+        """Let a soft body that was not selected join when it is pressed; return the press, None where there is none."""
+        from ...core.base import DimpleError
+        from . import pointer
+
+        found = pointer.under(context, view)
+        if found is None or not found.obj.dimple.enabled or sessions.get(found.obj):
+            return None
+        try:
+            body, messages = sessions.start(found.obj, context)
+        except DimpleError as error:
+            say(self, {"WARNING"}, str(error))
+            return None
+        self._settings[body.link.uid] = body.settings
+        report(self, messages)
+        return pointer.poke_event(event, view, sessions.sessions, {}, pressing=False)
+
+    def _tuned(self, context: bpy.types.Context) -> bool:
+        """Tell whether a setting was changed in a panel since the poke began, which undo may take back."""
+        begun = self._settings
+        chosen = [
+            uid for uid, body in sessions.sessions.items()
+            if uid not in begun or begun[uid] != body.seen
+        ]  # fmt: skip
+        changed = chosen or self._typed or self._contacts != _contacts(context)
+        return bool(changed) and not self._state.pressing
+
+    def _help(self, context: bpy.types.Context) -> str:
+        """Return the help on the keys for the status bar."""
+        from . import fingertip_settings
+
+        if context.mode != "OBJECT":
+            return polls.tip_("The fingertips stay where they are | Esc: leave the poke")
+        return fingertip_settings.help_text(self._state)
+
+    def _went_on(self, messages: list[str]) -> set[str] | None:
+        """Report what has happened; return how the operator ends when no session is left."""
+        report(self, messages)
+        if sessions.sessions:
+            return None
+        sessions.stop_all()
+        return {"CANCELLED"}
+
+
+def _contacts(context: bpy.types.Context) -> dict[int, tuple[float, ...]]:
+    """Return the contact settings of the objects of a scene."""
+    return {
+        obj.session_uid: tuple(getattr(obj.dimple, name) for name in _CONTACT) for obj in context.scene.objects
+    }  # fmt: skip
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_poke])

@@ -1,0 +1,93 @@
+"""What operators need before they can be used, with the sentences that say what is missing; and their common form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar
+
+import bpy
+
+from ...core.errors import DimpleError
+from ..messages import LOG, say
+from ..translation import tip_
+from . import fingertip_objects, modal_runs, sessions
+
+LARGEST = 1e9  # of a number that an operator takes
+Need = Callable[..., bool]  # of an operator and a context
+
+
+class Declared:
+    """An operator that says what it needs, and makes one call: `run(context)`."""
+
+    needs: ClassVar[tuple[Need, ...]] = ()
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Tell whether all needs are met; the first that is not says why."""
+        return all(need(cls, context) for need in cls.needs)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Make the call, report what went wrong, and log what nobody foresaw."""
+        try:
+            self.run(context)
+        except DimpleError as error:
+            say(self, {"ERROR"}, str(error))
+            return {"CANCELLED"}
+        except Exception:
+            LOG.exception(self.bl_idname)
+            raise
+        return {"FINISHED"}
+
+
+def need(is_met: Callable[[bpy.types.Context], object], sentence: str) -> Need:
+    """Return a need of a context, and the sentence that says what is missing."""
+    return lambda operator, context=None: bool(is_met(context)) or refuse(operator, sentence)
+
+
+def refuse(operator: type, sentence: str) -> bool:
+    """Say why an operator cannot be used now; Blender does not translate it, so it is looked up when it is shown."""
+    operator.poll_message_set(tip_, sentence)
+    return False
+
+
+def check_numbers(operator: bpy.types.Operator, *names: str) -> None:
+    """Raise a DimpleError when a number that was given to an operator cannot be used: it is huge, or not a number."""
+    for name in names:
+        value = getattr(operator, name)
+        if not all(abs(each) <= LARGEST for each in ([value] if isinstance(value, float) else value)):
+            label = name.replace("_", " ").capitalize()
+            raise DimpleError("{label} must be a number from -1e9 to 1e9.", label=label)
+
+
+in_object_mode = need(lambda context: context.mode == "OBJECT", "Go back to Object Mode first")
+needs_mesh = need(lambda context: context.object and context.object.type == "MESH", "Select a mesh first")
+is_free = need(lambda _: not modal_runs.at_work(), "A bake or a virtual press is running; Esc cancels it")
+_can_be_pressed = need(
+    lambda context: context.object and context.object.type == "MESH"
+    and context.object not in sessions.fingertip_objects(context.scene),
+    "Select the mesh to press",
+)  # fmt: skip
+
+
+def is_own(operator: type, context: bpy.types.Context) -> bool:
+    """Tell whether the active object and its material belong to this file, so that settings stay with it."""
+    body = context.object
+    if body.override_library:
+        return refuse(operator, "Settings of a library override would not be saved: make the object local first")
+    if body.library or body.data.library:
+        return refuse(operator, "The object is linked from another file: make it local first")
+    if body.active_material and body.active_material.library:
+        return refuse(operator, "The material is linked from another file: make it local first")
+    return True
+
+
+def has_free_fingertips(operator: type, scene: bpy.types.Scene, count: int) -> bool:
+    """Tell whether some fingertips are not in use."""
+    if len(fingertip_objects.free(scene)) < count:
+        return refuse(operator, "All three fingertips are in use; take one out of its slot first")
+    return True
+
+
+def can_press(operator: type, context: bpy.types.Context) -> bool:
+    """Tell whether the active object can be pressed virtually."""
+    return all(each(operator, context) for each in (in_object_mode, _can_be_pressed, is_free))

@@ -1,0 +1,66 @@
+"""Props in the scene: they are shown where they have fallen, and put back exactly when nothing runs any more."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+from mathutils import Matrix
+
+from ..bridge import scene_objects
+from ..bridge.keyframes import curve_bags
+
+if TYPE_CHECKING:
+    from .contact import LiveWorld
+
+Poses = dict[int, list[tuple[int, Matrix]]]  # by session_uid: frame and matrix in the scene
+fallen: dict[int, tuple[str, Matrix]] = {}  # what has fallen, by session_uid: its name and what to put back
+
+
+def show(live: LiveWorld) -> None:
+    """Put the props of a world where they are now."""
+    for index, (uid, name, start) in live.props.items():
+        obj = scene_objects.find(uid, name)
+        if obj is None:
+            continue
+        fallen.setdefault(uid, (name, obj.matrix_basis.copy()))
+        pose = Matrix(live.world.pose(index).tolist())
+        pose.translation /= live.scale
+        obj.matrix_world = pose @ start
+
+
+def put_back(*, forget: bool = True) -> None:
+    """Put all props back to where they were before anything ran."""
+    for uid, (name, basis) in fallen.items():
+        if obj := scene_objects.find(uid, name):
+            obj.matrix_basis = basis
+    if forget:
+        fallen.clear()
+
+
+def note(live: LiveWorld, frame: int, poses: Poses) -> None:
+    """Add where the props of a world are at a frame."""
+    for uid, name, _ in live.props.values():
+        if obj := scene_objects.find(uid, name):
+            poses.setdefault(uid, []).append((frame, obj.matrix_world.copy()))
+
+
+def keyframe(poses: Poses) -> None:
+    """Keyframe where props were at each frame of a bake, in place of the keyframes they had there."""
+    for uid, way in poses.items():
+        obj = scene_objects.find(uid)
+        if obj is None:
+            continue
+        paths = ("location", _turn(obj))
+        for bag in curve_bags(obj):
+            for curve in [each for each in bag.fcurves if each.data_path in paths]:
+                bag.fcurves.remove(curve)
+        for frame, matrix in way:
+            obj.matrix_world = matrix
+            for path in paths:
+                obj.keyframe_insert(path, frame=frame)
+
+
+def _turn(obj: bpy.types.Object) -> str:
+    kinds = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
+    return kinds.get(obj.rotation_mode, "rotation_euler")

@@ -1,0 +1,158 @@
+"""A press from a script: its aim, and its course frame by frame without a window."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import bpy
+import numpy as np
+from mathutils.bvhtree import BVHTree
+
+from ...core.base import DimpleError
+from ...core.messages import Message
+from ...core.poke import Hit, Kind, PokeEvent, PokeState, fingers, on_event
+from ...core.vectors import Vector, along
+from ..bridge import scene_objects, timeline
+from ..messages import report, say
+from . import live_step, pointer, polls, record, sessions
+from .object_body import ObjectBody
+
+FORCE_N = 5.0  # of a press by force where none is given
+DOWN: Vector = (0.0, 0.0, -1.0)
+
+
+def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> None:
+    """Press, hold and release as the operator's properties say; show and record every frame of it."""
+    polls.check_numbers(operator, "location", "direction", "hold_s")
+    state = new_state(context, operator)
+    with sessions.ending_on_error():
+        _, messages, wrong = live_step.start_all(context)
+        place = operator.location if operator.properties.is_property_set("location") else None
+        state = pressed(sessions.sessions, state, place, operator.direction)
+        if operator.record:
+            record.begin(context)
+        deepest, strongest = run(context, state, operator.hold_s, messages)
+        messages += sessions.stop_all(restore=not operator.keep)
+    report(operator, [*wrong, *messages])
+    say(operator, {"INFO"}, Message(
+        "Pressed {deepest:.1f} mm deep with up to {strongest:.2f} N", deepest=deepest * 1e3, strongest=strongest
+    ))  # fmt: skip
+
+
+def new_state(context: bpy.types.Context, operator: bpy.types.Operator) -> PokeState:
+    """Return the poke's first state from the operator's properties and the scene's settings.
+
+    Raises:
+        DimpleError: a property is no number that can be used.
+    """
+    polls.check_numbers(operator, "radius_mm", "depth_mm", "force_n", "press_s", "release_s")
+    return PokeState(
+        radius=(operator.radius_mm or context.scene.dimple.finger_radius_mm) / 1e3,
+        depth=operator.depth_mm / 1e3,
+        force=operator.force_n or FORCE_N,
+        by_force=operator.force_n > 0,
+        press_s=operator.press_s,
+        release_s=operator.release_s,
+        active=(operator.finger or context.scene.dimple.active_finger) - 1,
+    )
+
+
+def pressed(
+    bodies: Mapping[int, ObjectBody], state: PokeState, place: Sequence[float] | None, direction: Sequence[float]
+) -> PokeState:
+    """Return a state whose active fingertip begins to press at a place of the scene.
+
+    Args:
+        place: [scene units]; the surface nearest to it along the direction is pressed. None is the middle of the
+            highest points of the first body.
+        direction: in which the fingertip moves; 0 is straight into the surface nearest to the place.
+
+    Raises:
+        DimpleError: no surface lies along that direction, or a body is thinner than the press is deep.
+    """
+    # a direction that is given is meant, whatever the scene's setting for the mouse
+    state = replace(state, along_normal=not any(direction))
+    event = aimed(bodies, None if place is None else tuple(place), tuple(direction))
+    assert event.hit
+    body = bodies[event.hit.body]
+    size = body.session.model.mesh.size
+    if not state.by_force and state.depth > size:
+        raise DimpleError(
+            '"{name}" is {size:.4g} mm across, so a press of {depth:.4g} mm would go through it. Press less deep.',
+            name=body.name, size=1e3 * size, depth=1e3 * state.depth
+        )  # fmt: skip
+    return on_event(state, event)[0]
+
+
+def aimed(bodies: Mapping[int, ObjectBody], place: Vector | None, direction: Vector) -> PokeEvent:
+    """Return the press at the surface nearest to a place along a direction; see `pressed`."""
+    length = math.hypot(*direction)
+    if not length and place is not None:
+        return PokeEvent(kind=Kind.PRESS, hit=_nearest(bodies, place), view=DOWN)
+    inward: Vector = tuple(c / length for c in direction) if length else DOWN
+    if place is None:
+        place = _top(next(iter(bodies.values())))
+    found = []
+    for uid, body in bodies.items():
+        size = body.session.model.mesh.size / body.link.scale
+        away = 2 * size + math.dist(place, body.to_world(tuple(map(float, body.session.positions().mean(axis=0)))))
+        # from outside the body, and from close by: a place inside a hollow means the wall beside it
+        starts = [along(place, inward, -share * away) for share in (1.0, 1e-3, 1e-5)]
+        found += [pointer.nearest(start, inward, {uid: body}, {}) for start in starts]
+    hits = [(math.dist(bodies[hit.body].to_world(hit.point), place), i, hit) for i, hit in enumerate(found) if hit]
+    if not hits:
+        at = ", ".join(f"{c:.3g}" for c in place)
+        raise DimpleError("No surface lies along the direction of the press at ({at}). Choose another location.", at=at)
+    return PokeEvent(kind=Kind.PRESS, hit=min(hits)[2], view=inward)
+
+
+def _top(body: ObjectBody) -> Vector:
+    used = body.session.positions()[np.unique(body.triangles)].astype(np.float64)
+    high = used[used[:, 2] >= used[:, 2].max() - scene_objects.LEVEL * np.ptp(used, axis=0).max()]
+    middle = body.to_world(tuple(high.mean(axis=0).tolist()))  # where a ring has no surface
+    return body.to_world(_nearest({body.link.uid: body}, middle).point)
+
+
+def _nearest(bodies: Mapping[int, ObjectBody], place: Vector) -> Hit:
+    """Return the point of the bodies' surfaces at rest that is nearest to a place of the scene, outside up."""
+    found = []
+    for uid, body in bodies.items():
+        at = np.array(place) * body.link.scale
+        mesh = body.session.model.mesh
+        tree = BVHTree.FromPolygons(mesh.rest_positions.tolist(), mesh.triangles.tolist())
+        point, normal, _, away = tree.find_nearest(at)
+        found.append((away / body.link.scale, Hit(point=tuple(point), normal=tuple(normal), body=uid)))
+    return min(found, key=lambda each: each[0])[1]
+
+
+def run(context: bpy.types.Context, state: PokeState, hold_s: float, messages: list[str]) -> tuple[float, float]:
+    """Run a press that has begun, frame by frame of the scene; return the greatest depth [m] and force [N]."""
+    active, deepest, strongest = state.active, 0.0, 0.0
+    tip = state.tips[active]
+    assert tip
+    body = sessions.sessions[tip.body]
+    for seconds, begins in ((state.press_s + hold_s, None), (state.release_s, PokeEvent(kind=Kind.RELEASE))):
+        if begins and seconds > 0:  # else it stays in
+            state, _ = on_event(state, begins)
+        for step_s, now in frames(context.scene, state, seconds):
+            state = now
+            pressing = {uid: fingers(state, uid) for uid in sessions.sessions}
+            messages += live_step.advance(context, step_s, pressed=pressing)
+            if body.link.uid not in sessions.sessions or body.frame.note:
+                raise DimpleError(messages[-1])
+            if len(body.frame.depths):
+                deepest = max(deepest, float(body.frame.depths[active]))
+                strongest = max(strongest, float(body.frame.pushes[active]))
+    return deepest, strongest
+
+
+def frames(scene: bpy.types.Scene, state: PokeState | None, seconds: float) -> Iterator[tuple[float, PokeState | None]]:
+    """Yield the time [s] and the fingertips of each frame of a time; a last one may be shorter."""
+    dt = timeline.frame_s(scene)
+    whole = math.floor(seconds / dt + 1e-9)
+    left = seconds - whole * dt
+    for step_s in [dt] * whole + ([left] if left > 1e-9 else []):
+        state = state and on_event(state, PokeEvent(kind=Kind.TICK, amount=step_s))[0]
+        yield step_s, state

@@ -1,0 +1,82 @@
+"""Show the running sessions on their objects, take that away for a moment, and end the ones that were edited."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...core.messages import Message
+from . import sessions
+
+
+def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
+    """End the sessions whose object is gone, or was edited since it was shown: the edit is kept.
+
+    Duplicates of live bodies are put at rest, before anybody edits them.
+
+    Args:
+        view_layer: an object that is not in it counts as gone.
+
+    Returns:
+        Sentences for the artist.
+    """
+    from ..bridge import scene_objects, write_back
+
+    messages = []
+    for uid, body in list(sessions.sessions.items()):
+        obj = scene_objects.find(uid, body.name)
+        if obj is None or (view_layer and obj.name not in view_layer.objects):
+            messages += [Message('"{name}" is gone, so its session has ended.', name=body.name), *sessions.stop(uid)]
+        elif not write_back.is_intact(obj, body.link):
+            words = Message(
+                '"{name}" was edited while it was pressed, so its session has ended. The edit is kept.', name=obj.name
+            )
+            messages += [words, *sessions.stop(uid)]
+    _rest_duplicates()
+    return messages
+
+
+def _rest_duplicates() -> None:
+    """Put duplicates of live bodies at rest; look only when there are other objects than before."""
+    count = len(bpy.data.objects)
+    if any(body.objects != count for body in sessions.sessions.values()):
+        from ..bridge import write_back
+
+        write_back.rescue(sessions.sessions)
+        for body in sessions.sessions.values():
+            body.objects = count
+
+
+def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
+    """Show a session on its object, unless it shows there as it is: Blender has no work with what sleeps."""
+    from ..bridge import offset, scene_objects
+
+    positions = body.session.positions()
+    now = body.link, body.matrix, body.rest, positions  # each is another object where it changes
+    if body.shown is None or any(a is not b for a, b in zip(now, body.shown, strict=True)):
+        offset.show(obj, scene_objects.offsets_of(*now))
+        body.shown = now
+
+
+def rest_all() -> None:
+    """Hide the sessions before Blender saves or undoes; they continue."""
+    from ..bridge import write_back
+    from . import props
+
+    end_changed()
+    props.put_back(forget=False)
+    write_back.rescue(())
+
+
+def show_all() -> None:
+    """Show every session again."""
+    from ..bridge import final_mesh, scene_objects, write_back
+    from . import props
+
+    for world in sessions.worlds:
+        props.show(world)
+    for uid, body in sessions.sessions.items():
+        obj = scene_objects.find(uid, body.name)
+        if obj and write_back.is_intact(obj, body.link):
+            final_mesh.attach(bpy.context, obj, body.link.cuts)
+            body.shown = None
+            show(obj, body)
