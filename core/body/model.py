@@ -172,7 +172,7 @@ def build_model(
     gravity: Sequence[float] = (0.0, 0.0, 0.0),
     ground: float | None = None,
     rigged: bool = False,
-    sway: tuple[float, float, float] | None = None,
+    sway: tuple[float, float, float, Sequence[float]] | None = None,
 ) -> Model:
     """Give a mesh its materials.
 
@@ -183,7 +183,8 @@ def build_model(
         gravity: (3,) [m/s2].
         ground: height [m] of a plane that nothing sinks below.
         rigged: something else places its shape at rest, see `Model`.
-        sway: amount, frequency and damping, see `Sways`; of a body that is a volume, and that pins or a rig hold.
+        sway: amount, frequency, damping and gravity, see `Sways`; of a body that is a volume, and that pins or a rig
+            hold: its skin has no weight then, for it has its shape at rest in that gravity.
 
     Raises:
         DimpleError: no material, or maps of the wrong length.
@@ -194,8 +195,10 @@ def build_model(
         raise DimpleError("A face uses a material slot that is empty. Assign a material to it.")
     held = _on_vertices(mesh, pinned, "pins", 0.0)
     sways = None
-    if sway and sway[0] > 0 and mesh.pressurable and (rigged or held.any()):  # its shape as modelled is that in gravity
-        sways, gravity, rigged = Sways(*sway, held, np.asarray(gravity, np.float64)), (0.0, 0.0, 0.0), True
+    if sway and mesh.pressurable and (rigged or held.any()):
+        amount, frequency, damping, down = sway
+        sways = Sways(amount, frequency, damping, held, np.asarray(down, np.float64))
+        gravity, rigged = (0.0, 0.0, 0.0), True
     pinned_here = mesh.loose | (held >= (FIRM if sways else 0.5))
     named = (("softness", softness), ("knee", knee), ("spread", spread), ("thickness", thickness))
     said = (Message("{name} map", name=Message(name)) for name, _ in named)

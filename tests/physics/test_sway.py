@@ -37,7 +37,7 @@ def session(**options: Any) -> Session:
     mesh = ball(subdivisions=3)
     return Session(
         build_model(
-            mesh, [JELLY], pinned=base_vertices(mesh), gravity=(0, 0, -9.81), **{"sway": (1.0, 3.0, 0.1), **options}
+            mesh, [JELLY], pinned=base_vertices(mesh), **{"sway": (1.0, 3.0, 0.1, (0, 0, -9.81)), **options}
         )
     )
 
@@ -152,7 +152,7 @@ def test_a_fingertip_pushes_the_body_aside_and_feels_the_law_at_the_depth_below_
 
 @pytest.mark.parametrize("seconds", [1 / 24, 1 / 60, 1 / 120, 0.001])
 def test_pushed_by_a_fingertip_nothing_grows(seconds: float) -> None:
-    body, largest = session(sway=(1.0, 3.0, 0.0)), []
+    body, largest = session(sway=(1.0, 3.0, 0.0, (0, 0, -9.81))), []
     for _ in range(int(2 / seconds)):
         body.set_fingers([Finger((0.0, 0.0, 0.0825 + 0.004), 0.010)])
         body.step(seconds)
