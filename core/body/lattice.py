@@ -144,11 +144,19 @@ def gradients(at: Floats) -> Floats:
 
 def shares(lattice: Lattice, positions: Floats) -> tuple[Ints, Floats]:
     """Return the eight nodes (n, 8) that carry each place (n, 3) [m], and their shares (n, 8)."""
+    cell = cells_at(lattice, positions)
+    origin = lattice.nodes[lattice.cells[cell, 0]]
+    local = np.clip((positions - origin) / lattice.sides, 0, 1)[:, None]
+    return lattice.cells[cell], np.where(CORNERS == 1, local, 1 - local).prod(axis=2)
+
+
+def cells_at(lattice: Lattice, positions: Floats) -> Ints:
+    """Return the cell (n,) in which each place (n, 3) [m] lies, -1 outside."""
     origin = lattice.nodes[lattice.cells[:, 0]]
     low = lattice.nodes.min(axis=0)
     count = np.round(np.ptp(lattice.nodes, axis=0) / lattice.sides).astype(int)
     grid = np.full(count, -1)
     grid[tuple(np.round((origin - low) / lattice.sides).astype(int).T)] = np.arange(len(origin))
-    cell = grid[tuple(np.clip((positions - low) // lattice.sides, 0, count - 1).astype(int).T)]
-    local = np.clip((positions - origin[cell]) / lattice.sides, 0, 1)[:, None]
-    return lattice.cells[cell], np.where(CORNERS == 1, local, 1 - local).prod(axis=2)
+    at = np.floor((positions - low) / lattice.sides * (1 - 1e-12)).astype(int)
+    found: Ints = grid[tuple(np.clip(at, 0, count - 1).T)]
+    return np.where(((at >= 0) & (at < count)).all(axis=1), found, -1)

@@ -49,6 +49,7 @@ class Sways(NamedTuple):
     frequency: of the first mode [Hz], 0: of its material.
     damping: ratio, 1 is critical.
     held: (n,) how firmly each vertex is held, 0 to 1.
+    bones: (b, 2, 3) ends of the bones that hold it from within [m].
     gravity: (3,) in which the body has its shape at rest [m/s2].
     """
 
@@ -56,6 +57,7 @@ class Sways(NamedTuple):
     frequency: float
     damping: float
     held: Floats
+    bones: Floats
     gravity: Floats
 
 
@@ -173,6 +175,7 @@ def build_model(
     ground: float | None = None,
     rigged: bool = False,
     sway: tuple[float, float, float, Sequence[float]] | None = None,
+    bones: Floats | None = None,
 ) -> Model:
     """Give a mesh its materials.
 
@@ -185,6 +188,7 @@ def build_model(
         rigged: something else places its shape at rest, see `Model`.
         sway: amount, frequency, damping and gravity, see `Sways`; of a body that is a volume, and that pins or a rig
             hold: its skin has no weight then, for it has its shape at rest in that gravity.
+        bones: (b, 2, 3) ends of those that hold a body that sways from within [m].
 
     Raises:
         DimpleError: no material, or maps of the wrong length.
@@ -197,7 +201,7 @@ def build_model(
     sways = None
     if sway and mesh.pressurable and (rigged or held.any()):
         amount, frequency, damping, down = sway
-        sways = Sways(amount, frequency, damping, held, np.asarray(down, np.float64))
+        sways = Sways(amount, frequency, damping, held, _bones(bones), np.asarray(down, np.float64))
         gravity, rigged = (0.0, 0.0, 0.0), True
     pinned_here = mesh.loose | (held >= (FIRM if sways else 0.5))
     named = (("softness", softness), ("knee", knee), ("spread", spread), ("thickness", thickness))
@@ -212,6 +216,10 @@ def build_model(
         ground=ground, notes=sunk, **constants_on(mesh, materials, maps),
     )  # fmt: skip
     return replace(model, maps=maps, rigged=rigged, sway=sways)
+
+
+def _bones(bones: Floats | None) -> Floats:
+    return np.zeros((0, 2, 3)) if bones is None else np.asarray(bones, np.float64).reshape(-1, 2, 3)
 
 
 def assemble(

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..base import Floats, Ints, sums_at
 from ..mesh.surface import Mesh
-from .lattice import Lattice, fill, gradients, shares, stiffness, weight
+from .lattice import Lattice, cells_at, fill, gradients, shares, stiffness, weight
 
 MODES = 20  # of them: they sag as all do within 1 %
 HOLD = 30.0  # pins hold as stiffly as a layer of the body that is a 30th of a cell thick
@@ -43,17 +43,25 @@ class Modes(NamedTuple):
     shares: Floats
 
 
-def modes_of(mesh: Mesh, positions: Floats, held: Floats, *, most: int = MODES) -> Modes:
+def modes_of(
+    mesh: Mesh, positions: Floats, held: Floats, *, bones: Floats | None = None, most: int = MODES
+) -> Modes:
     """Return the lowest modes of a body.
 
     Args:
         positions: (n, 3) of its vertices [m].
         held: (n,) how firmly each is held: 1 does not move, 0 is free.
+        bones: (b, 2, 3) ends of bones [m]: they hold the cells that they pass through.
     """
     lattice = fill(mesh, positions)
     nodes, share = shares(lattice, positions)
     volume, k = weight(lattice), stiffness(lattice)
     _hold(k, nodes, share, HOLD / lattice.sides.mean() * held * mesh.vertex_areas)
+    if bones is not None and len(bones):
+        step = lattice.sides.mean() / 2
+        along = _along(bones, step)
+        along = along[cells_at(lattice, along) >= 0]
+        _hold(k, *shares(lattice, along), np.full(len(along), HOLD * step))
     scale = 1 / np.sqrt(np.repeat(volume, 3))
     squares, vectors = _lowest(k * scale * scale[:, None], lattice.layers, most)
     moving = squares > RIGID * squares[-1]
@@ -62,6 +70,13 @@ def modes_of(mesh: Mesh, positions: Floats, held: Floats, *, most: int = MODES) 
     return Modes(
         lattice, volume, np.sqrt(squares[moving]), shapes, turns, nodes, share * (1 - np.clip(held, 0, 1))[:, None]
     )
+
+
+def _along(bones: Floats, step: float) -> Floats:
+    """Return points (p, 3) along bones (b, 2, 3), no farther apart than a step [m]."""
+    counts = np.ceil(np.linalg.norm(bones[:, 1] - bones[:, 0], axis=1) / step).astype(int) + 1
+    pairs = zip(bones, counts, strict=True)
+    return np.concatenate([np.linspace(head, tail, int(count)) for (head, tail), count in pairs])
 
 
 def _hold(k: Floats, nodes: Ints, share: Floats, springs: Floats) -> None:

@@ -49,7 +49,7 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
             _made, mesh, materials, pinned=pinned, **maps,
             gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
             ground=0.0 if surroundings.use_ground else None, rigged=link.rigged,
-            sway=(*params["sway"], gravity(scene)) if params["sway"] else None,
+            sway=(*params["sway"], gravity(scene)) if params["sway"] else None, bones=link.bones,
         )  # fmt: skip
         model: Model = yield 0.4, make
     except DimpleError as error:

@@ -36,6 +36,7 @@ class ObjectLink:
     cuts: how often its final mesh is subdivided.
     shaped: shape keys or modifiers make the final mesh of its own.
     rigged: they hold it, or move it where it is pinned.
+    bones: (b, 2, 3) ends of the bones that deform it, at the start [m].
     """
 
     uid: int
@@ -50,6 +51,7 @@ class ObjectLink:
     cuts: int = 0
     shaped: bool = False
     rigged: bool = False
+    bones: Floats | None = None
 
 
 def find(uid: int, name: str = "") -> bpy.types.Object | None:

@@ -72,7 +72,8 @@ def reading_body(
         uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix, resting=resting, cuts=cuts,
         own=get_points(body.data.attributes["position"].data, len(body.data.vertices), "vector"),
         rounding=float(4 * np.finfo(np.float32).eps * np.abs(resting).max()), slots=tuple(map(int, used)),
-        shaped=stack.is_shaped(body), rigged=stack.is_carried(body) or (stack.is_deformed(body) and pinned),
+        bones=scale * np.array(stack.bones_of(body)).reshape(-1, 2, 3), shaped=stack.is_shaped(body),
+        rigged=stack.is_carried(body) or (stack.is_deformed(body) and pinned),
     )  # fmt: skip
     model: Model = yield from body_model.reading_model(context.scene, body, mesh, link)
     return link, model

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from ..names import BAKED_PRESS, PRESS
@@ -34,6 +36,15 @@ def is_shaped(body: bpy.types.Object) -> bool:
 def is_deformed(body: bpy.types.Object) -> bool:
     """Tell whether shape keys or modifiers move the vertices of a mesh."""
     return bool(body.data.shape_keys) or any(each.type in _DEFORMING and each.show_viewport for each in body.modifiers)
+
+
+def bones_of(body: bpy.types.Object) -> list[tuple[Any, Any]]:
+    """Return head and tail in the scene of the bones that deform an object."""
+    rigs = [each.object for each in body.modifiers if each.type == "ARMATURE" and each.show_viewport and each.object]
+    return [
+        (rig.matrix_world @ bone.head, rig.matrix_world @ bone.tail)
+        for rig in rigs for bone in rig.pose.bones if bone.bone.use_deform
+    ]  # fmt: skip
 
 
 def is_carried(body: bpy.types.Object) -> bool:
