@@ -157,7 +157,7 @@ class Preset:
     material: its constants.
     size: length of its edge [m].
     provenance: where the numbers come from.
-    sway: how much of its sway shows, 0 to 1.
+    sway, sway_hz: how much of its sway shows, 0 to 1, and how often it swings in a second [Hz], 0: by its constants.
     """
 
     name: str
@@ -166,6 +166,7 @@ class Preset:
     size: float
     provenance: str
     sway: float = 0.0
+    sway_hz: float = 0.0
 
 
 def _require(holds: bool, name: str, rule: str, value: float, unit: str = "") -> None:

@@ -47,7 +47,7 @@ def give(obj: bpy.types.Object, preset: "Preset") -> None:
     """Make a mesh a soft body of a preset's material and size, which fingertip and depth follow."""
     apply(material_of(obj, preset.label).dimple, preset)
     obj.dimple.enabled, obj.dimple.size_mode, obj.dimple.size_mm = True, "CUSTOM", preset.size * 1e3
-    obj.dimple.sway = preset.sway
+    obj.dimple.sway, obj.dimple.sway_hz = preset.sway, preset.sway_hz
     sizing.fit(bpy.context.scene, obj)
 
 

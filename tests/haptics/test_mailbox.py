@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import pytest
 
-from core import other_tip
+from core import constants
 from core.device.mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from core.device.orders import (
     FACTORS,
@@ -56,7 +56,7 @@ def test_an_order_and_a_report_arrive_as_they_were_sent() -> None:
     )  # fmt: skip
     assert unpack_report(pack_report(report)) == report
     assert (len(pack_order(order)), len(pack_report(report))) == (ORDER_SIZE, REPORT_SIZE)
-    assert FACTORS == other_tip.COUNT
+    assert FACTORS == constants.FACTORS
 
 
 def test_not_a_number_arrives_as_such_for_the_servo_to_refuse() -> None:
