@@ -41,7 +41,7 @@ def test_a_wrong_command_is_refused_before_anything_is_set_up(words: tuple[str, 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_each_study_is_where_the_list_says(name: str) -> None:
     _, module, function = COMMANDS[name]
-    path = ROOT / "studies" / f"{module.removeprefix('.')}.py"
+    path = ROOT.joinpath("studies", *module.split(".")[1:]).with_suffix(".py")
     assert f"\ndef {function}(" in path.read_text()
 
 
