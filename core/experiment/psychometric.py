@@ -3,9 +3,10 @@
     psi(x) = lapse + (1 - 2 lapse) Phi((x - m) / s)
 
 m is the point of equality (PSE), and the just-noticeable difference (JND) is from there to where Phi is three quarters.
-The lapses, answers at random, are as many on either side and at most MOST_LAPSES; a weak prior says that they are
-rare, so the estimate is the maximum of the posterior. An interval holds each value whose posterior, the others fitted
-anew, is within that of chi squared with one degree of freedom.
+The lapses, answers at random, are equally frequent on both sides; a weak prior says that they are rare, so the
+estimate is the maximum of the posterior, found on a grid that is narrowed around it and never leaves its first box. An
+interval holds each value whose posterior, maximised over the other parameters, is within that of chi squared with one
+degree of freedom.
 
 Source: Wichmann and Hill 2001, The psychometric function I; Schuett et al. 2016 for the prior; Venzon and Moolgavkar
 1988 for the intervals.
@@ -16,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import Final
 
 import numpy as np
@@ -23,15 +25,14 @@ import numpy as np
 from ..base import Floats
 from ..errors import DimpleError
 
-QUARTER: Final = 0.674489750196082  # standard deviations from the middle to three quarters
-DROP: Final = 1.920729410347062  # half of the 95 % quantile of chi squared
-MOST_LAPSES: Final = 0.12
-LAPSES: Final = np.linspace(0.0, MOST_LAPSES, 13)
+QUARTER: Final = NormalDist().inv_cdf(0.75)  # standard deviations from the middle to three quarters
+DROP: Final = NormalDist().inv_cdf(0.975) ** 2 / 2  # half of the 95 % quantile of chi squared
+MOST_LAPSES: Final = 0.12  # share of answers on each side: who answers more of them at random is not judging
 RARE: Final = 18.0  # the prior is (1 - lapse)^RARE: Beta(1, 10) for the lapses on each side
-POINTS: Final = 33  # of a grid on each axis
-ROUNDS: Final = 3  # of finer grids
-HALVINGS: Final = 12  # of the steps of the last grid: the estimate is a 4,000th of one
-FEWEST: Final = 20  # trials
+FEWEST: Final = 20  # trials: with fewer, the interval of the JND is as wide as the range of the levels
+POINTS: Final = (33, 33, 13)  # of the grid of m, log s and lapse: about ten to an interval once it is narrowed
+SPANS: Final = (3.0, 3.0, 3.0, 0.3, 0.03)  # DROPs within which each grid lies: the third gives the intervals
+_ERF: Final = np.vectorize(math.erf, otypes=[np.float64])  # numpy has none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,8 +41,8 @@ class Psychometric:
 
     pse, jnd: estimates, with their 95 % intervals; an end that the answers leave open is inf, or 0.
     lapse: share of answers at random, on each side.
-    deviance: of the fit from the answers, about as large as there are levels where it fits.
-    trials: how many answers.
+    deviance: of the fit from the answers, about as large as the number of levels where it fits.
+    trials: number of answers.
     """
 
     pse: float
@@ -53,14 +54,9 @@ class Psychometric:
     trials: int
 
 
-_TABLE = np.linspace(-9.0, 9.0, 18_001)
-_BELOW = np.array([0.5 * math.erfc(-z / math.sqrt(2.0)) for z in _TABLE])  # numpy has no erfc
-
-
 def shares(x: Floats, m: Floats | float, s: Floats | float, lapse: Floats | float) -> Floats:
-    """Return psi(x), broadcast; Phi within 1e-7."""
-    below = np.interp((x - m) / s, _TABLE, _BELOW)
-    return np.asarray(lapse + (1 - 2 * np.asarray(lapse)) * below)
+    """Return psi(x), broadcast."""
+    return np.asarray(lapse + (1 - 2 * np.asarray(lapse)) * (1 + _ERF((x - m) / (s * math.sqrt(2)))) / 2)
 
 
 def fit(levels: Sequence[float], stiffer: Sequence[int], trials: Sequence[int]) -> Psychometric:
@@ -69,66 +65,47 @@ def fit(levels: Sequence[float], stiffer: Sequence[int], trials: Sequence[int]) 
     Args:
         levels: (k,) of the test.
         stiffer: (k,) how often it was judged the stiffer.
-        trials: (k,) of how many.
+        trials: (k,) of how many, 1 or more.
 
     Raises:
-        DimpleError: too few answers, or all of them alike.
+        DimpleError: too few answers, answers that do not rise with the level, or a point of equality beyond the levels.
     """
     x, n, k = (np.asarray(a, np.float64) for a in (levels, trials, stiffer))
-    if n.sum() < FEWEST or len(np.unique(x[n > 0])) < 2:
+    if n.sum() < FEWEST or len(x) < 2:
         raise DimpleError("A point of equality needs {least} answers at two levels or more.", least=FEWEST)
     if not 0 < k.sum() < n.sum():
         raise DimpleError("All answers are alike: the levels do not reach the point of equality.")
-    used = n > 0
-    x, n, k = x[used], n[used], k[used]
     span = float(np.ptp(x))
-    m_grid, s_grid = np.linspace(x.min() - span, x.max() + span, POINTS), np.geomspace(span / 200, 4 * span, POINTS)
-    for number in range(ROUNDS):
-        like = _posterior(x, n, k, m_grid, s_grid, LAPSES)
-        if number == ROUNDS - 1:
-            break
-        m_grid = _finer(m_grid, like.max(axis=(1, 2)))
-        s_grid = np.exp(_finer(np.log(s_grid), like.max(axis=(0, 2))))
-    best = np.unravel_index(int(like.argmax()), like.shape)
-    start = np.array([m_grid[best[0]], math.log(s_grid[best[1]]), LAPSES[best[2]]])
-    steps = np.array([m_grid[1] - m_grid[0], math.log(s_grid[1] / s_grid[0]), LAPSES[1]])
-    (m, log_s, lapse), top = _climb(x, n, k, start, steps)
-    m_95 = _interval(m_grid, like.max(axis=(1, 2)), top)
-    log_95 = _interval(np.log(s_grid), like.max(axis=(0, 2)), top)
-    saturated = _binomial(k, n, k / n).sum()
-    below = _binomial(k, n, shares(x, m, math.exp(log_s), lapse)).sum()
+    box = (x.min() - span, x.max() + span), (math.log(span / 200), math.log(4 * span)), (0.0, MOST_LAPSES)
+    grids = [np.linspace(*ends, count) for ends, count in zip(box, POINTS, strict=True)]
+    profiles, intervals = [np.zeros(count) for count in POINTS], [(0.0, 0.0)] * 3
+    for number, drops in enumerate(SPANS):
+        grids = [_narrowed(grid, profile, drops * DROP) for grid, profile in zip(grids, profiles, strict=True)]
+        posterior = _posterior(x, n, k, *grids)
+        profiles = [posterior.max(axis=tuple({0, 1, 2} - {axis})) for axis in range(3)]
+        if number == 2:
+            intervals = [_interval(*each) for each in zip(grids, profiles, strict=True)]
+    m, log_s, lapse = (float(grid[profile.argmax()]) for grid, profile in zip(grids, profiles, strict=True))
+    fitted = _binomial(k, n, shares(x, m, math.exp(log_s), lapse)).sum()
+    if fitted - _binomial(k, n, np.asarray(k.sum() / n.sum())).sum() < DROP:
+        raise DimpleError("The answers do not rise with the stiffness, so they have no point of equality.")
+    if not x.min() <= m <= x.max():
+        raise DimpleError("The levels do not reach the point of equality.")
+    low, high = intervals[1]
     return Psychometric(
-        pse=float(m), jnd=QUARTER * math.exp(log_s), pse_95=m_95,
-        jnd_95=(QUARTER * math.exp(log_95[0]), QUARTER * math.exp(log_95[1])),
-        lapse=float(lapse), deviance=float(2 * (saturated - below)), trials=int(n.sum()),
+        pse=m, jnd=QUARTER * math.exp(log_s), pse_95=intervals[0],
+        jnd_95=(QUARTER * math.exp(low), QUARTER * math.exp(high)), lapse=lapse,
+        deviance=float(2 * (_binomial(k, n, k / n).sum() - fitted)), trials=int(n.sum()),
     )  # fmt: skip
 
 
-def _posterior(x: Floats, n: Floats, k: Floats, m: Floats, s: Floats, lapses: Floats) -> Floats:
+def _posterior(x: Floats, n: Floats, k: Floats, m: Floats, log_s: Floats, lapses: Floats) -> Floats:
     """Return the log of the posterior over places, spreads and lapses."""
-    total = np.zeros((len(m), len(s), len(lapses))) + RARE * np.log1p(-lapses)
+    total = np.zeros((len(m), len(log_s), len(lapses))) + RARE * np.log1p(-lapses)
     for level, trials, count in zip(x, n, k, strict=True):
-        below = shares(np.array(level), m[:, None], s[None, :], 0.0)[:, :, None]
+        below = shares(np.array(level), m[:, None], np.exp(log_s), 0.0)[:, :, None]
         total += _binomial(count, trials, lapses + (1 - 2 * lapses) * below)
     return total
-
-
-def _climb(x: Floats, n: Floats, k: Floats, at: Floats, steps: Floats) -> tuple[Floats, float]:
-    """Return the place, log spread and lapse where the posterior is highest near a start, and how high.
-
-    It goes to the best of the neighbours, all three at once for they trade for each other; steps are halved at a top.
-    """
-    high, halvings = -math.inf, 0
-    while halvings < HALVINGS:
-        m, log_s, lapses = (np.array([-1.0, 0.0, 1.0]) * step + c for c, step in zip(at, steps, strict=True))
-        lapses = np.clip(lapses, 0.0, MOST_LAPSES)
-        near = _posterior(x, n, k, m, np.exp(log_s), lapses)
-        best = np.unravel_index(int(near.argmax()), near.shape)
-        if near[best] > high:
-            at, high = np.array([m[best[0]], log_s[best[1]], lapses[best[2]]]), float(near[best])
-        else:
-            steps, halvings = steps / 2, halvings + 1
-    return at, high
 
 
 def _binomial(k: Floats | float, n: Floats | float, p: Floats) -> Floats:
@@ -136,27 +113,20 @@ def _binomial(k: Floats | float, n: Floats | float, p: Floats) -> Floats:
     return np.asarray(k * np.log(p) + (np.asarray(n) - k) * np.log1p(-p))
 
 
-def _finer(grid: Floats, profile: Floats) -> Floats:
-    """Return a grid over what is within three times DROP of the best, a step more to each side."""
-    near = np.flatnonzero(profile > profile.max() - 3 * DROP)
-    first, last = max(near[0] - 1, 0), min(near[-1] + 1, len(grid) - 1)
-    return np.linspace(grid[first], grid[last], len(grid))
+def _narrowed(grid: Floats, profile: Floats, drop: float) -> Floats:
+    """Return a grid over the points that are within a drop of the best, and one point more on each side."""
+    near = np.flatnonzero(profile > profile.max() - drop)
+    return np.linspace(grid[max(near[0] - 1, 0)], grid[min(near[-1] + 1, len(grid) - 1)], len(grid))
 
 
-def _interval(grid: Floats, profile: Floats, top: float) -> tuple[float, float]:
-    """Return where a profile crosses top - DROP on either side of where it is highest."""
-    i = int(profile.argmax())
-    inside = profile > top - DROP
+def _interval(grid: Floats, profile: Floats) -> tuple[float, float]:
+    """Return where a profile is DROP below its highest point, on either side of it; infinite where it never is."""
+    top, edge = int(profile.argmax()), profile.max() - DROP
     low, high = -math.inf, math.inf
-    below, above = np.flatnonzero(~inside[:i]), np.flatnonzero(~inside[i:])
-    if len(below):
-        low = _crossing(grid, profile, int(below[-1]), top - DROP)
-    if len(above):
-        high = _crossing(grid, profile, i + int(above[0]) - 1, top - DROP)
+    if len(below := np.flatnonzero(profile[:top] <= edge)):
+        at = below[-1]
+        low = float(np.interp(edge, profile[at : at + 2], grid[at : at + 2]))
+    if len(above := np.flatnonzero(profile[top:] <= edge)):
+        at = top + above[0]
+        high = float(np.interp(edge, profile[[at, at - 1]], grid[[at, at - 1]]))
     return low, high
-
-
-def _crossing(grid: Floats, profile: Floats, j: int, level: float) -> float:
-    """Return where a profile crosses a level between two points."""
-    a, b = profile[j], profile[j + 1]
-    return float(grid[j] + (level - a) / (b - a) * (grid[j + 1] - grid[j]))

@@ -1,10 +1,11 @@
-"""What the answers of an experiment come to: ratings counted, comparisons fitted, one condition never with another."""
+"""Results of an experiment: ratings counted, comparisons fitted for each participant; tasks are never pooled."""
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable
-from dataclasses import dataclass
+from operator import attrgetter
+from typing import NamedTuple
 
 from ..errors import DimpleError
 from ..messages import Message
@@ -12,98 +13,87 @@ from .log import Row
 from .psychometric import Psychometric, fit
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ratings:
-    """The ratings of one object in one condition: how many chose each step, from the first on."""
+class Ratings(NamedTuple):
+    """The ratings of one task: the number of participants, and of answers for each step, from the first on."""
 
     object: str
     condition: str
+    people: int
     counts: tuple[int, ...]
 
-    @property
-    def mean(self) -> float:
-        """Return the mean step, from 1 on."""
-        return sum((i + 1) * count for i, count in enumerate(self.counts)) / max(sum(self.counts), 1)
 
+class Comparison(NamedTuple):
+    """The comparisons of one participant in one task: how often the test was judged the stiffer at each level.
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Comparison:
-    """The comparisons of one object in one condition.
-
-    levels, stiffer, trials: how often the test was judged the stiffer at each level.
-    fitted: the function, None where the answers give none: then `why`.
+    fitted: the function, or why the answers give none.
     """
 
     object: str
     condition: str
+    participant: str
     levels: tuple[float, ...]
     stiffer: tuple[int, ...]
     trials: tuple[int, ...]
-    fitted: Psychometric | None
-    why: str = ""
+    fitted: Psychometric | str
 
 
 def rated(rows: Iterable[Row], steps: int = 4) -> list[Ratings]:
-    """Return the ratings by object and condition."""
-    counts: dict[tuple[str, str], list[int]] = defaultdict(lambda: [0] * steps)
-    for row in rows:
-        if row.kind == "rating":
-            each = counts[row.object, row.condition]
-            each += [0] * (row.response - len(each))
-            each[row.response - 1] += 1
-    return [
-        Ratings(object=name, condition=condition, counts=tuple(each))
-        for (name, condition), each in sorted(counts.items())
-    ]
-
-
-def compared(rows: Iterable[Row]) -> list[Comparison]:
-    """Return the comparisons by object and condition."""
-    answers: dict[tuple[str, str], dict[float, list[int]]] = defaultdict(lambda: defaultdict(lambda: [0, 0]))
-    for row in rows:
-        if row.kind == "comparison":
-            each = answers[row.object, row.condition][row.level]
-            each[0] += row.response
-            each[1] += 1
+    """Return the ratings by task."""
     found = []
-    for (name, condition), by_level in sorted(answers.items()):
-        levels = sorted(by_level)
-        stiffer, trials = zip(*(by_level[level] for level in levels), strict=True)
-        fitted, why = None, ""
-        try:
-            fitted = fit(levels, stiffer, trials)
-        except DimpleError as error:
-            why = str(error)
-        found.append(
-            Comparison(
-                object=name, condition=condition, levels=tuple(levels), stiffer=stiffer, trials=trials, fitted=fitted,
-                why=why,
-            )
-        )  # fmt: skip
+    for answers in _grouped(rows, "rating", "object", "condition", "plan", "task"):
+        counts = Counter(row.response for row in answers)
+        each = tuple(counts[step] for step in range(1, max(steps, *counts) + 1))
+        people = len({row.participant for row in answers})
+        found.append(Ratings(answers[0].object, answers[0].condition, people, each))
     return found
 
 
+def compared(rows: Iterable[Row]) -> list[Comparison]:
+    """Return the comparisons by task and participant."""
+    found = []
+    for answers in _grouped(rows, "comparison", "object", "condition", "participant", "plan", "task"):
+        all_of_it, yes = Counter(row.level for row in answers), Counter(row.level for row in answers if row.response)
+        levels = tuple(sorted(all_of_it))
+        stiffer, trials = tuple(yes[level] for level in levels), tuple(all_of_it[level] for level in levels)
+        try:
+            fitted: Psychometric | str = fit(levels, stiffer, trials)
+        except DimpleError as error:
+            fitted = str(error)
+        one = answers[0]
+        found.append(Comparison(one.object, one.condition, one.participant, levels, stiffer, trials, fitted))
+    return found
+
+
+def _grouped(rows: Iterable[Row], kind: str, *names: str) -> list[list[Row]]:
+    groups: dict[object, list[Row]] = defaultdict(list)
+    for row in sorted((row for row in rows if row.kind == kind), key=attrgetter(*names)):
+        groups[attrgetter(*names)(row)].append(row)
+    return list(groups.values())
+
+
 def sentences(rows: Iterable[Row]) -> list[str]:
-    """Return the results, a sentence for each object and condition."""
+    """Return the results, a sentence for each task, of a comparison for each participant.
+
+    Raises:
+        DimpleError: the same trial of a participant is there twice.
+    """
     rows = list(rows)
+    if len({(row.participant, row.plan, row.trial) for row in rows}) < len(rows):
+        raise DimpleError("A trial of a participant is there twice: analyse each file once, each person under a code.")
     lines: list[str] = [
-        Message(
-            "{object}, {condition}: rated {mean:.2f} on the average of {answers} ({counts})",
-            object=each.object, condition=each.condition, mean=each.mean, answers=sum(each.counts),
-            counts=" ".join(map(str, each.counts))
-        )
+        Message("{object}, {condition}: {counts} answers for each step, by {people} participants", **each._asdict())
         for each in rated(rows)
-    ]  # fmt: skip
-    for each in compared(rows):
-        if each.fitted is None:
-            said = "{object}, {condition}: {why}"
-            lines.append(Message(said, object=each.object, condition=each.condition, why=each.why))
-            continue
-        f = each.fitted
-        lines.append(Message(
-            "{object}, {condition}: equal at {pse:.3f} times its stiffness ({pse_low:.3f} to {pse_high:.3f}), just "
-            "noticeable {jnd:.1f} % ({jnd_low:.1f} to {jnd_high:.1f}), of {trials} answers",
-            object=each.object, condition=each.condition, pse=f.pse, pse_low=f.pse_95[0], pse_high=f.pse_95[1],
-            jnd=100 * f.jnd, jnd_low=100 * f.jnd_95[0], jnd_high=100 * f.jnd_95[1], trials=f.trials
-        ))  # fmt: skip
+    ]
+    for one in compared(rows):
+        f, who = one.fitted, {"object": one.object, "condition": one.condition, "participant": one.participant}
+        lines.append(
+            Message("{object}, {condition}, participant {participant}: {why}", why=f, **who)
+            if isinstance(f, str)
+            else Message(
+                "{object}, {condition}, participant {participant}: equal at {pse:.3f} times its stiffness ({low:.3f} "
+                "to {high:.3f}), just noticeable {jnd:.1f} % ({least:.1f} to {most:.1f}), of {trials} answers",
+                pse=f.pse, low=f.pse_95[0], high=f.pse_95[1], jnd=100 * f.jnd, least=100 * f.jnd_95[0],
+                most=100 * f.jnd_95[1], trials=f.trials, **who,
+            )
+        )  # fmt: skip
     return lines

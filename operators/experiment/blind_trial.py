@@ -11,7 +11,8 @@ import bpy
 from ..press import sessions
 
 if TYPE_CHECKING:
-    from ...core.experiment.run import Experiment, Trial
+    from ...core.experiment.plan import Trial
+    from ...core.experiment.run import Experiment
     from ...core.poke import PokeState
 
 MATERIAL = "Dimple Trial"  # shown in place of the object's own, so that its name tells nothing
