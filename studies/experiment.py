@@ -23,9 +23,9 @@ import numpy as np
 from core.base import DimpleError
 from core.experiment.log import CUT, Log, Row, read_rows
 from core.experiment.plan import ExperimentPlan, Trial, make_plan
-from core.experiment.psychometric import QUARTER, Psychometric, shares
-from core.experiment.results import Comparison, Ratings, compared, rated, sentences
 from core.experiment.run import Experiment
+from studies.experiment_results import Comparison, Ratings, compared, rated, sentences
+from studies.psychometric import QUARTER, Psychometric, shares
 
 LEVELS = [0.55, 0.65, 0.75, 0.85, 0.95, 1.05, 1.15, 1.25, 1.35, 1.45]
 OBJECTS = ("Object 1", "Object 2", "Object 3")

@@ -11,11 +11,11 @@ import pytest
 from core.base import DimpleError
 from core.experiment.log import Log, read_rows
 from core.experiment.plan import make_plan, order, read_plan
-from core.experiment.psychometric import QUARTER, fit, shares
-from core.experiment.results import compared, rated, sentences
 from core.experiment.run import Experiment
 from core.experiment.staircase import next_level
-from studies.experiment import PLAN, RATING, observe, touched
+from studies.experiment import PLAN, RATING, by_psignifit, observe, touched
+from studies.experiment_results import Comparison, compared, rated, sentences
+from studies.psychometric import QUARTER, fit, shares
 
 SMALL = {
     "name": "small", "seed": 3,
@@ -130,9 +130,6 @@ def test_answers_that_leave_an_end_open_say_so() -> None:
 
 
 def test_psignifit_fits_the_same_function() -> None:
-    from core.experiment.results import Comparison
-    from studies.experiment import by_psignifit
-
     levels, stiffer, trials = (0.6, 0.8, 1.0, 1.2, 1.4), (2, 6, 11, 18, 23), (24,) * 5
     found = fit(levels, stiffer, trials)
     each = Comparison("", "", "", levels, stiffer, trials, found)

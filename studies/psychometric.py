@@ -22,8 +22,7 @@ from typing import Final
 
 import numpy as np
 
-from ..base import Floats
-from ..errors import DimpleError
+from core.base import DimpleError, Floats
 
 QUARTER: Final = NormalDist().inv_cdf(0.75)  # standard deviations from the middle to three quarters
 DROP: Final = NormalDist().inv_cdf(0.975) ** 2 / 2  # half of the 95 % quantile of chi squared

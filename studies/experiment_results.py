@@ -7,10 +7,9 @@ from collections.abc import Iterable
 from operator import attrgetter
 from typing import NamedTuple
 
-from ..errors import DimpleError
-from ..messages import Message
-from .log import Row
-from .psychometric import Psychometric, fit
+from core.base import DimpleError
+from core.experiment.log import Row
+from studies.psychometric import Psychometric, fit
 
 
 class Ratings(NamedTuple):
@@ -80,20 +79,15 @@ def sentences(rows: Iterable[Row]) -> list[str]:
     rows = list(rows)
     if len({(row.participant, row.plan, row.trial) for row in rows}) < len(rows):
         raise DimpleError("A trial of a participant is there twice: analyse each file once, each person under a code.")
-    lines: list[str] = [
-        Message("{object}, {condition}: {counts} answers for each step, by {people} participants", **each._asdict())
+    lines = [
+        f"{each.object}, {each.condition}: {each.counts} answers for each step, by {each.people} participants"
         for each in rated(rows)
     ]
     for one in compared(rows):
-        f, who = one.fitted, {"object": one.object, "condition": one.condition, "participant": one.participant}
-        lines.append(
-            Message("{object}, {condition}, participant {participant}: {why}", why=f, **who)
-            if isinstance(f, str)
-            else Message(
-                "{object}, {condition}, participant {participant}: equal at {pse:.3f} times its stiffness ({low:.3f} "
-                "to {high:.3f}), just noticeable {jnd:.1f} % ({least:.1f} to {most:.1f}), of {trials} answers",
-                pse=f.pse, low=f.pse_95[0], high=f.pse_95[1], jnd=100 * f.jnd, least=100 * f.jnd_95[0],
-                most=100 * f.jnd_95[1], trials=f.trials, **who,
-            )
-        )  # fmt: skip
+        about, f = f"{one.object}, {one.condition}, participant {one.participant}: ", one.fitted
+        lines.append(about + (f if isinstance(f, str) else (
+            f"equal at {f.pse:.3f} times its stiffness ({f.pse_95[0]:.3f} to {f.pse_95[1]:.3f}), just noticeable "
+            f"{100 * f.jnd:.1f} % ({100 * f.jnd_95[0]:.1f} to {100 * f.jnd_95[1]:.1f}), of {f.trials} answers, "
+            f"lapses {f.lapse:.3f}, deviance {f.deviance:.1f} at {len(one.levels)} levels"
+        )))  # fmt: skip
     return lines
