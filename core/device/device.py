@@ -14,7 +14,7 @@ from ..errors import DimpleError
 from ..messages import Message
 from .limits import ANSWER_TIME, LEASE
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
-from .orders import REPORT_SIZE, LinkState, Order, ServoReport, pack_order, unpack_report
+from .orders import LinkState, Order, ServoReport, pack_order, unpack_report
 from .process import end, start
 from .safety import Arming
 from .surface import Surface
@@ -102,7 +102,7 @@ class HapticMaster:
     def read(self) -> ServoReport:
         """Return where its fingertips are, and its state."""
         if self._box:
-            self._seen, message = self._box.read(FROM_SERVO, REPORT_SIZE, self._seen)
+            self._seen, message = self._box.read(FROM_SERVO, self._seen)
             if message:
                 self._report, self._heard = unpack_report(message), time.perf_counter()
         running = self.process is not None and self.process.poll() is None
@@ -149,7 +149,7 @@ class HapticMaster:
             self._box.post(TO_SERVO, pack_order(self._order))
 
     def _lose(self, why: str) -> None:
-        self._report = replace(self._report, link=LinkState.LOST, arming=Arming.OFF, note=why)
+        self._report = self._report._replace(link=LinkState.LOST, arming=Arming.OFF, note=why)
 
 
 def _last_line(errors: IO[bytes] | None) -> str:

@@ -13,14 +13,13 @@ import signal
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 from ..errors import DimpleError
 from . import priority
 from .limits import BLENDER_GONE, POLL_TIME, REPORT_EVERY, STATE_GAP
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
-from .orders import ORDER_SIZE, LinkState, ServoReport, pack_report, unpack_order
+from .orders import LinkState, ServoReport, pack_report, unpack_order
 from .serial_line import WINDOWS, LineLost, Poller, SerialLine, open_line
 from .servo import Servo
 from .spec import load_spec
@@ -73,8 +72,8 @@ def run(make_servo: Callable[..., Servo], port: str, mailbox: Path, device: Path
         return 0 if servo.link is not LinkState.REFUSED else 2
     except DimpleError as error:
         link = LinkState.LOST if isinstance(error, LineLost) else LinkState.REFUSED
-        report = replace(servo.report() if servo else ServoReport(), link=link, note=str(error))
-        box.post(FROM_SERVO, pack_report(report))
+        report = servo.report() if servo else ServoReport()
+        box.post(FROM_SERVO, pack_report(report._replace(link=link, note=str(error))))
         return 2
     finally:
         box.close()
@@ -103,7 +102,7 @@ def serve(servo: Servo, line: SerialLine | UdpLine, box: Mailbox, listen: Callab
             box.post(FROM_SERVO, pack_report(servo.report()))
         if servo.link is LinkState.REFUSED:
             return
-        seen, message = box.read(TO_SERVO, ORDER_SIZE, seen)  # after the answer: no device waits for Blender
+        seen, message = box.read(TO_SERVO, seen)  # after the answer: no device waits for Blender
         if message:
             ordered = time.perf_counter()
             servo.order = unpack_order(message)

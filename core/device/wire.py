@@ -152,22 +152,20 @@ _TYPES: Final[dict[type, tuple[int, struct.Struct]]] = {
     Fault: (0x18, struct.Struct("<BBBBH")),
     LinkReport: (0x19, struct.Struct("<BBHIIIHHHHHHH")),
 }
-# the one field of a frame that is itself a tuple: from, to
-_NESTED: Final = {DeviceState: (4, 13), Command: (3, 12), Info: (8, 11)}
+_NESTED: Final = {DeviceState: (5, 14), Command: (4, 13), Info: (9, 12)}  # numbers of a payload that are one field
 
 
-def _maker(kind: type, at: tuple[int, int] | None) -> Callable[[tuple[int, ...]], Frame]:
+def _maker(kind: type) -> Callable[[tuple[int, ...]], Frame]:
     """Return the function that makes a frame from the numbers of a payload, its type among them."""
     make: Callable[[tuple[object, ...]], Frame] = kind._make  # type: ignore[attr-defined]
-    if at is None:
+    if kind not in _NESTED:
         return lambda numbers: make(numbers[1:])
-    first, last = at[0] + 1, at[1] + 1
+    first, last = _NESTED[kind]
     return lambda numbers: make((*numbers[1:first], numbers[first:last], *numbers[last:]))
 
 
 _MAKERS: Final = {
-    number: (layout.size + 4, layout.unpack_from, _maker(kind, _NESTED.get(kind)))
-    for kind, (number, layout) in _TYPES.items()
+    number: (layout.size + 4, layout.unpack_from, _maker(kind)) for kind, (number, layout) in _TYPES.items()
 }
 _CRC: Final = struct.Struct("<I")
 _LONGEST: Final = MOST_PAYLOAD + 4 + 1  # bytes between two 0x00
@@ -179,14 +177,11 @@ def encode(frame: Frame) -> bytes:
     Raises:
         struct.error: a number does not fit its field.
     """
-    kind = type(frame)
-    number, layout = _TYPES[kind]
-    nested = _NESTED.get(kind)
-    if nested is None:
-        payload = layout.pack(number, *frame)
-    else:
-        at = nested[0]
-        payload = layout.pack(number, *frame[:at], *frame[at], *frame[at + 1 :])  # type: ignore[misc]
+    number, layout = _TYPES[type(frame)]
+    fields: list[int] = []
+    for each in frame:
+        fields.extend(each if isinstance(each, tuple) else (each,))
+    payload = layout.pack(number, *fields)
     return stuff(payload + _CRC.pack(zlib.crc32(payload)))
 
 

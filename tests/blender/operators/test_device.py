@@ -114,7 +114,6 @@ def test_a_servo_hears_of_blender_while_nothing_moves(
 ) -> None:
     """Where its pipe cannot be watched (Windows) a servo that hears nothing for 10 s takes Blender for gone."""
     from bl_ext.user_default.dimple.core.device.mailbox import TO_SERVO
-    from bl_ext.user_default.dimple.core.device.orders import ORDER_SIZE
     from bl_ext.user_default.dimple.operators.press import haptic_fingertips
 
     body = add()
@@ -125,15 +124,13 @@ def test_a_servo_hears_of_blender_while_nothing_moves(
     for _ in range(3):
         time.sleep(haptic_fingertips.LOOK_S)
         haptic_fingertips._look()
-        seen, order = connection().device._box.read(TO_SERVO, ORDER_SIZE, seen)
+        seen, order = connection().device._box.read(TO_SERVO, seen)
         assert order
 
 
 def test_a_fingertip_that_is_not_trusted_moves_no_other(
     bpy: ModuleType, port: Any, add: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from dataclasses import replace
-
     from bl_ext.user_default.dimple.operators.press import live_step
 
     connect(bpy, port.path)
@@ -141,8 +138,8 @@ def test_a_fingertip_that_is_not_trusted_moves_no_other(
     live_step.advance(bpy.context, 1 / 60)
     tips, device = connection().report.tips, type(connection().device)
     for masked in ((True, False, False), (False, True, True), (True, True, True)):
-        spoiled = [replace(tip, masked=mask) for tip, mask in zip(tips, masked, strict=True)]
-        report = replace(connection().report, tips=tuple(spoiled))
+        spoiled = [tip._replace(masked=mask) for tip, mask in zip(tips, masked, strict=True)]
+        report = connection().report._replace(tips=tuple(spoiled))
         monkeypatch.setattr(device, "read", lambda _, report=report: report)
         assert live_step.advance(bpy.context, 1 / 60) == []
         assert [finger is None for finger in entry.fingers] == list(masked)
