@@ -100,7 +100,6 @@ class HapticMaster:
         return start(words, errors)
 
     def read(self) -> ServoReport:
-        """Return where its fingertips are, and its state."""
         if self._box:
             self._seen, message = self._box.read(FROM_SERVO, self._seen)
             if message:
@@ -113,24 +112,19 @@ class HapticMaster:
         return self._report
 
     def write(self, surfaces: Sequence[Surface | None]) -> None:
-        """Set the surface under each of its fingertips."""
         self._post(replace(self._order, surfaces=tuple(surfaces)))
 
     def arm(self) -> None:
-        """Request force."""
         self._post(replace(self._order, arm=self._order.arm + 1))
 
     def disarm(self) -> None:
-        """End all force."""
         self._post(replace(self._order, disarm=self._order.disarm + 1))
 
     def hold(self, until: float) -> None:
-        """Set until when the dead-man key counts as held [s]."""
         self.held_until = until
         self.renew()
 
     def renew(self) -> None:
-        """Send the last order again."""
         self._post(self._order)
 
     def close(self) -> None:

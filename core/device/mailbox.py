@@ -37,12 +37,12 @@ class Mailbox:
     def __init__(self, path: Path | None = None) -> None:
         self._own = path is None
         try:
-            self.path, self._map = _map(path, 2 * _SLOT)
+            self.path, self._map = _map(path)
         except (OSError, ValueError) as error:  # ValueError: a file that is shorter
-            where = path or _folder()
             raise DimpleError(
-                "The mailbox of the device's servo cannot be used: {where} ({error}).", where=where, error=error
-            ) from None
+                "The mailbox of the device's servo cannot be used: {where} ({error}).",
+                where=path or _folder(), error=error
+            ) from None  # fmt: skip
 
     def post(self, which: int, message: bytes) -> None:
         """Publish a message in place of the last one."""
@@ -76,16 +76,17 @@ class Mailbox:
             self.path.unlink(missing_ok=True)
 
 
-def _map(path: Path | None, length: int) -> tuple[Path, mmap.mmap]:
-    """Return a mailbox file of a length [bytes], and its bytes; None makes one."""
-    if path is None:
-        handle, name = tempfile.mkstemp(dir=_folder(), prefix="dimple-", suffix=".mail")
-    else:
-        handle, name = os.open(path, os.O_RDWR), str(path)
+def _map(path: Path | None) -> tuple[Path, mmap.mmap]:
+    """Return a mailbox file and its bytes; None makes one."""
+    handle, name = (
+        tempfile.mkstemp(dir=_folder(), prefix="dimple-", suffix=".mail")
+        if path is None
+        else (os.open(path, os.O_RDWR), str(path))
+    )
     try:
         if path is None:
-            os.write(handle, bytes(length))  # a full disk is reported now, and not when a message is posted
-        mapped = mmap.mmap(handle, length)
+            os.write(handle, bytes(2 * _SLOT))  # a full disk is reported now, and not when a message is posted
+        mapped = mmap.mmap(handle, 2 * _SLOT)
         if path is not None and os.name == "posix":
             path.unlink(missing_ok=True)
         return Path(name), mapped

@@ -129,4 +129,4 @@ def unpack_report(message: bytes) -> ServoReport:
     """Return the report in a message."""
     link, arming, tips, *rest, note = json.loads(message)
     made = tuple([TipState(tuple(place), tuple(force), *others) for place, force, *others in tips])
-    return ServoReport(LinkState(link), Arming(arming), made, *rest, read(note))
+    return ServoReport._make([LinkState(link), Arming(arming), made, *rest, read(note)])

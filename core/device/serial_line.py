@@ -87,8 +87,8 @@ class SerialLine:
 
     def _gone(self, error: BaseException) -> LineLost:
         return LineLost(
-            "The connection to {name} is lost ({error}). Plug it in, connect, then arm again.",
-            name=self.name, error=error
+            "The connection to {name} is lost ({error}). Check its cable or network, connect, then arm again.",
+            name=self.name, error=getattr(error, "strerror", None) or error
         )  # fmt: skip
 
 

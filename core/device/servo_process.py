@@ -23,7 +23,7 @@ from .orders import LinkState, ServoReport, pack_report, unpack_order
 from .serial_line import WINDOWS, LineLost, Poller, SerialLine, open_line
 from .servo import Servo
 from .spec import load_spec
-from .udp_line import PREFIX, UdpLine, open_udp
+from .udp_line import PREFIX, open_udp
 
 
 def main(words: list[str]) -> int:
@@ -50,9 +50,7 @@ def run(make_servo: Callable[..., Servo], port: str, mailbox: Path, device: Path
 
     Args:
         make_servo: Servo, or of a study one that keeps a log.
-        port: path of the serial port.
-        mailbox: the file that Blender made.
-        device: device file, None for the Haptic Master's.
+        port, mailbox, device: see `add_options`.
 
     Returns:
         The exit code: 0, or 2 where the line was refused or lost; the reason is in the last report.
@@ -64,7 +62,8 @@ def run(make_servo: Callable[..., Servo], port: str, mailbox: Path, device: Path
     box, servo = Mailbox(mailbox), None
     try:
         spec = load_spec(device)
-        servo, line = make_servo(spec, nonce=os.getpid() & 0xFFFF), open_to(port, spec.baud)
+        servo = make_servo(spec, nonce=os.getpid() & 0xFFFF)
+        line = open_udp(port) if port.startswith(PREFIX) else open_line(port, spec.baud)
         try:
             serve(servo, line, box, listener(line))
         finally:
@@ -79,14 +78,8 @@ def run(make_servo: Callable[..., Servo], port: str, mailbox: Path, device: Path
         box.close()
 
 
-def serve(servo: Servo, line: SerialLine | UdpLine, box: Mailbox, listen: Callable[[float], bytes | None]) -> None:
+def serve(servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float], bytes | None]) -> None:
     """Answer the device until Blender is gone or the device refused.
-
-    Args:
-        servo: what answers.
-        line: to the device.
-        box: shared with Blender.
-        listen: see `listener`.
 
     Raises:
         LineLost: the line is gone.
@@ -108,12 +101,7 @@ def serve(servo: Servo, line: SerialLine | UdpLine, box: Mailbox, listen: Callab
             servo.order = unpack_order(message)
 
 
-def open_to(port: str, baud: int) -> SerialLine | UdpLine:
-    """Open the line that a port names: a serial port, or an address on the network."""
-    return open_udp(port) if port.startswith(PREFIX) else open_line(port, baud)
-
-
-def listener(line: SerialLine | UdpLine) -> Callable[[float], bytes | None]:
+def listener(line: SerialLine) -> Callable[[float], bytes | None]:
     """Return a function that waits for the next bytes of the line, given when the last order came [s].
 
     The function returns b"" where no bytes came, and None where Blender is gone.
@@ -138,7 +126,7 @@ def listener(line: SerialLine | UdpLine) -> Callable[[float], bytes | None]:
     return by_pipe
 
 
-def release(servo: Servo, line: SerialLine | UdpLine) -> None:
+def release(servo: Servo, line: SerialLine) -> None:
     """Disarm the device, if it can still be reached, and free the port."""
     try:
         line.write(servo.close())

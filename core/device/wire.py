@@ -17,7 +17,7 @@ from typing import Final, NamedTuple
 PROTOCOL: Final = (1, 0)  # major: a difference is refused; minor: more frame types, skipped where they are unknown
 MOST_PAYLOAD: Final = 33  # bytes
 FINGERS: Final = 3
-CHANNELS: Final = 9  # three joints of three fingers
+CHANNELS: Final = 3 * FINGERS  # three joints each
 FULL_SCALE: Final = 32767  # of a torque word
 
 ENABLE, DEADMAN, CLEAR = 1, 2, 4  # Command.flags
