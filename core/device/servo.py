@@ -166,9 +166,8 @@ class Servo:
         self._device_time += dt
         acted, left = self._sent.between(self.spec, before, state, self._device_time)
         for i, finger in enumerate(self._fingers):
-            words = state.adc[3 * i], state.adc[3 * i + 1], state.adc[3 * i + 2]
             masked = bool(state.status & wire.MASKED << i)
-            finger.sense(self.spec, words, masked, ticks, self._device_time, acted[i], left)
+            finger.sense(self.spec, state.adc[3 * i : 3 * i + 3], masked, ticks, self._device_time, acted[i], left)
         self._take_surfaces(now)
         # a frozen simulation counts as a released key; the quiet is judged by surfaces that have not begun to fade
         oldest = limits.LOST_TIME if self._switch.arming is Arming.WAITING else limits.LEASE

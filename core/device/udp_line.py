@@ -21,11 +21,7 @@ class UdpLine(SerialLine):
     """An open socket to one device."""
 
     def read(self) -> bytes:
-        """Return all there is, b"" where there is nothing.
-
-        Raises:
-            LineLost: the network is gone.
-        """
+        """Return all there is, b"" where there is nothing."""
         parts = []
         while True:
             try:
@@ -38,11 +34,7 @@ class UdpLine(SerialLine):
                 raise self._gone(error) from None
 
     def write(self, data: bytes) -> bool:
-        """Send bytes; return False where they did not leave.
-
-        Raises:
-            LineLost: the network is gone.
-        """
+        """Send bytes; return False where they did not leave."""
         try:
             return self._port.send(data) == len(data)
         except (BlockingIOError, ConnectionRefusedError):

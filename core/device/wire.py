@@ -219,20 +219,11 @@ class Decoder:
     def __init__(self) -> None:
         self.refused = 0
         self._rest = b""
-        self._lost = False  # the piece under way is too long already
 
     def feed(self, data: bytes) -> list[Frame]:
         """Return the frames that end in the next bytes, oldest first."""
         pieces = (self._rest + data).split(b"\0")
-        rest = pieces.pop()
-        if pieces and self._lost:
-            del pieces[0]
-            self._lost = False
-        if len(rest) > _LONGEST:
-            if not self._lost:
-                self.refused += 1
-            self._lost, rest = True, b""
-        self._rest = rest
+        self._rest = pieces.pop()[: _LONGEST + 1]  # enough to be refused, once its end comes
         return [frame for piece in pieces if piece and (frame := self._frame(piece)) is not None]
 
     def _frame(self, piece: bytes) -> Frame | None:
