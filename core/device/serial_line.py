@@ -14,7 +14,7 @@ from .limits import POLL_TIME
 
 WINDOWS: Final = os.name == "nt"
 EDGE_TRIGGERED: Final = hasattr(select, "epoll")
-MAX_BYTES: Final = 65536  # read at once
+MAX_BYTES: Final = 65536  # read at once: no datagram is longer
 IN_USE: Final = {errno.EAGAIN, errno.EWOULDBLOCK, errno.EBUSY}
 
 

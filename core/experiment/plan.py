@@ -29,7 +29,7 @@ CONSENT: Final = (
 )
 STEPS: Final = ("Different", "Slightly Alike", "Alike", "The Same")  # ours: the paper names none of its four
 CONDITIONS: Final = ("felt", "seen")
-LEVELS: Final = (0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)
+LEVELS: Final = (0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)  # two or three just-noticeable differences to either side
 LEAST, MOST = 0.05, 20.0  # of a level: beyond, the object is no longer one that a fingertip can press
 LONGEST: Final = 10_000  # trials of a participant: more than a day at ten seconds each
 

@@ -9,8 +9,7 @@ from ..names import DEAD_MAN, Op
 from ..press import haptic_fingertips, modal_runs, polls, sessions
 from ..translation import translated
 
-RENEW_S = 0.05  # between two renewals of the dead-man key; `limits.LEASE` covers a standstill of 0.2 s and one of them
-ANSWER_S = 1.0  # within which the device reports that it arms
+RENEW_S = 0.05  # [s] between two renewals of the dead-man key; `limits.LEASE` covers one after a standstill of 0.2 s
 KEYS = "Hold Shift: force | Esc: disarm"
 
 
@@ -97,8 +96,10 @@ class DIMPLE_OT_arm_device(polls.Declared, bpy.types.Operator):
 
     def _is_armed(self, connection: haptic_fingertips.Connection) -> bool:
         """Tell whether it is armed, or may still answer that it is."""
+        from ...core.device.limits import ANSWER_TIME
+
         report = connection.report
-        settled = time.perf_counter() - self._since > ANSWER_S
+        settled = time.perf_counter() - self._since > ANSWER_TIME
         return report.link.name == "READY" and not (settled and report.arming.name == "OFF")
 
     def _end(self, context: bpy.types.Context) -> set[str]:

@@ -73,7 +73,7 @@ def test_the_panel_says_what_is_not_renderable(bpy: ModuleType, port: Any, add: 
 
     settings = softened(bpy, add())
     report = connect(bpy, port.path)
-    assert any("K2 is stiffer than the device" in note for note in device.notes(report, settings))
+    assert any("K2 cannot be rendered" in note for note in device.notes(report, settings))
     rows = dict(device.rows(report, settings))
     assert rows["K1 Material / Rendered"] == "0.20 / 0.20 N/mm"
     asked, _, rendered = rows["K2 Material / Rendered"].partition(" / ")
