@@ -119,7 +119,7 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
     softer = [name for name, cap in caps.items() if getattr(material, name) > cap]
     if softer:
         said = iface_("{} cannot be rendered without shaking, so the object feels softer than its material.")
-        sentences.append(said.format(" + ".join(softer)))
+        sentences.append(said.format(", ".join(softer)))
     if material and knee_force(material) > report.peak:
         sentences.append(iface_("At its knee the material needs more force than the device can exert."))
     if report.arming.name == "WAITING":

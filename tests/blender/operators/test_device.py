@@ -84,11 +84,11 @@ def test_the_panel_says_what_is_not_renderable(bpy: ModuleType, port: Any, add: 
     )
     assert rows["State"] == "Ready, no force" and {"Rate", "Lost Frames", "Round Trip", "Force 1"} <= rows.keys()
     settings.K1 = 9.0
-    assert any("K1 and K2" in note for note in device.notes(report, settings))
+    assert any("K1, K2 cannot" in note for note in device.notes(report, settings))
     assert any("more force than the device can exert" in note for note in device.notes(report, settings))
     cap = report.cap / 1e3  # a solid's law of the same power, no steeper than that
     settings.fill, settings.K1, settings.K2, settings.x0 = "SOLID", 0.8 * cap, 2.25 * 0.8 * cap, 1.0
-    assert any("K1 and K2" in note for note in device.notes(report, settings))
+    assert any("K1, K2 cannot" in note for note in device.notes(report, settings))
     rendered = dict(device.rows(report, settings))["K1 Material / Rendered"].partition(" / ")[2]
     assert float(rendered.split()[0]) == pytest.approx(cap / 2.25, abs=0.006)
     assert device.knee_force(settings) == pytest.approx(1.162 * settings.K1, rel=1e-3)
