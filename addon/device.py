@@ -117,14 +117,9 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
     sentences = []
     caps = _caps(report, material) if material else {}
     softer = [name for name, cap in caps.items() if getattr(material, name) > cap]
-    if len(softer) == 2:
-        sentences.append(
-            iface_("K1 and K2 are stiffer than the device can render without shaking, so both are rendered softer.")
-        )
-    elif softer == ["K2"]:
-        sentences.append(iface_("K2 is stiffer than the device can render without shaking, so it is rendered softer."))
-    elif softer == ["K1"]:
-        sentences.append(iface_("K1 is stiffer than the device can render without shaking, so it is rendered softer."))
+    if softer:
+        said = iface_("{} cannot be rendered without shaking, so the object feels softer than its material.")
+        sentences.append(said.format(", ".join(softer)))
     if material and knee_force(material) > report.peak:
         sentences.append(iface_("At its knee the material needs more force than the device can exert."))
     if report.arming.name == "WAITING":

@@ -21,11 +21,11 @@ from pathlib import Path
 import numpy as np
 
 from core.base import DimpleError
-from core.experiment.log import Log
-from core.experiment.plan import ExperimentPlan, make_plan
-from core.experiment.psychometric import QUARTER, Psychometric, shares
-from core.experiment.results import Comparison, Ratings, compared, rated, sentences
-from core.experiment.run import Experiment, Trial
+from core.experiment.log import CUT, Log, Row, read_rows
+from core.experiment.plan import ExperimentPlan, Trial, make_plan
+from core.experiment.run import Experiment
+from studies.experiment_results import Comparison, Ratings, compared, rated, sentences
+from studies.psychometric import QUARTER, Psychometric, shares
 
 LEVELS = [0.55, 0.65, 0.75, 0.85, 0.95, 1.05, 1.15, 1.25, 1.35, 1.45]
 OBJECTS = ("Object 1", "Object 2", "Object 3")
@@ -88,7 +88,10 @@ def run_experiment(options: argparse.Namespace) -> int:
         observe(make_plan(PLAN), options.observe, options.seed)
         return 0
     if options.analyse:
-        rows = [row for path in options.analyse for row in Log(path).rows]
+        try:
+            rows = [row for path in options.analyse for row in read_rows(path)]
+        except OSError as error:
+            raise DimpleError(f"The answers cannot be read: {error}.") from None
         print("\n".join(sentences(rows)) or "There are no answers yet.")
         if options.plot:
             draw(rated(rows), compared(rows), options.plot, simulated=False)
@@ -136,13 +139,13 @@ def simulate(count: int, *, seed: int = 1, referee: int = 0) -> tuple[dict[str, 
             for method, each in zip(("constant", "staircase"), comparisons, strict=True):
                 fitted = each.fitted
                 for what, true in (("pse", who.pse), ("jnd", who.jnd)):
-                    low, high = getattr(fitted, f"{what}_95") if fitted else (math.nan, math.nan)
+                    low, high = getattr(fitted, f"{what}_95", (math.nan, math.nan))
                     inside[f"{method}_{what}"].append(low <= true <= high)
             for each in comparisons if i < referee else ():
                 tails = ("", "_as_it_comes") if each is comparisons[0] else ("",)  # that takes minutes for many levels
                 for tail in tails:
                     judged = by_psignifit(each, as_it_comes=bool(tail))
-                    for what in ("pse", "jnd") if judged and each.fitted else ():
+                    for what in ("pse", "jnd") if judged and isinstance(each.fitted, Psychometric) else ():
                         errors[what + tail].append(abs(getattr(each.fitted, what) / judged[what] - 1))
     figures = {"observers": float(count), "coverage": float(np.mean(inside["constant_pse"] + inside["constant_jnd"]))}
     figures |= {f"coverage_{name}": float(np.mean(each)) for name, each in inside.items()}
@@ -214,13 +217,20 @@ def killed(seed: int, kills: int = KILLS) -> dict[str, float]:
         observe(plan, whole, seed)
         mine, all_of_it = Log(path).rows, Log(whole).rows
         answers = [[(row.trial, row.level, row.response) for row in rows] for rows in (mine, all_of_it)]
-        touches = [len(each.with_name(f"{each.stem}_touch.csv").read_text().splitlines()) for each in (path, whole)]
+        touches = [touched(path, mine), touched(whole, all_of_it)]
         doubled = len(mine) - len({row.trial for row in mine})
         lost = sum(a != b for a, b in zip(*answers, strict=False)) + abs(len(mine) - len(all_of_it))
         return {
             "killed": float(kills), "lost": float(lost), "doubled": float(doubled),
             "touch_rows_off": float(abs(touches[0] - touches[1])),
         }  # fmt: skip
+
+
+def touched(path: Path, rows: list[Row]) -> int:
+    """Return how many samples of touch belong to the answers of a file."""
+    answered = {f"{row.trial},{row.time}" for row in rows}
+    lines = path.with_name(f"{path.stem}_touch.csv").read_text().splitlines()
+    return sum(",".join(line.split(",")[:2]) in answered and not line.endswith(CUT) for line in lines)
 
 
 def simulated_ratings(seed: int) -> list[Ratings]:
@@ -273,11 +283,11 @@ def _draw_ratings(axis, ratings: list[Ratings]) -> None:  # type: ignore[no-unty
 def _draw_comparison(axis, each: Comparison) -> None:  # type: ignore[no-untyped-def]
     x, n = np.array(each.levels), np.array(each.trials)
     axis.scatter(x, np.array(each.stiffer) / n, s=8 + 40 * n / n.max(), color="0.3")
-    fitted: Psychometric | None = each.fitted
-    if fitted:
+    fitted = each.fitted
+    if isinstance(fitted, Psychometric):
         line = np.linspace(x.min(), x.max(), 200)
         axis.plot(line, shares(line, fitted.pse, fitted.jnd / QUARTER, fitted.lapse), color="tab:blue")
         axis.axvspan(*fitted.pse_95, color="tab:blue", alpha=0.2, lw=0)
         axis.axvline(fitted.pse, color="tab:blue", lw=1)
-    title = f"{each.object} ({each.condition})"
+    title = f"{each.object} ({each.condition}), participant {each.participant}"
     axis.set(xlabel="times its stiffness", ylabel="judged the stiffer", ylim=(-0.02, 1.02), title=title)

@@ -14,7 +14,7 @@ from ..errors import DimpleError
 from ..messages import Message
 from .limits import ANSWER_TIME, LEASE
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
-from .orders import REPORT_SIZE, LinkState, Order, ServoReport, pack_order, unpack_report
+from .orders import LinkState, Order, ServoReport, pack_order, unpack_report
 from .process import end, start
 from .safety import Arming
 from .surface import Surface
@@ -100,9 +100,8 @@ class HapticMaster:
         return start(words, errors)
 
     def read(self) -> ServoReport:
-        """Return where its fingertips are, and its state."""
         if self._box:
-            self._seen, message = self._box.read(FROM_SERVO, REPORT_SIZE, self._seen)
+            self._seen, message = self._box.read(FROM_SERVO, self._seen)
             if message:
                 self._report, self._heard = unpack_report(message), time.perf_counter()
         running = self.process is not None and self.process.poll() is None
@@ -113,24 +112,19 @@ class HapticMaster:
         return self._report
 
     def write(self, surfaces: Sequence[Surface | None]) -> None:
-        """Set the surface under each of its fingertips."""
         self._post(replace(self._order, surfaces=tuple(surfaces)))
 
     def arm(self) -> None:
-        """Request force."""
         self._post(replace(self._order, arm=self._order.arm + 1))
 
     def disarm(self) -> None:
-        """End all force."""
         self._post(replace(self._order, disarm=self._order.disarm + 1))
 
     def hold(self, until: float) -> None:
-        """Set until when the dead-man key counts as held [s]."""
         self.held_until = until
         self.renew()
 
     def renew(self) -> None:
-        """Send the last order again."""
         self._post(self._order)
 
     def close(self) -> None:
@@ -149,7 +143,7 @@ class HapticMaster:
             self._box.post(TO_SERVO, pack_order(self._order))
 
     def _lose(self, why: str) -> None:
-        self._report = replace(self._report, link=LinkState.LOST, arming=Arming.OFF, note=why)
+        self._report = self._report._replace(link=LinkState.LOST, arming=Arming.OFF, note=why)
 
 
 def _last_line(errors: IO[bytes] | None) -> str:

@@ -11,39 +11,39 @@ HARD_CEILING = 20.0  # [N] twice the peak of the Haptic Master
 SLEW = 1000.0  # [N/s] 1 N a millisecond: the peak of a device takes ten ticks
 TOP_SPEED = 1.5  # [m/s] no hand exploring an object is faster; a motor running away is
 RMS_TIME = 10.0  # [s] window of the root mean square force: the heat of the motors
-SPEED_TIME = 0.005  # [s] time constant of the speed: one converter bit a tick is already 0.1 m/s
 
 # arming
 QUIET_FORCE = 0.2  # [N] arming waits for less force than this: nothing may kick
-QUIET_TIME = 0.050  # [s] for how long; without force for as long a touch is over and its spring is relaxed
 RAMP_TIME = 0.5  # [s] from nothing to the whole force: longer than a hand takes to let go
 RAMP_DAMPING = 3.0  # [N s/m] while it ramps: of the order of a device's own friction
 
-
 # how long anything may be silent
-STATE_GAP = 0.005  # [s] without a STATE there is no force after this; clocks agree, and steps are cut, to as much
-ZERO_TIME = 0.025  # [s] by which a device's own force is zero without commands, at the latest
+TICK = 0.001  # [s] of a device, by which the times here are judged; a device file may name another (spec.py)
+STATE_GAP = 5 * TICK  # [s] without a STATE there is no force after this; clocks agree, and steps are cut, to as much
+SPEED_TIME = STATE_GAP  # [s] time constant of the speed: one converter bit a tick is already 0.1 m/s
 LOST_TIME = 0.100  # [s] without a STATE the device counts as lost, and a surface of Blender begins to fade
+ZERO_TIME = LOST_TIME / 4  # [s] by which a device's own force is zero without commands, at the latest
 FADE_TIME = 2 * LOST_TIME  # [s] age at which the force of a surface has faded
 LEASE = 3 * LOST_TIME  # [s] the dead-man key counts as held after it was last seen down: through a fade and a renewal
 ANSWER_TIME = 1.0  # [s] a device, a servo or an ending process that has not answered by then does not
 REFUSAL_TIME = ANSWER_TIME + 2 * LOST_TIME  # [s] a device waits for the quiet for ANSWER_TIME, then refuses to arm
 SLOWEST_FRAME = 0.050  # [s] a change of the surface is spread over one frame of Blender, but over no more than this
+QUIET_TIME = SLOWEST_FRAME  # [s] arming waits for as long a quiet; without force for as long a touch is over
 
 # readings and messages that are not trusted
 RAIL = 0x0100  # of 16 bits, at either end of a converter: a wire is disconnected
 JUMP = 20.0  # [rad/s] of a joint: 6 m/s at the tip, four times the speed limit
-FAILED_TICKS = 5  # impossible readings in a row: the sensor has failed
+FAILED_TICKS = round(STATE_GAP / TICK)  # impossible readings in a row: the sensor has failed
 BAD_NUMBERS = 3  # NaN or inf within LOST_TIME disarm: one may be a message that was cut
 FARTHEST = 10.0  # [m] a place farther off is an error
 STIFFEST = 1e6  # [N/m] and a law that is stiffer
 LEVEL = 1e-3  # how far the square of a normal's length may be from 1: it was rounded, or it is no direction
 
 # the line
-LOSS_FRAMES = 1000  # STATEs of which the lost share is taken: a second at 1 kHz; of a tenth it means something
+LOSS_FRAMES = round(ANSWER_TIME / TICK)  # STATEs of which the lost share is taken; of a tenth it means something
 LOSS_WARNS = 0.05  # share lost: what is felt becomes rough
 LOSS_DISARMS = 0.30  # share lost: a force would be held for several ticks in a row
-PING_EVERY = 0.25  # [s] between two questions for the measured delay: it changes with the load of the computer
+PING_EVERY = ANSWER_TIME / 4  # [s] between two questions for the delay, which changes with the load of the computer
 
 # what can be rendered without giving energy
 PASSIVE_SHARE = 0.8  # of the passive stiffness: the rest covers errors in the estimates of friction and delay
@@ -54,10 +54,10 @@ ALLOWED = 5e-4  # [J] that a touch may give back beyond what it took: one piece 
 YIELD_ENERGY = ALLOWED / 2  # [J] for each more that is given back, the force yields to 1/e
 SPARE = 4 * ALLOWED  # [J] of what was taken are kept once the device let go: what it gave is known some pieces late
 GRAIN_ENERGY = ALLOWED / 5  # [J] less is the noise of the converters
-KNOWN_LATE = STATE_GAP + 0.001  # [s] and a tick: what a force gave has been counted by then, and the force has ended
+KNOWN_LATE = STATE_GAP + TICK  # [s] what a force gave has been counted by then, and the force has ended
 
 # processes
-REPORT_EVERY = 0.002  # [s] the most that a report adds to the age of the positions that Blender gets
-POLL_TIME = 0.001  # [s] between two looks at line and lifeline: a tick
-BLENDER_GONE = 10.0  # [s] without an order, where a pipe cannot be watched (Windows)
+REPORT_EVERY = 2 * TICK  # [s] the most that a report adds to the age of the positions that Blender gets
+POLL_TIME = TICK  # [s] between two looks at line and lifeline
+BLENDER_GONE = 10 * ANSWER_TIME  # [s] without an order, where a pipe cannot be watched (Windows)
 PRIORITY = 10  # of the first-in-first-out class: above every ordinary process, below the system's own

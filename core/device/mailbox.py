@@ -16,8 +16,8 @@ from typing import Final
 
 from ..errors import DimpleError
 
-_HEAD: Final = struct.Struct("<II")  # sequence number, CRC-32 of the message
-_SLOT: Final = 4096  # bytes of a message and its head, at most
+_HEAD: Final = struct.Struct("<III")  # sequence number, CRC-32 and bytes of the message
+_SLOT: Final = 8192  # bytes of a message and its head: two pages, twice the longest order
 TO_SERVO, FROM_SERVO = 0, 1
 MEMORY: Final = "/dev/shm"  # files in memory, on Linux: writing a page to a disk takes milliseconds
 
@@ -37,12 +37,12 @@ class Mailbox:
     def __init__(self, path: Path | None = None) -> None:
         self._own = path is None
         try:
-            self.path, self._map = _map(path, 2 * _SLOT)
+            self.path, self._map = _map(path)
         except (OSError, ValueError) as error:  # ValueError: a file that is shorter
-            where = path or _folder()
             raise DimpleError(
-                "The mailbox of the device's servo cannot be used: {where} ({error}).", where=where, error=error
-            ) from None
+                "The mailbox of the device's servo cannot be used: {where} ({error}).",
+                where=path or _folder(), error=error
+            ) from None  # fmt: skip
 
     def post(self, which: int, message: bytes) -> None:
         """Publish a message in place of the last one."""
@@ -50,23 +50,22 @@ class Mailbox:
             raise ValueError(f"A message of {len(message)} bytes is too long.")
         at = which * _SLOT
         number = _HEAD.unpack_from(self._map, at)[0] | 1
-        _HEAD.pack_into(self._map, at, number, 0)
+        _HEAD.pack_into(self._map, at, number, 0, 0)
         self._map[at + _HEAD.size : at + _HEAD.size + len(message)] = message
-        _HEAD.pack_into(self._map, at, (number + 1) & 0xFFFFFFFF, zlib.crc32(message))
+        _HEAD.pack_into(self._map, at, (number + 1) & 0xFFFFFFFF, zlib.crc32(message), len(message))
 
-    def read(self, which: int, size: int, seen: int = 0) -> tuple[int, bytes | None]:
+    def read(self, which: int, seen: int = 0) -> tuple[int, bytes | None]:
         """Return the number of the newest message, and the message: None where it was seen, or is being written.
 
         Args:
             which: TO_SERVO or FROM_SERVO.
-            size: of the message [bytes].
             seen: number of the one that was read last, 0 for none.
         """
         at = which * _SLOT
-        number, check = _HEAD.unpack_from(self._map, at)
+        number, check, size = _HEAD.unpack_from(self._map, at)
         if number == seen or number & 1 or number == 0:
             return seen, None
-        message = self._map[at + _HEAD.size : at + _HEAD.size + size]
+        message = self._map[at + _HEAD.size : at + min(_HEAD.size + size, _SLOT)]
         whole = zlib.crc32(message) == check and _HEAD.unpack_from(self._map, at)[0] == number
         return (number, message) if whole else (seen, None)
 
@@ -77,16 +76,17 @@ class Mailbox:
             self.path.unlink(missing_ok=True)
 
 
-def _map(path: Path | None, length: int) -> tuple[Path, mmap.mmap]:
-    """Return a mailbox file of a length [bytes], and its bytes; None makes one."""
-    if path is None:
-        handle, name = tempfile.mkstemp(dir=_folder(), prefix="dimple-", suffix=".mail")
-    else:
-        handle, name = os.open(path, os.O_RDWR), str(path)
+def _map(path: Path | None) -> tuple[Path, mmap.mmap]:
+    """Return a mailbox file and its bytes; None makes one."""
+    handle, name = (
+        tempfile.mkstemp(dir=_folder(), prefix="dimple-", suffix=".mail")
+        if path is None
+        else (os.open(path, os.O_RDWR), str(path))
+    )
     try:
         if path is None:
-            os.write(handle, bytes(length))  # a full disk is reported now, and not when a message is posted
-        mapped = mmap.mmap(handle, length)
+            os.write(handle, bytes(2 * _SLOT))  # a full disk is reported now, and not when a message is posted
+        mapped = mmap.mmap(handle, 2 * _SLOT)
         if path is not None and os.name == "posix":
             path.unlink(missing_ok=True)
         return Path(name), mapped

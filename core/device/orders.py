@@ -1,27 +1,20 @@
-"""What Blender and the servo tell each other: Blender's order and the servo's report, as rows of numbers."""
+"""What Blender and the servo tell each other: Blender's order and the servo's report, as JSON."""
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Iterator
+import json
 from dataclasses import dataclass
 from enum import Enum
-from itertools import islice
-from typing import Final
+from typing import Any, Final, NamedTuple
 
 from ..messages import kept, read
 from ..vectors import ZERO, Vector
 from .limits import LEASE, STATE_GAP
 from .safety import Arming
 from .surface import Law, Surface
-from .wire import FINGERS
+from .wire import FINGERS as TIPS
 
-TIPS: Final = FINGERS
-FACTORS: Final = 33  # of another tip, as other_tip.COUNT
-_ORDER: Final = struct.Struct(f"<{3 + TIPS * (17 + FACTORS)}d")
-_REPORT: Final = struct.Struct(f"<{13 + TIPS * 9}d")
-_NOTE: Final = 1000  # bytes of the note, with its values
-ORDER_SIZE, REPORT_SIZE = _ORDER.size, _REPORT.size + _NOTE
+LONGEST_NOTE: Final = 1000  # characters, with the values: longer than any sentence that an artist reads
 
 
 class LinkState(Enum):
@@ -56,8 +49,7 @@ class Order:
         return all(s is None or -STATE_GAP <= now - s.stamp <= oldest for s in self.surfaces)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TipState:
+class TipState(NamedTuple):
     """A fingertip of the device, as the servo reports it.
 
     position: [m].
@@ -74,13 +66,9 @@ class TipState:
     full: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ServoReport:
+class ServoReport(NamedTuple):
     """The state of device and link, as the servo reports it.
 
-    link: state of the connection.
-    arming: how far the arming is.
-    tips: the fingertips.
     states: STATEs taken.
     lost: missing in their sequence.
     unsent: answers that the line did not take.
@@ -111,71 +99,34 @@ class ServoReport:
 
 def pack_order(order: Order) -> bytes:
     """Return an order as bytes."""
-    numbers: list[float] = [order.arm, order.disarm, order.held_until]
-    for surface in (*order.surfaces, *(None,) * TIPS)[:TIPS]:
-        numbers += _surface_row(surface) if surface else (0.0,) * (17 + FACTORS)
-    return _ORDER.pack(*numbers)
-
-
-def _surface_row(s: Surface) -> tuple[float, ...]:
-    count = len(s.law.factors)
-    unused = (0.0,) * (FACTORS - count)
-    return (
-        1 + (s.anchor is not None), *s.place, *s.normal, *(s.anchor or ZERO), *s.law[:4], s.law.deepest, s.friction,
-        s.stamp, *s.law.factors, *unused,
-    )  # fmt: skip
+    surfaces = [s and (s.place, s.normal, s.anchor, s.law, s.friction, s.stamp) for s in order.surfaces]
+    return json.dumps((order.arm, order.disarm, order.held_until, surfaces)).encode()
 
 
 def unpack_order(message: bytes) -> Order:
-    """Return the order in a message."""
-    row = iter(_ORDER.unpack(message))
-    arm, disarm, held_until = islice(row, 3)
-    surfaces = tuple([_surface(tuple(islice(row, 17 + FACTORS))) for _ in range(TIPS)])
-    return Order(arm=int(arm), disarm=int(disarm), held_until=held_until, surfaces=surfaces)
+    """Return the order in a message, with a surface or None for each fingertip."""
+    arm, disarm, held_until, surfaces = json.loads(message)
+    made = [_surface(*each) if each else None for each in (*surfaces, *(None,) * TIPS)[:TIPS]]
+    return Order(arm=arm, disarm=disarm, held_until=held_until, surfaces=tuple(made))
 
 
-def _surface(row: tuple[float, ...]) -> Surface | None:
-    if not row[0]:
-        return None
-    K1, K2, x0, power, deepest, friction, stamp = row[10:17]
+def _surface(place: Any, normal: Any, anchor: Any, law: Any, friction: float, stamp: float) -> Surface:
+    K1, K2, x0, power, factors, deepest = law
     return Surface(
-        place=row[1:4], normal=row[4:7], anchor=row[7:10] if row[0] > 1 else None,  # type: ignore[arg-type]
-        law=Law(K1, K2, x0, power, row[17:] if deepest else (), deepest), friction=friction, stamp=stamp,
+        place=tuple(place), normal=tuple(normal), anchor=tuple(anchor) if anchor else None,
+        law=Law(K1, K2, x0, power, tuple(factors), deepest), friction=friction, stamp=stamp,
     )  # fmt: skip
 
 
 def pack_report(report: ServoReport) -> bytes:
-    """Return a report as bytes."""
-    r = report
-    numbers = [
-        r.link.value, r.arming.value, len(r.tips), r.states, r.lost, r.unsent, r.wrong, r.stale, r.rate, r.delay_p50,
-        r.delay_p99, r.cap, r.peak,
-    ]  # fmt: skip
-    for tip in (*r.tips, *(TipState(),) * TIPS)[:TIPS]:
-        numbers += [*tip.position, *tip.force, tip.least_energy, tip.masked, tip.full]
-    return _REPORT.pack(*numbers) + _note(r.note).ljust(_NOTE, b"\0")
-
-
-def _note(note: str) -> bytes:
-    """Return a note as bytes; of one that is too long, a text without values that is cut off."""
-    whole = kept(note).encode()
-    return whole if len(whole) <= _NOTE else note.encode()[:_NOTE]
+    """Return a report as bytes; a note that is too long is cut off, without its values."""
+    link, arming, *rest, note = report
+    said = whole if len(whole := kept(note)) <= LONGEST_NOTE else str.__str__(note)[:LONGEST_NOTE]
+    return json.dumps((link.value, arming.value, *rest, said), ensure_ascii=False).encode()
 
 
 def unpack_report(message: bytes) -> ServoReport:
     """Return the report in a message."""
-    row = iter(_REPORT.unpack_from(message))
-    link, arming, count, states, lost, unsent, wrong, stale, rate, p50, p99, cap, peak = islice(row, 13)
-    tips = tuple([_tip(row) for _ in range(TIPS)])
-    return ServoReport(
-        link=LinkState(link), arming=Arming(arming), tips=tips[: int(count)], states=int(states), lost=int(lost),
-        unsent=int(unsent), wrong=int(wrong), stale=int(stale), rate=rate, delay_p50=p50, delay_p99=p99, cap=cap,
-        peak=peak, note=read(message[-_NOTE:].rstrip(b"\0").decode(errors="ignore")),
-    )  # fmt: skip
-
-
-def _tip(row: Iterator[float]) -> TipState:
-    x, y, z, fx, fy, fz, energy, masked, full = islice(row, 9)
-    return TipState(
-        position=(x, y, z), force=(fx, fy, fz), least_energy=energy, masked=bool(masked), full=bool(full)
-    )
+    link, arming, tips, *rest, note = json.loads(message)
+    made = tuple([TipState(tuple(place), tuple(force), *others) for place, force, *others in tips])
+    return ServoReport._make([LinkState(link), Arming(arming), made, *rest, read(note)])

@@ -14,9 +14,7 @@ WAKE_LATENCY: Final = Path("/dev/cpu_dma_latency")  # of Linux: whoever holds it
 def keep_processors_awake() -> int | None:
     """Keep processors from sleeping between two ticks, which costs milliseconds on a virtual machine.
 
-    Returns:
-        A descriptor that keeps them awake until it is closed or the process ends; None where that is not granted, as
-        to ordinary accounts and outside Linux.
+    Return a descriptor that keeps them awake while it is open; None where the system does not grant that.
     """
     try:
         held = os.open(WAKE_LATENCY, os.O_WRONLY)

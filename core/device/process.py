@@ -6,8 +6,7 @@ import importlib.util
 import os
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, Final
 
@@ -15,7 +14,6 @@ from ..errors import DimpleError
 from .limits import ANSWER_TIME
 
 START: Final = Path(__file__).with_name("start.py")
-PROBE: Final = "import sys, mmap, select, tomllib; print('python', *sys.version_info[:2])"
 
 
 def start(words: Sequence[str], errors: IO[bytes] | None, *, script: Path = START) -> subprocess.Popen[bytes]:
@@ -54,30 +52,15 @@ def end(process: subprocess.Popen[bytes]) -> None:
         process.wait()
 
 
-@lru_cache(maxsize=1)
 def python() -> str:
-    """Return a Python to start processes with: Blender's own.
+    """Return Blender's own Python: in some builds of Blender sys.executable is None, or Blender itself.
 
     Raises:
         DimpleError: none is found.
     """
-    for path in _candidates():
-        try:
-            done = subprocess.run([path, "-I", "-S", "-c", PROBE], capture_output=True, timeout=10, check=False)
-        except (OSError, subprocess.TimeoutExpired):
-            continue
-        if done.stdout.startswith(b"python 3"):
-            return path
+    name, prefix = "python{}.{}".format(*sys.version_info), Path(sys.prefix)
+    places = [Path(sys.executable or ""), *(prefix / "bin" / each for each in (name, "python3", "python.exe"))]
+    for path in places:
+        if "python" in path.name.lower() and path.is_file():
+            return str(path)
     raise DimpleError("Blender's Python was not found, so no device can be run. Install Blender from blender.org.")
-
-
-def _candidates() -> Iterator[str]:
-    """Yield where a Python may be: in some builds of Blender sys.executable is None, or Blender itself."""
-    name = f"python{sys.version_info[0]}.{sys.version_info[1]}"
-    for path in (sys.executable, getattr(sys, "_base_executable", None)):
-        if path and "python" in Path(path).name.lower():
-            yield path
-    for prefix in dict.fromkeys((sys.prefix, sys.exec_prefix, sys.base_prefix)):
-        for place in (f"bin/{name}", "bin/python3", "bin/python.exe", "python.exe"):
-            if (Path(prefix) / place).is_file():
-                yield str(Path(prefix) / place)

@@ -10,13 +10,10 @@ from .limits import LOSS_FRAMES
 
 @dataclass(slots=True)
 class Received:
-    """Counts of STATEs.
+    """Counts of STATEs: used, missing in the sequence, and stale (older than the newest, or seen before).
 
-    taken: arrived and used.
-    missing: missing in the sequence.
-    stale: older than the newest, or seen before.
-    recent: of the last LOSS_FRAMES that were sent, when each came [s] and how many were missing before it.
-    sent: how many those are.
+    recent: of the last LOSS_FRAMES that were sent, when each came [s] and the number that were missing before it.
+    sent: the number of these.
     """
 
     taken: int = 0
@@ -31,7 +28,7 @@ class Received:
         self.sent = 0
 
     def take(self, missing: int, now: float) -> None:
-        """Count a STATE, and how many were missing before it."""
+        """Count a STATE, and the number that were missing before it."""
         self.taken += 1
         self.missing += missing
         self.recent.append((now, missing))
@@ -46,7 +43,6 @@ class Received:
 
     @property
     def rate(self) -> float:
-        """Return how many of the last STATEs came a second [1/s]."""
-        if len(self.recent) < LOSS_FRAMES / 10:
-            return 0.0
-        return (len(self.recent) - 1) / max(self.recent[-1][0] - self.recent[0][0], 1e-6)
+        """Return the rate of the last STATEs [1/s], 0 of too few."""
+        passed = self.recent[-1][0] - self.recent[0][0] if len(self.recent) >= LOSS_FRAMES / 10 else 0.0
+        return (len(self.recent) - 1) / passed if passed > 0 else 0.0

@@ -14,7 +14,7 @@ from .limits import POLL_TIME
 
 WINDOWS: Final = os.name == "nt"
 EDGE_TRIGGERED: Final = hasattr(select, "epoll")
-MAX_BYTES: Final = 65536  # read at once
+MAX_BYTES: Final = 65536  # read at once: no datagram is longer
 IN_USE: Final = {errno.EAGAIN, errno.EWOULDBLOCK, errno.EBUSY}
 
 
@@ -23,18 +23,14 @@ class LineLost(DimpleError):
 
 
 class SerialLine:
-    """An open serial line."""
+    """An open serial line; all methods but `close` raise LineLost where it is gone."""
 
     def __init__(self, port: Any, name: str) -> None:
         self.name = name
         self._port, self._lost = port, lost_errors()
 
     def read(self) -> bytes:
-        """Return all there is, b"" where there is nothing.
-
-        Raises:
-            LineLost: the line is gone.
-        """
+        """Return all there is, b"" where there is nothing."""
         try:
             data = b"" if WINDOWS else take(self._port.fileno())
             # with nothing to come only pyserial's attempt shows that the other end is gone
@@ -43,11 +39,7 @@ class SerialLine:
             raise self._gone(error) from None
 
     def write(self, data: bytes) -> bool:
-        """Send bytes; return False where the line did not take them all; the rest is not sent later.
-
-        Raises:
-            LineLost: the line is gone.
-        """
+        """Send bytes; return False where the line did not take them all; the rest is not sent later."""
         try:
             # pyserial retries a full queue for ever, and asking for room first can take milliseconds (Poller)
             sent = self._port.write(data) if WINDOWS else os.write(self._port.fileno(), data)
@@ -58,11 +50,7 @@ class SerialLine:
         return bool(sent == len(data))
 
     def wait(self, seconds: float) -> bool:
-        """Wait for bytes, at most for a time [s]; tell whether there are some, or the line is gone and `read` raises.
-
-        Raises:
-            LineLost: the line is gone.
-        """
+        """Wait for bytes, at most for a time [s]; tell whether there are some, or `read` will raise."""
         try:
             if not WINDOWS:
                 return bool(select.select([self._port.fileno()], [], [], seconds)[0])
@@ -75,8 +63,7 @@ class SerialLine:
 
     def fileno(self) -> int:
         """Return the descriptor, for select beside others (not on Windows)."""
-        number: int = self._port.fileno()
-        return number
+        return int(self._port.fileno())
 
     def close(self) -> None:
         """Close the line; a lost one too."""
@@ -87,8 +74,8 @@ class SerialLine:
 
     def _gone(self, error: BaseException) -> LineLost:
         return LineLost(
-            "The connection to {name} is lost ({error}). Plug it in, connect, then arm again.",
-            name=self.name, error=error
+            "The connection to {name} is lost ({error}). Check its cable or network, connect, then arm again.",
+            name=self.name, error=getattr(error, "strerror", None) or error
         )  # fmt: skip
 
 

@@ -99,13 +99,9 @@ class Servo:
             unsent=self.unsent, wrong=self._decoder.refused, stale=received.stale, rate=received.rate,
             delay_p50=measured.rtt_p50_us * 1e-6 if measured else 0.0,
             delay_p99=measured.rtt_p99_us * 1e-6 if measured else 0.0,
-            cap=self.cap, peak=self.spec.peak_force,
-            note=self.note or self._switch.reason or warning,
+            cap=self.cap, peak=self.spec.peak_force, note=self.note or self._switch.reason or warning,
             tips=tuple(
-                TipState(
-                    position=f.at, force=f.guard.sent, least_energy=f.guard.passivity.least,
-                    masked=f.bad > 0 or f.angles is None, full=f.guard.full,
-                )
+                TipState(f.at, f.guard.sent, f.guard.passivity.least, f.bad > 0 or f.angles is None, f.guard.full)
                 for f in self._fingers
             ),
         )  # fmt: skip
@@ -170,9 +166,8 @@ class Servo:
         self._device_time += dt
         acted, left = self._sent.between(self.spec, before, state, self._device_time)
         for i, finger in enumerate(self._fingers):
-            words = state.adc[3 * i], state.adc[3 * i + 1], state.adc[3 * i + 2]
             masked = bool(state.status & wire.MASKED << i)
-            finger.sense(self.spec, words, masked, ticks, self._device_time, acted[i], left)
+            finger.sense(self.spec, state.adc[3 * i : 3 * i + 3], masked, ticks, self._device_time, acted[i], left)
         self._take_surfaces(now)
         # a frozen simulation counts as a released key; the quiet is judged by surfaces that have not begun to fade
         oldest = limits.LOST_TIME if self._switch.arming is Arming.WAITING else limits.LEASE

@@ -12,9 +12,6 @@ from .safety import Guard
 from .spec import Spec
 from .surface import Contact
 
-Three = tuple[int, int, int]
-Angles = tuple[float, float, float]
-
 
 @dataclass(slots=True, kw_only=True)
 class ServoFinger:
@@ -31,12 +28,12 @@ class ServoFinger:
     block: Block
     guard: Guard
     contact: Contact = field(default_factory=Contact)
-    angles: Angles | None = None
+    angles: Vector | None = None
     at: Vector = ZERO
     bad: int = 0
 
     def sense(
-        self, spec: Spec, words: Three, masked: bool, ticks: int, time: float, acted: Vector, left: float
+        self, spec: Spec, words: tuple[int, ...], masked: bool, ticks: int, time: float, acted: Vector, left: float
     ) -> None:
         """Take a reading.
 
@@ -61,7 +58,7 @@ class ServoFinger:
         self.at, self.angles, self.bad = kinematics.forward(self.block, angles), angles, 0
         self.guard.move(self.at, time, acted, left)
 
-    def _jumps(self, angles: Angles, dt: float) -> bool:
+    def _jumps(self, angles: Vector, dt: float) -> bool:
         if self.angles is None:
             return False
         (a, b, c), (x, y, z) = angles, self.angles
@@ -72,7 +69,7 @@ class ServoFinger:
         self.angles, self.bad = None, 0
         self.guard.skip()
 
-    def drive(self, spec: Spec, force: Vector) -> Three:
+    def drive(self, spec: Spec, force: Vector) -> tuple[int, int, int]:
         """Return the torque words for a force [N]; a torque beyond its motor shortens the force, never turns it."""
         if force == ZERO or self.angles is None:
             return (0, 0, 0)

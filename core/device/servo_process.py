@@ -13,18 +13,17 @@ import signal
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 from ..errors import DimpleError
 from . import priority
 from .limits import BLENDER_GONE, POLL_TIME, REPORT_EVERY, STATE_GAP
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
-from .orders import ORDER_SIZE, LinkState, ServoReport, pack_report, unpack_order
+from .orders import LinkState, ServoReport, pack_report, unpack_order
 from .serial_line import WINDOWS, LineLost, Poller, SerialLine, open_line
 from .servo import Servo
 from .spec import load_spec
-from .udp_line import PREFIX, UdpLine, open_udp
+from .udp_line import PREFIX, open_udp
 
 
 def main(words: list[str]) -> int:
@@ -51,9 +50,7 @@ def run(make_servo: Callable[..., Servo], port: str, mailbox: Path, device: Path
 
     Args:
         make_servo: Servo, or of a study one that keeps a log.
-        port: path of the serial port.
-        mailbox: the file that Blender made.
-        device: device file, None for the Haptic Master's.
+        port, mailbox, device: see `add_options`.
 
     Returns:
         The exit code: 0, or 2 where the line was refused or lost; the reason is in the last report.
@@ -65,7 +62,8 @@ def run(make_servo: Callable[..., Servo], port: str, mailbox: Path, device: Path
     box, servo = Mailbox(mailbox), None
     try:
         spec = load_spec(device)
-        servo, line = make_servo(spec, nonce=os.getpid() & 0xFFFF), open_to(port, spec.baud)
+        servo = make_servo(spec, nonce=os.getpid() & 0xFFFF)
+        line = open_udp(port) if port.startswith(PREFIX) else open_line(port, spec.baud)
         try:
             serve(servo, line, box, listener(line))
         finally:
@@ -73,21 +71,15 @@ def run(make_servo: Callable[..., Servo], port: str, mailbox: Path, device: Path
         return 0 if servo.link is not LinkState.REFUSED else 2
     except DimpleError as error:
         link = LinkState.LOST if isinstance(error, LineLost) else LinkState.REFUSED
-        report = replace(servo.report() if servo else ServoReport(), link=link, note=str(error))
-        box.post(FROM_SERVO, pack_report(report))
+        report = servo.report() if servo else ServoReport()
+        box.post(FROM_SERVO, pack_report(report._replace(link=link, note=str(error))))
         return 2
     finally:
         box.close()
 
 
-def serve(servo: Servo, line: SerialLine | UdpLine, box: Mailbox, listen: Callable[[float], bytes | None]) -> None:
+def serve(servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float], bytes | None]) -> None:
     """Answer the device until Blender is gone or the device refused.
-
-    Args:
-        servo: what answers.
-        line: to the device.
-        box: shared with Blender.
-        listen: see `listener`.
 
     Raises:
         LineLost: the line is gone.
@@ -103,18 +95,13 @@ def serve(servo: Servo, line: SerialLine | UdpLine, box: Mailbox, listen: Callab
             box.post(FROM_SERVO, pack_report(servo.report()))
         if servo.link is LinkState.REFUSED:
             return
-        seen, message = box.read(TO_SERVO, ORDER_SIZE, seen)  # after the answer: no device waits for Blender
+        seen, message = box.read(TO_SERVO, seen)  # after the answer: no device waits for Blender
         if message:
             ordered = time.perf_counter()
             servo.order = unpack_order(message)
 
 
-def open_to(port: str, baud: int) -> SerialLine | UdpLine:
-    """Open the line that a port names: a serial port, or an address on the network."""
-    return open_udp(port) if port.startswith(PREFIX) else open_line(port, baud)
-
-
-def listener(line: SerialLine | UdpLine) -> Callable[[float], bytes | None]:
+def listener(line: SerialLine) -> Callable[[float], bytes | None]:
     """Return a function that waits for the next bytes of the line, given when the last order came [s].
 
     The function returns b"" where no bytes came, and None where Blender is gone.
@@ -139,7 +126,7 @@ def listener(line: SerialLine | UdpLine) -> Callable[[float], bytes | None]:
     return by_pipe
 
 
-def release(servo: Servo, line: SerialLine | UdpLine) -> None:
+def release(servo: Servo, line: SerialLine) -> None:
     """Disarm the device, if it can still be reached, and free the port."""
     try:
         line.write(servo.close())

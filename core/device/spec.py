@@ -22,8 +22,8 @@ HAS_FORCE: Final = 1  # Info.capabilities
 DEGREE: Final = math.pi / 180
 
 
-def _at(table: str, key: str, factor: float = 1.0) -> Any:
-    """Say where a number is in the file, and what it is multiplied by there; 0: it is whole."""
+def _at(table: str, key: str, factor: float | None = 1.0) -> Any:
+    """Say where a value is in the file, and what it is multiplied by there; 0: it is whole; None: it is text."""
     return field(metadata={"at": (table, key, factor)})
 
 
@@ -35,8 +35,8 @@ class Spec:
         DimpleError: the baud rate cannot carry a STATE each tick.
     """
 
-    name: str
-    block_names: tuple[str, ...]
+    name: str = _at("", "name", None)
+    block_names: tuple[str, ...] = _at("blocks", "names", None)
     block_angles: Vector = _at("blocks", "angles_deg", DEGREE)
     geometry: int = _at("geometry", "id", 0)
     l1: float = _at("geometry", "l1_m")
@@ -86,7 +86,9 @@ def load_spec(path: Path | None = None) -> Spec:
     """
     path = path or HAPTIC_MASTER
     try:
-        spec = _spec(tomllib.loads(path.read_text(encoding="utf-8")))
+        file = tomllib.loads(path.read_text(encoding="utf-8"))
+        spec = Spec(**{each.name: _read(file, each) for each in fields(Spec)})
+        _check(spec)
     except OSError as error:
         raise DimpleError(
             "The device file {path} cannot be read: {error}.", path=path, error=error.strerror or error
@@ -102,49 +104,30 @@ def load_spec(path: Path | None = None) -> Spec:
     return spec
 
 
-def _spec(file: dict[str, Any]) -> Spec:
-    name = _text("name", file["name"])
-    names = tuple([_text("names", each) for each in _list(file, "blocks", "names")])
-    numbers = {each.name: _read(file, each) for each in fields(Spec) if each.metadata}
-    spec = Spec(name=name, block_names=names, **numbers)
-    _check(spec)
-    return spec
-
-
-def _value(file: dict[str, Any], table: str, name: str) -> Any:
-    if not isinstance(file[table], dict):
+def _read(file: dict[str, Any], place: Field[Any]) -> Any:
+    """Return the value of a field; all values of a list are read alike."""
+    table, key, factor = place.metadata["at"]
+    values = file[table] if table else file
+    if not isinstance(values, dict):
         raise ValueError(Message("[{table}] must be a table", table=table))
-    return file[table][name]
+    value = values[key]
+    if place.type not in ("Vector", "tuple[str, ...]"):
+        return _one(key, value, factor)
+    if not isinstance(value, list) or len(value) != wire.FINGERS:
+        raise ValueError(Message("{name} must be a list of three, not {value}", name=key, value=repr(value)))
+    return tuple([_one(key, each, factor) for each in value])
 
 
-def _text(name: str, value: Any) -> str:
-    if not isinstance(value, str) or not value:
-        raise ValueError(Message("{name} must be text, not {value}", name=name, value=repr(value)))
-    return value
-
-
-def _read(file: dict[str, Any], number: Field[Any]) -> Any:
-    table, key, factor = number.metadata["at"]
-    if number.type == "Vector":
-        return tuple([_scaled(key, value, factor) for value in _list(file, table, key)])
-    return _scaled(key, _value(file, table, key), factor)
-
-
-def _scaled(name: str, value: Any, factor: float) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+def _one(name: str, value: Any, factor: float | None) -> Any:
+    if factor is None:
+        if not isinstance(value, str) or not value:
+            raise ValueError(Message("{name} must be text, not {value}", name=name, value=repr(value)))
+        return value
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise ValueError(Message("{name} must be a number, not {value}", name=name, value=repr(value)))
-    if factor:
-        return factor * value
-    if value != round(value):
+    if not factor and value != round(value):
         raise ValueError(Message("{name} must be a whole number, not {value}", name=name, value=repr(value)))
-    return round(value)
-
-
-def _list(file: dict[str, Any], table: str, name: str) -> list[Any]:
-    values = _value(file, table, name)
-    if not isinstance(values, list) or len(values) != wire.FINGERS:
-        raise ValueError(Message("{name} must be a list of three, not {value}", name=name, value=repr(values)))
-    return values
+    return factor * value if factor else round(value)
 
 
 def _check(spec: Spec) -> None:
@@ -211,16 +194,10 @@ def check_info(spec: Spec, reported: wire.Info) -> None:
         )  # fmt: skip
     own = info(spec, reported.nonce, reported.session)
     free = {"nonce", "minor", "session", "capabilities"}
-    other = [name for name, a, b in zip(own._fields, reported, own, strict=True) if a != b and name not in free]
+    other = [(name, a, b) for name, a, b in zip(own._fields, reported, own, strict=True) if a != b and name not in free]
     if other:
         differences = ", ".join(
-            Message(
-                "{name} {given} instead of {expected}",
-                name=name,
-                given=getattr(reported, name),
-                expected=getattr(own, name),
-            )
-            for name in other
+            Message("{name} {given} instead of {expected}", name=name, given=a, expected=b) for name, a, b in other
         )
         raise DimpleError(
             "The device is not the one of the device file ({name}): it reports {differences}. Choose the file of "

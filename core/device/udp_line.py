@@ -6,28 +6,22 @@ line; a device that falls silent has no force after 5 ms and is lost after 100 m
 
 from __future__ import annotations
 
+import select
 import socket
 from typing import Final
 
 from ..errors import DimpleError
-from .serial_line import MAX_BYTES, LineLost
+from .serial_line import MAX_BYTES, SerialLine
 
 PREFIX: Final = "udp:"
 EXAMPLE: Final = "udp:127.0.0.1:7400"
 
 
-class UdpLine:
+class UdpLine(SerialLine):
     """An open socket to one device."""
 
-    def __init__(self, port: socket.socket, name: str) -> None:
-        self.name, self._port = name, port
-
     def read(self) -> bytes:
-        """Return all there is, b"" where there is nothing.
-
-        Raises:
-            LineLost: the network is gone.
-        """
+        """Return all there is, b"" where there is nothing."""
         parts = []
         while True:
             try:
@@ -40,11 +34,7 @@ class UdpLine:
                 raise self._gone(error) from None
 
     def write(self, data: bytes) -> bool:
-        """Send bytes; return False where they did not leave.
-
-        Raises:
-            LineLost: the network is gone.
-        """
+        """Send bytes; return False where they did not leave."""
         try:
             return self._port.send(data) == len(data)
         except (BlockingIOError, ConnectionRefusedError):
@@ -54,22 +44,7 @@ class UdpLine:
 
     def wait(self, seconds: float) -> bool:
         """Wait for bytes, at most for a time [s]; tell whether there are some."""
-        import select
-
         return bool(select.select([self._port], [], [], seconds)[0])
-
-    def fileno(self) -> int:
-        """Return the descriptor, for select beside others."""
-        return self._port.fileno()
-
-    def close(self) -> None:
-        """Close the socket."""
-        self._port.close()
-
-    def _gone(self, error: OSError) -> LineLost:
-        return LineLost(
-            "The connection to {name} is lost ({error}). Connect, then arm again.", name=self.name, error=error.strerror
-        )
 
 
 def open_udp(path: str) -> UdpLine:

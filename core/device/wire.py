@@ -17,7 +17,7 @@ from typing import Final, NamedTuple
 PROTOCOL: Final = (1, 0)  # major: a difference is refused; minor: more frame types, skipped where they are unknown
 MOST_PAYLOAD: Final = 33  # bytes
 FINGERS: Final = 3
-CHANNELS: Final = 9  # three joints of three fingers
+CHANNELS: Final = 3 * FINGERS  # three joints each
 FULL_SCALE: Final = 32767  # of a torque word
 
 ENABLE, DEADMAN, CLEAR = 1, 2, 4  # Command.flags
@@ -152,22 +152,20 @@ _TYPES: Final[dict[type, tuple[int, struct.Struct]]] = {
     Fault: (0x18, struct.Struct("<BBBBH")),
     LinkReport: (0x19, struct.Struct("<BBHIIIHHHHHHH")),
 }
-# the one field of a frame that is itself a tuple: from, to
-_NESTED: Final = {DeviceState: (4, 13), Command: (3, 12), Info: (8, 11)}
+_NESTED: Final = {DeviceState: (5, 14), Command: (4, 13), Info: (9, 12)}  # numbers of a payload that are one field
 
 
-def _maker(kind: type, at: tuple[int, int] | None) -> Callable[[tuple[int, ...]], Frame]:
+def _maker(kind: type) -> Callable[[tuple[int, ...]], Frame]:
     """Return the function that makes a frame from the numbers of a payload, its type among them."""
     make: Callable[[tuple[object, ...]], Frame] = kind._make  # type: ignore[attr-defined]
-    if at is None:
+    if kind not in _NESTED:
         return lambda numbers: make(numbers[1:])
-    first, last = at[0] + 1, at[1] + 1
+    first, last = _NESTED[kind]
     return lambda numbers: make((*numbers[1:first], numbers[first:last], *numbers[last:]))
 
 
 _MAKERS: Final = {
-    number: (layout.size + 4, layout.unpack_from, _maker(kind, _NESTED.get(kind)))
-    for kind, (number, layout) in _TYPES.items()
+    number: (layout.size + 4, layout.unpack_from, _maker(kind)) for kind, (number, layout) in _TYPES.items()
 }
 _CRC: Final = struct.Struct("<I")
 _LONGEST: Final = MOST_PAYLOAD + 4 + 1  # bytes between two 0x00
@@ -179,14 +177,11 @@ def encode(frame: Frame) -> bytes:
     Raises:
         struct.error: a number does not fit its field.
     """
-    kind = type(frame)
-    number, layout = _TYPES[kind]
-    nested = _NESTED.get(kind)
-    if nested is None:
-        payload = layout.pack(number, *frame)
-    else:
-        at = nested[0]
-        payload = layout.pack(number, *frame[:at], *frame[at], *frame[at + 1 :])  # type: ignore[misc]
+    number, layout = _TYPES[type(frame)]
+    fields: list[int] = []
+    for each in frame:
+        fields.extend(each if isinstance(each, tuple) else (each,))
+    payload = layout.pack(number, *fields)
     return stuff(payload + _CRC.pack(zlib.crc32(payload)))
 
 
@@ -224,20 +219,11 @@ class Decoder:
     def __init__(self) -> None:
         self.refused = 0
         self._rest = b""
-        self._lost = False  # the piece under way is too long already
 
     def feed(self, data: bytes) -> list[Frame]:
         """Return the frames that end in the next bytes, oldest first."""
         pieces = (self._rest + data).split(b"\0")
-        rest = pieces.pop()
-        if pieces and self._lost:
-            del pieces[0]
-            self._lost = False
-        if len(rest) > _LONGEST:
-            if not self._lost:
-                self.refused += 1
-            self._lost, rest = True, b""
-        self._rest = rest
+        self._rest = pieces.pop()[: _LONGEST + 1]  # enough to be refused, once its end comes
         return [frame for piece in pieces if piece and (frame := self._frame(piece)) is not None]
 
     def _frame(self, piece: bytes) -> Frame | None:

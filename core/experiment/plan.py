@@ -14,10 +14,10 @@ import json
 import math
 import random
 import zlib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from ..errors import DimpleError
 from ..messages import Message
@@ -29,9 +29,9 @@ CONSENT: Final = (
 )
 STEPS: Final = ("Different", "Slightly Alike", "Alike", "The Same")  # ours: the paper names none of its four
 CONDITIONS: Final = ("felt", "seen")
-LEVELS: Final = (0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)
-LEAST, MOST = 0.05, 20.0  # of a level
-LONGEST: Final = 10_000  # trials of a participant
+LEVELS: Final = (0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)  # two or three just-noticeable differences to either side
+LEAST, MOST = 0.05, 20.0  # of a level: beyond, the object is no longer one that a fingertip can press
+LONGEST: Final = 10_000  # trials of a participant: more than a day at ten seconds each
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,10 +48,10 @@ class Task:
     start, step: of a staircase; the step is a share of the level.
     """
 
-    kind: str
-    condition: str
-    object: str
-    repeats: int
+    kind: str = ""
+    condition: str = "felt"
+    object: str = ""
+    repeats: int = 1
     steps: tuple[str, ...] = STEPS
     method: str = "constant"
     levels: tuple[float, ...] = LEVELS
@@ -59,21 +59,21 @@ class Task:
     step: float = 0.1
 
     @property
-    def trials(self) -> int:
-        """Return how many trials it has."""
-        many = self.kind == "comparison" and self.method == "constant"
-        return self.repeats * (len(self.levels) if many else 1)
+    def staircase(self) -> bool:
+        """Tell whether the levels follow the answers."""
+        return self.kind == "comparison" and self.method == "staircase"
+
+    @property
+    def shown_levels(self) -> tuple[float, ...]:
+        """Return the level of each trial, those of a staircase as if none were answered."""
+        if self.kind == "rating":
+            return (1.0,) * self.repeats
+        return ((self.start,) if self.staircase else self.levels) * self.repeats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExperimentPlan:
-    """An experiment.
-
-    name: of it.
-    seed: of all order and chance.
-    consent: shown before the first trial.
-    tasks: its parts.
-    """
+    """An experiment: its name, the seed of all order and chance, the text that a participant agrees to, its tasks."""
 
     name: str
     seed: int
@@ -82,49 +82,52 @@ class ExperimentPlan:
 
     @property
     def checksum(self) -> str:
-        """Return what differs between two plans."""
+        """Return a text that differs between two plans."""
         return f"{zlib.crc32(repr((self.seed, self.tasks)).encode()):08x}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Slot:
-    """A place in the order of a participant.
+class Trial(NamedTuple):
+    """A trial.
 
-    task: number of the task.
-    level: factor on the stiffness, None where a staircase chooses it.
+    number, of: the first is 1; how many there are.
+    task, task_number: its task; the first is 0.
+    label: blind name of the object, all that a participant may see.
+    level: factor on the stiffness of the test.
     test_first: of a comparison, the test comes before the reference.
-    label: blind name of the object.
     """
 
-    task: int
-    level: float | None
-    test_first: bool
+    number: int
+    of: int
+    task: Task
+    task_number: int
     label: str
+    level: float
+    test_first: bool
+
+    @property
+    def shown(self) -> tuple[float, ...]:
+        """Return factors on the stiffness in the order they are shown: one of a rating, two of a comparison."""
+        if self.task.kind == "rating":
+            return (1.0,)
+        return (self.level, 1.0) if self.test_first else (1.0, self.level)
 
 
-def order(plan: ExperimentPlan, participant: str) -> list[Slot]:
+def order(plan: ExperimentPlan, participant: str) -> list[Trial]:
     """Return the trials of a participant: tasks in a seeded order, the trials of each shuffled."""
     dice = random.Random(f"{plan.seed} {participant}")
     names = sorted({task.object for task in plan.tasks})
     labels = [chr(ord("A") + i) if i < 26 else f"A{i}" for i in range(len(names))]
     dice.shuffle(labels)
-    label = dict(zip(names, labels, strict=True))
-    tasks = list(range(len(plan.tasks)))
+    tasks, trials, of = list(enumerate(plan.tasks)), list[Trial](), sum(len(task.shown_levels) for task in plan.tasks)
     dice.shuffle(tasks)
-    slots = []
-    for number in tasks:
-        task = plan.tasks[number]
-        levels: list[float | None] = [1.0] * task.repeats
-        if task.kind == "comparison":
-            levels = [None] * task.repeats if task.method == "staircase" else [*task.levels] * task.repeats
-            dice.shuffle(levels)
+    for number, task in tasks:
+        levels, label = list(task.shown_levels), labels[names.index(task.object)]
         firsts = [i % 2 == 0 for i in range(len(levels))]
+        dice.shuffle(levels)
         dice.shuffle(firsts)
-        slots += [
-            Slot(task=number, level=level, test_first=first, label=label[task.object])
-            for level, first in zip(levels, firsts, strict=True)
-        ]
-    return slots
+        trials += [Trial(len(trials) + i, of, task, number, label, *each)
+                   for i, each in enumerate(zip(levels, firsts, strict=True), start=1)]  # fmt: skip
+    return trials
 
 
 def read_plan(path: Path) -> ExperimentPlan:
@@ -139,8 +142,9 @@ def read_plan(path: Path) -> ExperimentPlan:
         raise DimpleError("The experiment {name} cannot be read: {error}.", name=path.name, error=error) from None
     try:
         if path.suffix.lower() == ".csv":
-            rows = list(csv.DictReader(io.StringIO(text)))
-            return make_plan({"name": path.stem, "tasks": [_cells(row) for row in rows]})
+            rows = csv.DictReader(io.StringIO(text), skipinitialspace=True)
+            tasks = [{k.strip(): cell for k, cell in row.items() if k and cell and cell.strip()} for row in rows]
+            return make_plan({"name": path.stem, "tasks": tasks})
         return make_plan({"name": path.stem, **json.loads(text)})
     except (ValueError, TypeError, AttributeError) as error:
         raise DimpleError("{name} is not an experiment: {error}.", name=path.name, error=error) from None
@@ -155,35 +159,19 @@ def make_plan(file: Mapping[str, Any]) -> ExperimentPlan:
     tasks = [_task(number, task) for number, task in enumerate(file.get("tasks") or [], start=1)]
     if not tasks:
         raise DimpleError("The experiment has no tasks.")
-    if sum(task.trials for task in tasks) > LONGEST:
+    if sum(len(task.shown_levels) for task in tasks) > LONGEST:
         raise DimpleError("The experiment has more than {most} trials.", most=LONGEST)
     name = str(file["name"])
     seed = int(file.get("seed", zlib.crc32(name.encode())))
     return ExperimentPlan(name=name, seed=seed, consent=str(file.get("consent") or CONSENT), tasks=tuple(tasks))
 
 
-def _cells(row: Mapping[str, str | None]) -> dict[str, Any]:
-    """Return a row of a CSV as a task; empty cells say nothing."""
-    given: dict[str, Any] = {name.strip(): cell.strip() for name, cell in row.items() if name and cell and cell.strip()}
-    if "levels" in given:
-        given["levels"] = given["levels"].split()
-    if "steps" in given:
-        given["steps"] = [word.strip() for word in given["steps"].split("|")]
-    return given
-
-
 def _task(number: int, given: Mapping[str, Any]) -> Task:
-    known = set(Task.__dataclass_fields__)
+    kinds = {each.name: str(each.type) for each in fields(Task)}
     try:
-        if unknown := sorted(set(given) - known):
+        if unknown := sorted(set(given) - set(kinds)):
             raise ValueError(Message("it has no {unknown}", unknown=tuple(unknown)))
-        task = Task(
-            kind=str(given.get("kind", "")), condition=str(given.get("condition", "felt")),
-            object=str(given.get("object", "")), repeats=_whole("repeats", given.get("repeats", 1)),
-            steps=tuple(str(step) for step in given.get("steps", STEPS)), method=str(given.get("method", "constant")),
-            levels=tuple(_number("a level", level) for level in given.get("levels", LEVELS)),
-            start=_number("start", given.get("start", 1.5)), step=_number("step", given.get("step", 0.1)),
-        )  # fmt: skip
+        task = Task(**{name: _READ[kinds[name]](name, value) for name, value in given.items()})
         _check(task)
     except (ValueError, TypeError) as error:
         raise DimpleError("Task {number} of the experiment: {error}.", number=number, error=error) from None
@@ -194,7 +182,7 @@ def _check(task: Task) -> None:
     for what, holds in (
         ("kind must be rating or comparison", task.kind in ("rating", "comparison")),
         (Message("condition must be {conditions}", conditions=" or ".join(CONDITIONS)), task.condition in CONDITIONS),
-        ("object must name a material", bool(task.object)),
+        ("object must name a material", task.object != "" and task.object.isprintable()),  # it is on a line of the log
         ("repeats must be 1 or more", task.repeats >= 1),
         ("steps must be 2 to 9 different words", 2 <= len(set(task.steps)) == len(task.steps) <= 9),
         ("method must be constant or staircase", task.method in ("constant", "staircase")),
@@ -208,14 +196,26 @@ def _check(task: Task) -> None:
 
 
 def _number(name: str, value: Any) -> float:
-    number = float(value)
-    if not math.isfinite(number):
+    if not math.isfinite(number := float(value)):
         raise ValueError(Message("{name} must be a number", name=name))
     return number
 
 
 def _whole(name: str, value: Any) -> int:
-    number = _number(name, value)
-    if number != round(number):
+    if not (number := _number(name, value)).is_integer():
         raise ValueError(Message("{name} must be a whole number", name=name))
-    return round(number)
+    return int(number)
+
+
+def _list(value: Any, mark: str | None) -> list[Any]:
+    """Return the values of a list, or of a cell of a CSV."""
+    return value.split(mark) if isinstance(value, str) else list(value)
+
+
+_READ: Final[dict[str, Callable[[str, Any], Any]]] = {
+    "str": lambda _, value: str(value).strip(),
+    "int": _whole,
+    "float": _number,
+    "tuple[str, ...]": lambda _, value: tuple(str(each).strip() for each in _list(value, "|")),
+    "tuple[float, ...]": lambda _, value: tuple(_number("a level", each) for each in _list(value, None)),
+}

@@ -3,39 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 
 from ..errors import DimpleError
 from .log import Log, Row, Sample
-from .plan import ExperimentPlan, Task, order
+from .plan import ExperimentPlan, Trial, order
 from .staircase import next_level
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Trial:
-    """A trial.
-
-    number: from 1 on.
-    of: how many there are.
-    task: its task.
-    label: blind name of the object, all that a participant may see.
-    level: factor on the stiffness of the test.
-    shown: factors on the stiffness in the order they are shown: one of a rating, two of a comparison.
-    test_first: of a comparison, the first of them is the test.
-    """
-
-    number: int
-    of: int
-    task: Task
-    label: str
-    level: float
-    shown: tuple[float, ...]
-    test_first: bool
-
-
 class Experiment:
-    """A participant's experiment, which goes on where its log ends.
+    """A participant's experiment, which continues where its log ends.
 
     Raises:
         DimpleError: the log is of another plan or another participant.
@@ -43,7 +20,7 @@ class Experiment:
 
     def __init__(self, plan: ExperimentPlan, participant: str, log: Log) -> None:
         self.plan, self.participant, self.log = plan, participant, log
-        self._slots = order(plan, participant)
+        self._trials = order(plan, participant)
         for row in log.rows:
             if (row.plan, row.participant) != (plan.checksum, participant):
                 raise DimpleError(
@@ -51,24 +28,19 @@ class Experiment:
                     "Choose another file.",
                     path=log.path, participant=row.participant
                 )  # fmt: skip
-        if len(log.rows) > len(self._slots):
+        if len(log.rows) > len(self._trials):
             raise DimpleError("{path} has more answers than the experiment has trials.", path=log.path)
 
     def next(self) -> Trial | None:
         """Return the next trial, None where all are answered."""
         number = len(self.log.rows)
-        if number >= len(self._slots):
+        if number >= len(self._trials):
             return None
-        slot = self._slots[number]
-        task, level = self.plan.tasks[slot.task], slot.level
-        if level is None:
-            answers = [(row.level, bool(row.response)) for row in self.log.rows if row.task == slot.task]
-            level = next_level(task.start, task.step, answers)
-        shown = (1.0,) if task.kind == "rating" else (level, 1.0) if slot.test_first else (1.0, level)
-        return Trial(
-            number=number + 1, of=len(self._slots), task=task, label=slot.label, level=level, shown=shown,
-            test_first=slot.test_first,
-        )  # fmt: skip
+        trial = self._trials[number]
+        if trial.task.staircase:
+            answers = [(row.level, bool(row.response)) for row in self.log.rows if row.task == trial.task_number]
+            trial = trial._replace(level=next_level(trial.task.start, trial.task.step, answers))
+        return trial
 
     def answer(self, chosen: int, *, seconds: float = 0.0, samples: Sequence[Sample] = ()) -> None:
         """Keep the answer to the next trial.
@@ -87,12 +59,12 @@ class Experiment:
         rating = trial.task.kind == "rating"
         if not 1 <= chosen <= (len(trial.task.steps) if rating else 2):
             raise DimpleError("There is no answer {chosen}.", chosen=chosen)
-        response = chosen if rating else int((chosen == 1) == trial.test_first)
         row = Row(
             trial=trial.number, plan=self.plan.checksum, participant=self.participant,
-            time=datetime.now(UTC).isoformat(timespec="seconds"), task=self._slots[trial.number - 1].task,
+            time=datetime.now(UTC).isoformat(timespec="milliseconds"), task=trial.task_number,
             kind=trial.task.kind, condition=trial.task.condition, object=trial.task.object, label=trial.label,
-            level=trial.level, test_first=trial.test_first, response=response, seconds=round(seconds, 3),
+            level=trial.level, test_first=int(trial.test_first),
+            response=chosen if rating else int((chosen == 1) == trial.test_first), seconds=round(seconds, 3),
             force_max_n=round(max((force for *_, force in samples), default=0.0), 4),
             depth_max_mm=round(1e3 * max((depth for _, depth, _ in samples), default=0.0), 4),
         )  # fmt: skip

@@ -1,7 +1,7 @@
-"""A staircase: the next level from the answers so far. One up, one down: it goes round the point of equality.
+"""A staircase: the next level from the answers so far. One up, one down: it converges on the point of equality.
 
 Two run interleaved, one from above and one from below, so that nobody can count steps; each step is a share of the
-level, halved at the first two turns, and levels within it are drawn at random so that the slope is seen too.
+level, halved at each of the first two turns, and levels within it are drawn at random so that the slope is seen too.
 """
 
 from __future__ import annotations
@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-TURNS: Final = 2  # after which the step stays
-SPREAD: Final = (-2.0, -1.0, 0.0, 1.0, 2.0)  # steps beside the track: one level alone says nothing of the slope
+from .plan import LEAST, MOST
+
+SPREAD: Final = (-2, -1, 0, 1, 2)  # steps beside the track after two turns: one level alone says nothing of the slope
 
 
 def next_level(start: float, step: float, answers: Sequence[tuple[float, bool]]) -> float:
@@ -18,17 +19,15 @@ def next_level(start: float, step: float, answers: Sequence[tuple[float, bool]])
 
     Args:
         start: of the track from above; that from below begins at 1 / start.
-        step: share of the level.
+        step: share of the level; the first steps are twice as large.
         answers: level and whether it was judged the stiffer, of all trials so far.
     """
     number = len(answers)
-    track = answers[number % 2 :: 2]
-    level, size, turns, before = (start, 2.0 * step, 0, None) if number % 2 == 0 else (1 / start, 2.0 * step, 0, None)
-    for _, stiffer in track:
-        if before is not None and stiffer is not before:
-            turns += 1
-            size = max(size / 2, step / 2) if turns <= TURNS else size
-        level *= (1 - size) if stiffer else 1 / (1 - size)
+    level = 1 / start if number % 2 else start
+    turns, before = 0, None
+    for _, stiffer in answers[number % 2 :: 2]:
+        turns += before is not None and stiffer is not before
+        level *= (1 - 2 * step / 2 ** min(turns, 2)) ** (1 if stiffer else -1)
         before = stiffer
-    beside = SPREAD[(number // 2) % len(SPREAD)] if turns >= TURNS else 0.0
-    return round(min(max(level * (1 + beside * step), 0.05), 20.0), 4)
+    beside = SPREAD[number // 2 % len(SPREAD)] if turns >= 2 else 0
+    return round(min(max(level * (1 + beside * step), LEAST), MOST), 4)

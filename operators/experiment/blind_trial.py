@@ -11,12 +11,13 @@ import bpy
 from ..press import sessions
 
 if TYPE_CHECKING:
-    from ...core.experiment.run import Experiment, Trial
+    from ...core.experiment.plan import Trial
+    from ...core.experiment.run import Experiment
     from ...core.poke import PokeState
 
 MATERIAL = "Dimple Trial"  # shown in place of the object's own, so that its name tells nothing
 SEEN_N = 5.0  # [N] of the press that is replayed for those who only see: by force, a softer body sinks in deeper
-PRESS_S, HOLD_S, RELEASE_S = 0.6, 0.6, 0.4
+PRESS_S, HOLD_S, RELEASE_S = 0.6, 0.6, 0.4  # [s] of that press: as quick as a person who tests a fruit
 FELT_S = 3.0  # [s] that a script lets a device press
 
 

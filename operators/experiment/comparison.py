@@ -235,12 +235,10 @@ class DIMPLE_OT_stop_experiment(polls.Declared, bpy.types.Operator):
     needs = (_is_open,)
 
     def run(self, _context: bpy.types.Context) -> None:
-        """Stop, report the results, and restore the material of the object."""
-        from ...core.experiment.results import sentences
-
-        for sentence in sentences(experiments[0].experiment.log.rows):
-            say(self, {"INFO"}, sentence)
+        """Stop, report how many trials are answered, and restore the material of the object."""
+        done = len(experiments[0].experiment.log.rows)
         close()
+        say(self, {"INFO"}, Message("{done} trials are answered", done=done))
 
 
 CLASSES = [

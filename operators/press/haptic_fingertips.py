@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from ...core.session import Finger
     from .sessions import LiveBody
 
-SLOW_S = 0.25  # between two frames of Blender: slower, and the dead-man key lapses between them (limits.LEASE)
-LOOK_S = 0.1  # between two looks at the device while nothing runs
+SLOW_S = 0.25  # [s] between two frames of Blender: slower, and the dead-man key lapses between them (limits.LEASE)
+LOOK_S = 0.1  # [s] between two looks at the device while nothing runs
 
 
 @dataclass(slots=True, kw_only=True, eq=False)

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
-from core.experiment.log import Log
+from core.experiment.log import Log, read_rows
 from core.experiment.plan import make_plan, order, read_plan
-from core.experiment.psychometric import QUARTER, fit, shares
-from core.experiment.results import compared, rated, sentences
 from core.experiment.run import Experiment
 from core.experiment.staircase import next_level
-from studies.experiment import PLAN, RATING, observe
+from studies.experiment import PLAN, RATING, by_psignifit, observe, touched
+from studies.experiment_results import Comparison, compared, rated, sentences
+from studies.psychometric import QUARTER, fit, shares
 
 SMALL = {
     "name": "small", "seed": 3,
@@ -31,9 +31,9 @@ def test_the_order_is_that_of_the_seed_and_the_participant_and_every_level_comes
     plan = make_plan(PLAN)
     first, again, other = order(plan, "1"), order(plan, "1"), order(plan, "2")
     assert first == again and first != other
-    levels = [slot.level for slot in first if slot.level is not None]
+    levels = [slot.level for slot in first if not slot.task.staircase]
     assert {levels.count(level) for level in set(levels)} == {24} and len(first) == 400
-    firsts = [slot.test_first for slot in first if slot.level is not None]
+    firsts = [slot.test_first for slot in first if not slot.task.staircase]
     assert sum(firsts) == len(firsts) / 2
     assert not {slot.label for slot in first} & {"Object 2", "Object 3"}
 
@@ -97,7 +97,7 @@ def test_a_row_that_a_kill_left_unfinished_is_asked_again(tmp_path: Path, cut: i
     assert trial and trial.number == 5
     again.answer(1, samples=[(0.0, 0.001, 1.0)])
     assert [row.trial for row in Log(path).rows] == [1, 2, 3, 4, 5]
-    assert len((tmp_path / "a_touch.csv").read_text().splitlines()) == 6
+    assert [row.trial for row in read_rows(path)] == [1, 2, 3, 4, 5] and touched(path, again.log.rows) == 5
 
 
 def test_the_answers_of_another_participant_or_plan_are_not_mixed_in(tmp_path: Path) -> None:
@@ -121,7 +121,7 @@ def test_the_fit_finds_the_function_that_made_exact_answers() -> None:
 
 
 def test_answers_that_leave_an_end_open_say_so() -> None:
-    found = fit([0.9, 1.1], [5, 9], [10, 10])
+    found = fit([0.9, 1.1], [4, 9], [10, 10])
     assert found.pse_95[0] == -math.inf or found.pse_95[0] < 0.8
     with pytest.raises(DimpleError, match="alike"):
         fit([0.9, 1.1], [20, 20], [20, 20])
@@ -130,12 +130,9 @@ def test_answers_that_leave_an_end_open_say_so() -> None:
 
 
 def test_psignifit_fits_the_same_function() -> None:
-    from core.experiment.results import Comparison
-    from studies.experiment import by_psignifit
-
     levels, stiffer, trials = (0.6, 0.8, 1.0, 1.2, 1.4), (2, 6, 11, 18, 23), (24,) * 5
     found = fit(levels, stiffer, trials)
-    each = Comparison(object="", condition="", levels=levels, stiffer=stiffer, trials=trials, fitted=found)
+    each = Comparison("", "", "", levels, stiffer, trials, found)
     judged = by_psignifit(each)
     assert (found.pse, found.jnd) == pytest.approx((judged["pse"], judged["jnd"]), rel=0.003)
 
@@ -151,3 +148,51 @@ def test_an_observer_interrupted_anywhere_answers_as_one_that_was_not(tmp_path: 
         observe(plan, tmp_path / "cut.csv", 1)
         rows = Log(tmp_path / "cut.csv").rows
         assert [(r.trial, r.level, r.response) for r in rows] == [(r.trial, r.level, r.response) for r in whole]
+
+
+@pytest.mark.parametrize("stiffer", [[15] * 7, [20, 19, 15, 10, 6, 2, 0], [10, 9, 11, 10, 8, 12, 10]])
+def test_answers_that_do_not_rise_with_the_stiffness_are_refused(stiffer: list[int]) -> None:
+    with pytest.raises(DimpleError, match="do not rise"):
+        fit([0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3], stiffer, [20] * 7)
+
+
+def test_a_point_of_equality_beyond_the_levels_is_refused() -> None:
+    with pytest.raises(DimpleError, match="do not reach"):
+        fit([0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3], [0, 0, 0, 0, 1, 2, 5], [20] * 7)
+
+
+def test_every_participant_has_a_fit_of_their_own_and_no_answer_counts_twice(tmp_path: Path) -> None:
+    rows = []
+    for who in ("1", "2"):
+        experiment = Experiment(make_plan(SMALL), who, Log(tmp_path / f"{who}.csv", sync=False))
+        while experiment.next():
+            experiment.answer(1)
+        rows += experiment.log.rows
+    assert [(each.participant, each.condition) for each in compared(rows)] == [
+        ("1", "felt"), ("2", "felt"), ("1", "seen"), ("2", "seen"),
+    ]  # fmt: skip
+    assert [(each.people, sum(each.counts)) for each in rated(rows)] == [(2, 4)]
+    with pytest.raises(DimpleError, match="twice"):
+        sentences([*rows, rows[0]])
+
+
+@pytest.mark.parametrize("text", ["", '{"name": "a plan"}', "what,ever\n1,2", "trial,plan\r1,2"])
+def test_a_file_that_is_read_stays_as_it_is(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "plan.json"
+    path.write_bytes(text.encode())
+    with pytest.raises(DimpleError, match="not a file of answers"):
+        read_rows(path)
+    assert path.read_bytes() == text.encode() and list(tmp_path.iterdir()) == [path]
+    if text:
+        with pytest.raises(DimpleError, match="not a file of answers"):
+            Log(path)
+        assert path.read_bytes() == text.encode()
+
+
+def test_a_file_of_answers_only_grows(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    Experiment(make_plan(SMALL), "1", Log(path)).answer(1)
+    path.write_bytes(path.read_bytes() + b'2,"half')
+    before = path.read_bytes()
+    Experiment(make_plan(SMALL), "1", Log(path)).answer(1)
+    assert path.read_bytes().startswith(before) and [row.trial for row in read_rows(path)] == [1, 2]

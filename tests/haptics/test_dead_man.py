@@ -9,7 +9,7 @@ import pytest
 from core.device.device import HapticMaster
 from core.device.limits import LEASE
 from core.device.mailbox import TO_SERVO, Mailbox
-from core.device.orders import ORDER_SIZE, Order, unpack_order
+from core.device.orders import Order, unpack_order
 from tests.haptics.bench_device import TICK, BenchDevice, wall
 
 RENEW = 0.05  # [s] between two looks of Blender at the key
@@ -162,7 +162,7 @@ def test_no_order_holds_the_key_for_longer_than_it_was_set() -> None:
     device._box = box
 
     def held_for() -> float:
-        order = unpack_order(box.read(TO_SERVO, ORDER_SIZE)[1] or b"")
+        order = unpack_order(box.read(TO_SERVO)[1] or b"")
         return order.held_until - time.perf_counter()
 
     device.arm()

@@ -9,12 +9,9 @@ from dataclasses import replace
 
 import pytest
 
-from core import constants
+from core.constants import FACTORS
 from core.device.mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from core.device.orders import (
-    FACTORS,
-    ORDER_SIZE,
-    REPORT_SIZE,
     LinkState,
     Order,
     ServoReport,
@@ -26,6 +23,7 @@ from core.device.orders import (
 )
 from core.device.safety import Arming
 from core.device.surface import Law
+from core.messages import Message
 from tests.haptics.bench_device import wall
 from tools.environment import ROOT
 
@@ -55,8 +53,22 @@ def test_an_order_and_a_report_arrive_as_they_were_sent() -> None:
         delay_p50=1e-3, delay_p99=2e-3, cap=640.0, peak=10.0, note="Größe",
     )  # fmt: skip
     assert unpack_report(pack_report(report)) == report
-    assert (len(pack_order(order)), len(pack_report(report))) == (ORDER_SIZE, REPORT_SIZE)
-    assert FACTORS == constants.FACTORS
+
+
+@pytest.mark.parametrize("note", ["ß" * 5000, Message("{name}", name="ß" * 5000), Message("{name}", name="short")])
+def test_the_longest_order_and_any_note_fit(note: str) -> None:
+    """A message that does not fit would end the servo."""
+    law = Law(*(-1.2345678901234567e-05,) * 4, (-1.2345678901234567e-05,) * FACTORS, 1.2345678901234567e-05)
+    place = (-1.2345678901234567e-05,) * 3
+    surface = replace(wall(), place=place, normal=place, anchor=place, law=law, stamp=1234567.890123456)
+    report = ServoReport(tips=(TipState(place, place, *place[:1]),) * 3, note=note)
+    box = Mailbox()
+    box.post(TO_SERVO, pack_order(Order(surfaces=(surface,) * 3)))
+    box.post(FROM_SERVO, pack_report(report))
+    message = box.read(FROM_SERVO)[1] or b""
+    assert note.startswith(unpack_report(message).note) and unpack_report(message).tips == report.tips
+    assert unpack_order(box.read(TO_SERVO)[1] or b"").surfaces == (surface,) * 3
+    box.close()
 
 
 def test_not_a_number_arrives_as_such_for_the_servo_to_refuse() -> None:
@@ -66,21 +78,21 @@ def test_not_a_number_arrives_as_such_for_the_servo_to_refuse() -> None:
 
 def test_a_message_is_read_once_and_the_newest_replaces_the_one_before() -> None:
     box = Mailbox()
-    assert box.read(TO_SERVO, 3) == (0, None)
+    assert box.read(TO_SERVO) == (0, None)
     box.post(TO_SERVO, b"one")
     box.post(TO_SERVO, b"two")
-    number, message = box.read(TO_SERVO, 3)
+    number, message = box.read(TO_SERVO)
     assert message == b"two"
-    assert box.read(TO_SERVO, 3, number) == (number, None)
-    assert box.read(FROM_SERVO, 3) == (0, None)
+    assert box.read(TO_SERVO, number) == (number, None)
+    assert box.read(FROM_SERVO) == (0, None)
     box.close()
 
 
 def test_a_message_that_is_being_written_or_was_damaged_is_not_read() -> None:
     box = Mailbox()
     box.post(TO_SERVO, b"whole")
-    box._map[10] ^= 1
-    assert box.read(TO_SERVO, 5) == (0, None)
+    box._map[14] ^= 1
+    assert box.read(TO_SERVO) == (0, None)
     box.close()
 
 
@@ -90,7 +102,7 @@ def test_no_reader_ever_gets_a_mixture_of_two_messages() -> None:
     seen, read, until = 0, 0, time.perf_counter() + 10
     try:
         while read < 200 and time.perf_counter() < until:
-            seen, message = box.read(TO_SERVO, 400, seen)
+            seen, message = box.read(TO_SERVO, seen)
             if message:
                 read += 1
                 assert len(set(message)) == 1
@@ -108,7 +120,7 @@ def test_the_file_goes_as_soon_as_both_have_it_or_with_the_one_who_made_it() -> 
     other = Mailbox(box.path)
     assert box.path.exists() == (os.name != "posix")
     box.post(TO_SERVO, b"mapped")
-    assert other.read(TO_SERVO, 6)[1] == b"mapped"
+    assert other.read(TO_SERVO)[1] == b"mapped"
     for each in (other, box, Mailbox()):
         each.close()
         assert not each.path.exists()
@@ -117,5 +129,5 @@ def test_the_file_goes_as_soon_as_both_have_it_or_with_the_one_who_made_it() -> 
 def test_a_message_that_does_not_fit_is_refused() -> None:
     box = Mailbox()
     with pytest.raises(ValueError):
-        box.post(TO_SERVO, bytes(5000))
+        box.post(TO_SERVO, bytes(9000))
     box.close()

@@ -73,7 +73,7 @@ def test_the_panel_says_what_is_not_renderable(bpy: ModuleType, port: Any, add: 
 
     settings = softened(bpy, add())
     report = connect(bpy, port.path)
-    assert any("K2 is stiffer than the device" in note for note in device.notes(report, settings))
+    assert any("K2 cannot be rendered" in note for note in device.notes(report, settings))
     rows = dict(device.rows(report, settings))
     assert rows["K1 Material / Rendered"] == "0.20 / 0.20 N/mm"
     asked, _, rendered = rows["K2 Material / Rendered"].partition(" / ")
@@ -84,11 +84,11 @@ def test_the_panel_says_what_is_not_renderable(bpy: ModuleType, port: Any, add: 
     )
     assert rows["State"] == "Ready, no force" and {"Rate", "Lost Frames", "Round Trip", "Force 1"} <= rows.keys()
     settings.K1 = 9.0
-    assert any("K1 and K2" in note for note in device.notes(report, settings))
+    assert any("K1, K2 cannot" in note for note in device.notes(report, settings))
     assert any("more force than the device can exert" in note for note in device.notes(report, settings))
     cap = report.cap / 1e3  # a solid's law of the same power, no steeper than that
     settings.fill, settings.K1, settings.K2, settings.x0 = "SOLID", 0.8 * cap, 2.25 * 0.8 * cap, 1.0
-    assert any("K1 and K2" in note for note in device.notes(report, settings))
+    assert any("K1, K2 cannot" in note for note in device.notes(report, settings))
     rendered = dict(device.rows(report, settings))["K1 Material / Rendered"].partition(" / ")[2]
     assert float(rendered.split()[0]) == pytest.approx(cap / 2.25, abs=0.006)
     assert device.knee_force(settings) == pytest.approx(1.162 * settings.K1, rel=1e-3)
@@ -114,7 +114,6 @@ def test_a_servo_hears_of_blender_while_nothing_moves(
 ) -> None:
     """Where its pipe cannot be watched (Windows) a servo that hears nothing for 10 s takes Blender for gone."""
     from bl_ext.user_default.dimple.core.device.mailbox import TO_SERVO
-    from bl_ext.user_default.dimple.core.device.orders import ORDER_SIZE
     from bl_ext.user_default.dimple.operators.press import haptic_fingertips
 
     body = add()
@@ -125,15 +124,13 @@ def test_a_servo_hears_of_blender_while_nothing_moves(
     for _ in range(3):
         time.sleep(haptic_fingertips.LOOK_S)
         haptic_fingertips._look()
-        seen, order = connection().device._box.read(TO_SERVO, ORDER_SIZE, seen)
+        seen, order = connection().device._box.read(TO_SERVO, seen)
         assert order
 
 
 def test_a_fingertip_that_is_not_trusted_moves_no_other(
     bpy: ModuleType, port: Any, add: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from dataclasses import replace
-
     from bl_ext.user_default.dimple.operators.press import live_step
 
     connect(bpy, port.path)
@@ -141,8 +138,8 @@ def test_a_fingertip_that_is_not_trusted_moves_no_other(
     live_step.advance(bpy.context, 1 / 60)
     tips, device = connection().report.tips, type(connection().device)
     for masked in ((True, False, False), (False, True, True), (True, True, True)):
-        spoiled = [replace(tip, masked=mask) for tip, mask in zip(tips, masked, strict=True)]
-        report = replace(connection().report, tips=tuple(spoiled))
+        spoiled = [tip._replace(masked=mask) for tip, mask in zip(tips, masked, strict=True)]
+        report = connection().report._replace(tips=tuple(spoiled))
         monkeypatch.setattr(device, "read", lambda _, report=report: report)
         assert live_step.advance(bpy.context, 1 / 60) == []
         assert [finger is None for finger in entry.fingers] == list(masked)
