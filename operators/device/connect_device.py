@@ -5,7 +5,6 @@ import time
 import bpy
 from bpy.props import FloatProperty
 
-from ..messages import say
 from ..names import DEAD_MAN, Op
 from ..press import haptic_fingertips, modal_runs, polls, sessions
 from ..translation import translated
@@ -15,56 +14,41 @@ ANSWER_S = 1.0  # within which the device reports that it arms
 KEYS = "Hold Shift: force | Esc: disarm"
 
 
-class _NeedsDevice:
-    """Operators that need a device that is connected and ready."""
-
-    @classmethod
-    def poll(cls, _context: bpy.types.Context) -> bool:
-        """Need a device that is ready."""
-        connection = haptic_fingertips.get()
-        if connection is None or connection.report.link.name != "READY":
-            return polls.refuse(cls, "No haptic device is ready")
-        return True
+_is_ready = polls.need(
+    lambda _: (connection := haptic_fingertips.get()) and connection.report.link.name == "READY",
+    "No haptic device is ready",
+)
 
 
-class DIMPLE_OT_connect_device(bpy.types.Operator):
+class DIMPLE_OT_connect_device(polls.Declared, bpy.types.Operator):
     """Connect or disconnect the haptic device. It exerts no force until it is armed"""
 
     bl_idname = Op.CONNECT_DEVICE
     bl_label = "Connect"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Connect or disconnect."""
-        from ...core.base import DimpleError
-
+    def run(self, context: bpy.types.Context) -> None:
         if haptic_fingertips.get():
             haptic_fingertips.disconnect()
-            return {"FINISHED"}
-        try:
+        else:
             haptic_fingertips.connect(context.scene)
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
 
 
-class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
+class DIMPLE_OT_arm_device(polls.Declared, bpy.types.Operator):
     """Allow force while Shift or the device's own button is held. Esc disarms"""
 
     bl_idname = Op.ARM_DEVICE
     bl_label = "Arm"
+    needs = (_is_ready,)
 
     hold_s: FloatProperty(
         name="Hold (s)", description="For scripts: how long the dead-man key counts as held", default=0.0, min=0.0
     )
 
-    def execute(self, _context: bpy.types.Context) -> set[str]:
-        """Arm, and hold the dead-man key for the time given."""
+    def run(self, _context: bpy.types.Context) -> None:
         connection = haptic_fingertips.get()
         connection.watch = None
         haptic_fingertips.hold(self.hold_s)
         connection.device.arm()
-        return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Arm, and follow the key from now on."""
@@ -105,7 +89,6 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
         return {"PASS_THROUGH"}
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Disarm when Blender ends the operator."""
         sessions.disarm()
         self._end(context)
 
@@ -125,35 +108,27 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class DIMPLE_OT_disarm_device(_NeedsDevice, bpy.types.Operator):
+class DIMPLE_OT_disarm_device(polls.Declared, bpy.types.Operator):
     """End all force of the device at once"""
 
     bl_idname = Op.DISARM_DEVICE
     bl_label = "Disarm"
+    needs = (_is_ready,)
 
-    def execute(self, _context: bpy.types.Context) -> set[str]:
-        """Disarm."""
+    def run(self, _context: bpy.types.Context) -> None:
         haptic_fingertips.hold(0.0)
         haptic_fingertips.get().device.disarm()
-        return {"FINISHED"}
 
 
-class DIMPLE_OT_centre_device(_NeedsDevice, bpy.types.Operator):
+class DIMPLE_OT_centre_device(polls.Declared, bpy.types.Operator):
     """Place the middle of the fingertips, as you hold them now, at the 3D cursor"""
 
     bl_idname = Op.CENTRE_DEVICE
     bl_label = "Calibrate Origin"
+    needs = (_is_ready,)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Set the origin."""
-        from ...core.base import DimpleError
-
-        try:
-            haptic_fingertips.set_origin(context.scene)
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def run(self, context: bpy.types.Context) -> None:
+        haptic_fingertips.set_origin(context.scene)
 
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(
@@ -162,12 +137,10 @@ _register_classes, _unregister_classes = bpy.utils.register_classes_factory(
 
 
 def register() -> None:
-    """Register the operators."""
     _register_classes()
     haptic_fingertips.register()
 
 
 def unregister() -> None:
-    """Disconnect the device, and unregister."""
     haptic_fingertips.unregister()
     _unregister_classes()
