@@ -22,17 +22,12 @@ MARGIN = 16.0
 
 
 class Screen(NamedTuple):
-    """The region that is drawn in.
+    """The region that is drawn in."""
 
-    width, height: [px].
-    scale: the resolution scale of the interface.
-    line: width of a line [px].
-    """
-
-    width: float
-    height: float
-    scale: float
-    line: float
+    width: float  # [px]
+    height: float  # [px]
+    scale: float  # the resolution scale of the interface
+    line: float  # width of a line [px]
 
 
 def screen_of(context: bpy.types.Context) -> Screen:

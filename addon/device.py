@@ -1,6 +1,5 @@
 """The haptic device in the sidebar: where it is, its state, and what of a material it can render."""
 
-from collections.abc import Iterator
 
 import bpy
 from bpy.props import FloatProperty, FloatVectorProperty, StringProperty
@@ -15,16 +14,13 @@ _FIXED = {"options": set()}
 FULL = 0.95  # of the peak force: shown as all of it
 
 
-def _ports(_settings: bpy.types.PropertyGroup, _context: bpy.types.Context, _text: str) -> Iterator[tuple[str, str]]:
-    yield from haptic_fingertips.ports()
-
-
 class DevicePlace:
     """The settings of a scene that name the device and place its workspace."""
 
     device_port: StringProperty(
         name="Port", description="Where the device is plugged in: a serial port, a path, or udp:HOST:PORT",
-        search=_ports, search_options={"SORT", "SUGGESTION"}, **_FIXED,
+        search=lambda _settings, _context, _text: haptic_fingertips.ports(), search_options={"SORT", "SUGGESTION"},
+        **_FIXED,
     )  # fmt: skip
     device_file: StringProperty(
         name="Device File", description="TOML file that describes the device: its lengths, limits and protocol. Empty:"
@@ -148,12 +144,12 @@ def _power(material: bpy.types.PropertyGroup) -> float:
     return law_power(material.K1, material.K2, material.fill.lower(), material.tip.lower())
 
 
-SIDEBAR = (DIMPLE_PT_device,)
-
-
 def slow() -> list[str]:
     """Return a sentence while Blender is too slow for the dead-man key."""
     connection = haptic_fingertips.get()
     if not (connection and connection.slow):
         return []
     return [iface_("Blender draws too slowly: the dead-man key lapses and there is no force. Simulate a proxy.")]
+
+
+SIDEBAR = (DIMPLE_PT_device,)

@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..operators.experiment import comparison
+from ..operators.experiment import blind_trial
 from ..operators.names import Op
 from .drawing import SidebarPanel, draw_notes
 from .readout import iface_
@@ -16,7 +16,7 @@ class DIMPLE_PT_experiment(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the next step, without a hint at which object it is."""
-        layout, under_way = self.layout, comparison.get()
+        layout, under_way = self.layout, blind_trial.get()
         if under_way is None:
             layout.operator(Op.OPEN_EXPERIMENT, icon="FILE_FOLDER")
             return
@@ -30,7 +30,7 @@ class DIMPLE_PT_experiment(SidebarPanel, bpy.types.Panel):
 
 def draw_trial(context: bpy.types.Context, layout: bpy.types.UILayout, under_way: object) -> None:
     """Draw the trial that is next."""
-    trial = comparison.trial()
+    trial = blind_trial.trial()
     if trial is None:
         draw_notes(context, layout, ["All trials are answered. Thank you."], "CHECKMARK")
         return

@@ -24,22 +24,14 @@ LINES = 32  # of a curve that is bent
 
 
 class Curves(NamedTuple):
-    """The curves of a chart, as points (depth [m], force [N]).
+    """The curves of a chart, as points (depth [m], force [N])."""
 
-    law: what `shapes.law_curve` draws.
-    band: the lower and upper end of the law's 95 % interval.
-    measured: of the instrument.
-    fingertip: where the deepest is, None where none presses.
-    here: what acts on it where that is not the law as it was measured, and
-    name: what that is called.
-    """
-
-    law: Law
-    band: tuple[list[Point], list[Point]] = ([], [])
-    measured: list[Point] = []
-    fingertip: Point | None = None
-    here: list[Point] = []
-    name: str = ""
+    law: Law  # what `shapes.law_curve` draws
+    band: tuple[list[Point], list[Point]] = ([], [])  # the lower and upper end of the law's 95 % interval
+    measured: list[Point] = []  # of the instrument
+    fingertip: Point | None = None  # where the deepest is, None where none presses
+    here: list[Point] = []  # what acts on it where that is not the law as it was measured, and
+    name: str = ""  # what that is called
 
     @property
     def seen(self) -> list[Point]:

@@ -9,6 +9,7 @@ import bpy
 from bpy.props import EnumProperty
 from bpy.utils import previews
 
+from ..core.errors import DimpleError
 from ..operators.press.apply_preset import give
 from .object_settings import FIXED
 from .readout import iface_
@@ -40,7 +41,6 @@ def choices(_settings: bpy.types.PropertyGroup | None, _context: bpy.types.Conte
 
 
 def _in_use(settings: bpy.types.PropertyGroup) -> int:
-    from ..core.base import DimpleError
     from ..core.everyday import OBJECTS, found
     from ..core.material import DEFAULT_MATERIAL, Material
 
@@ -83,7 +83,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Free the pictures."""
     _items.clear()
     while _pictures:
         previews.remove(_pictures.pop())

@@ -1,11 +1,12 @@
 """The settings of a material: its constants, as they were measured."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, StringProperty
 
+from ..core.errors import DimpleError
 from ..core.fills import FILLS
 from ..operators.names import TIPS
-from .object_settings import FIXED, KEYED, exact, kept_text
+from .object_settings import FIXED, KEYED, exact, kept_text, switch
 
 _MASS_FROM = (
     ("DENSITY", "Density", "The mass follows from the density and the volume of the body"),
@@ -28,8 +29,7 @@ LEAST_MM = 0.01  # of softness: 0.5 kN/mm, as hard as what nobody presses
 
 
 def _softness(settings: bpy.types.PropertyGroup) -> float:
-    from ..core.base import DimpleError  # not at import: it needs numpy, and enabling must be quick
-    from ..core.material import Material
+    from ..core.material import Material  # not at import: it needs numpy, and enabling must be quick
     from ..core.other_tip import softness
 
     try:
@@ -39,7 +39,6 @@ def _softness(settings: bpy.types.PropertyGroup) -> float:
 
 
 def _set_softness(settings: bpy.types.PropertyGroup, depth_mm: float) -> None:
-    from ..core.base import DimpleError
     from ..core.material import Material
     from ..core.other_tip import as_soft
 
@@ -123,9 +122,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         name="Source", description="Where these constants were measured; empty when typed in",
         update=_mark_measured, **FIXED,
     )  # fmt: skip
-    edited: BoolProperty(
-        name="Edited", description="The constants were changed by hand after they had been measured", **FIXED
-    )
+    edited: switch("Edited", "The constants were changed by hand after they had been measured")
     calibration: kept_text("Calibration", "The measurement behind these constants")
 
     def to_params(self) -> dict[str, object]:

@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..core.errors import DimpleError
 from ..core.fills import FILLS
 from ..core.messages import Message, read
 from ..operators.names import Op
@@ -14,8 +15,7 @@ from .presets import DIMPLE_PT_material_presets
 
 def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
     """Return the message of the core on why the constants of a material cannot be used, if so."""
-    from ..core.base import DimpleError  # not at import: it needs numpy, and enabling must be quick
-    from ..core.material import Material
+    from ..core.material import Material  # not at import: it needs numpy, and enabling must be quick
 
     try:
         Material(**settings.to_params())

@@ -20,6 +20,11 @@ def exact(value: float, thousands: int = 0) -> float:
     return float(Decimal(f"{value:.7g}").scaleb(3 * thousands))
 
 
+def switch(name: str, description: str, *, on: bool = False, options: dict[str, set[str]] = FIXED) -> BoolProperty:
+    """Return a property that is on or off."""
+    return BoolProperty(name=name, description=description, default=on, **options)
+
+
 def kept_text(name: str, description: str) -> StringProperty:
     """Return a text property for what operators keep with an object, a material or a scene."""
     return StringProperty(name=name, description=description, **FIXED)
@@ -49,27 +54,20 @@ class ReductionSettings:
 class ContactSettings:
     """The contact of an object."""
 
-    collider: BoolProperty(
-        name="Dimple Collider",
-        description="Let soft bodies collide with this object, and with each other. Nothing passes through them",
-        default=False, **FIXED,
-    )  # fmt: skip
+    collider: switch(
+        "Dimple Collider", "Let soft bodies collide with this object, and with each other. Nothing passes through them"
+    )
     collider_friction: FloatProperty(
         name="Collider Friction",
         description="How well this object grips bodies that touch it: coefficient of friction, 0 is frictionless",
         default=0.5, min=0.0, soft_max=1.5, precision=2, **FIXED,
     )  # fmt: skip
-    is_prop: BoolProperty(
-        name="Falls",
-        description="Let the collider drop like a rigid weight, and rest on soft bodies, colliders, other props and "
-        "the ground",
-        default=False, **FIXED,
-    )  # fmt: skip
+    is_prop: switch(
+        "Falls",
+        "Let the collider drop like a rigid weight, and rest on soft bodies, colliders, other props and the ground",
+    )
     prop_mass_kg: FloatProperty(
         name="Prop Mass (kg)", description="Mass of the prop", default=1.0, min=0.0, soft_min=0.001, soft_max=100.0,
         step=10, precision=3, **FIXED,
     )  # fmt: skip
-    self_contact: BoolProperty(
-        name="Self Contact", description="Keep the body from passing through itself where it folds",
-        default=False, **FIXED,
-    )  # fmt: skip
+    self_contact: switch("Self Contact", "Keep the body from passing through itself where it folds")

@@ -114,7 +114,6 @@ def _fingers(entry: Any) -> list[tuple[Any, Point]]:
 
 
 def _in_scene(entry: Any, finger: Any) -> tuple[Point, float]:
-    """Return the centre and the radius of a fingertip in scene units."""
     x, y, z = finger.position
     centre, edge = entry.to_world((x, y, z)), entry.to_world((x + finger.radius, y, z))
     radius = sum((b - a) ** 2 for a, b in zip(centre, edge, strict=True)) ** 0.5

@@ -26,7 +26,6 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         room.note_readout(context.area, shown=False)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the operators, the surroundings and the numbers of the press."""
         settings, layout, body = context.scene.dimple, self.layout, body_of(context.object, context.scene)
         entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)
@@ -119,7 +118,6 @@ class DIMPLE_PT_animate(SidebarPanel, bpy.types.Panel):
     bl_label = "Animate"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the bake over the frames of the scene, the recording of a live press, and the export."""
         layout, body = self.layout, body_of(context.object, context.scene)
         entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)

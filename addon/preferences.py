@@ -9,10 +9,6 @@ from . import panels
 PACKAGE = __package__.rpartition(".")[0]  # the extension itself: bl_ext.<repository>.dimple
 
 
-def _move_tab(preferences: bpy.types.AddonPreferences, _context: bpy.types.Context) -> None:
-    panels.move_to_tab(preferences.tab_name)
-
-
 class DIMPLE_AP_preferences(bpy.types.AddonPreferences):
     """The settings that are the same in every file."""
 
@@ -20,7 +16,7 @@ class DIMPLE_AP_preferences(bpy.types.AddonPreferences):
 
     tab_name: StringProperty(
         name="Sidebar Tab", description="Show the panels in a tab of this name, in the sidebar of the 3D viewport",
-        default=panels.TAB, update=_move_tab,
+        default=panels.TAB, update=lambda preferences, _context: panels.move_to_tab(preferences.tab_name),
     )  # fmt: skip
     cache_dir: StringProperty(
         name="Default Cache Folder",

@@ -18,11 +18,11 @@ from bpy.props import (
 
 from ..operators.bridge import sizing
 from ..operators.names import MAPS, PLACES
-from . import cursor
+from . import tool
 from .device import DevicePlace
 from .material_choice import MaterialChoice
 from .material_settings import DIMPLE_PG_material
-from .object_settings import FIXED, KEYED, ContactSettings, ReductionSettings, exact, kept_text
+from .object_settings import FIXED, KEYED, ContactSettings, ReductionSettings, exact, kept_text, switch
 
 _PINNED = (
     ("BASE", "Base", "Pin the lowest tenth of the body, or the border of a flat sheet"),
@@ -73,7 +73,7 @@ def _map(which: int) -> StringProperty:
 class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.types.PropertyGroup):
     """The settings that make an object a soft body."""
 
-    enabled: BoolProperty(name="Dimple", description="Make this mesh a soft body that can be pressed", **FIXED)
+    enabled: switch("Dimple", "Make this mesh a soft body that can be pressed")
     pinned: EnumProperty(
         name="Pinned", description="Hold a part of the body in place, so that the rest gives way", items=_PINNED,
         **KEYED,
@@ -207,10 +207,8 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         description="Give the simulation more time, or less: its share of each second. Blender needs the rest to draw",
         default=60.0, min=5.0, max=95.0, step=500, precision=0, **FIXED,
     )  # fmt: skip
-    use_gravity: BoolProperty(name="Gravity", description="Let the gravity of the scene act on soft bodies", **KEYED)
-    use_ground: BoolProperty(
-        name="Ground", description="Catch falling bodies on a floor at height 0 of the scene", **KEYED
-    )
+    use_gravity: switch("Gravity", "Let the gravity of the scene act on soft bodies", options=KEYED)
+    use_ground: switch("Ground", "Catch falling bodies on a floor at height 0 of the scene", options=KEYED)
     calibration: kept_text("Calibration", "The last result, until it is applied to a material")
     tip_place: EnumProperty(name="Press At", description="Where the tip presses", items=PLACES, **FIXED)
     cache_dir: StringProperty(
@@ -223,27 +221,14 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         name="Frame Step", description="Make a shape key every this many frames: fewer keys, less exact motion",
         default=1, min=1, soft_max=25, **FIXED,
     )  # fmt: skip
-    use_curves: BoolProperty(
-        name="Curves", description="Keyframe force, depth and pressure as custom properties, for drivers",
-        default=False, **FIXED,
-    )  # fmt: skip
-    show_overlay: BoolProperty(
-        name="Overlay", description="Draw fingertips, forces and numbers in the viewport",
-        default=True, **FIXED,
-    )  # fmt: skip
+    use_curves: switch("Curves", "Keyframe force, depth and pressure as custom properties, for drivers")
+    show_overlay: switch("Overlay", "Draw fingertips, forces and numbers in the viewport", on=True)
     show_field: EnumProperty(
         name="Colors", description="Color pressed bodies by a quantity, with a scale", items=_FIELDS, **FIXED
     )
-    show_rest: BoolProperty(
-        name="Shape at Rest", description="Draw the undeformed shape above a dent", **FIXED
-    )
-    show_profile: BoolProperty(
-        name="Profile", description="Draw a cross-section of the dent under the deepest fingertip", **FIXED
-    )
-    show_chart: BoolProperty(
-        name="Chart", description="Draw force against depth, with the material's curve",
-        default=True, **FIXED,
-    )  # fmt: skip
+    show_rest: switch("Shape at Rest", "Draw the undeformed shape above a dent")
+    show_profile: switch("Profile", "Draw a cross-section of the dent under the deepest fingertip")
+    show_chart: switch("Chart", "Draw force against depth, with the material's curve", on=True)
 
 
 class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
@@ -251,11 +236,11 @@ class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
 
     state: StringProperty(name="State", description="What the session is doing", options={"SKIP_SAVE"})
     radius_zoom: FloatVectorProperty(
-        name="Zoom", description="Pixels in a millimetre of the fingertip's radius", size=2, get=cursor.radius_zoom,
+        name="Zoom", description="Pixels in a millimetre of the fingertip's radius", size=2, get=tool.radius_zoom,
         options={"SKIP_SAVE"},
     )  # fmt: skip
     amount_zoom: FloatVectorProperty(
-        name="Zoom", description="Pixels in a millimetre of depth, or in a newton", size=2, get=cursor.amount_zoom,
+        name="Zoom", description="Pixels in a millimetre of depth, or in a newton", size=2, get=tool.amount_zoom,
         options={"SKIP_SAVE"},
     )  # fmt: skip
 
@@ -270,14 +255,12 @@ _register_classes, _unregister_classes = bpy.utils.register_classes_factory([gro
 
 
 def register() -> None:
-    """Register the groups and attach them to Blender's types as `.dimple`."""
     _register_classes()
     for owner, group in _POINTERS:
         owner.dimple = PointerProperty(type=group, name="Dimple", description="Settings of Dimple")
 
 
 def unregister() -> None:
-    """Remove the groups."""
     for owner, _ in reversed(_POINTERS):
         del owner.dimple
     _unregister_classes()

@@ -13,12 +13,6 @@ def iface_(text: str) -> str:
     return pgettext_iface(text, CONTEXT)
 
 
-def finger_numbers(frame: Any) -> list[tuple[int, float, float]]:
-    """Return (number, force [N], depth [mm]) of every fingertip in contact."""
-    rows = enumerate(zip(frame.pushes, frame.depths, strict=True), start=1)
-    return [(i, float(force), float(depth) * 1e3) for i, (force, depth) in rows if depth > 0]
-
-
 def volume_change(frame: Any) -> float:
     """Return the change of volume as a share of the volume at rest; 0 for a body without volume."""
     return frame.volume / frame.rest_volume - 1 if frame.rest_volume > 0 else 0.0
@@ -33,9 +27,10 @@ def rows(frame: Any | None) -> list[tuple[str, str]]:
     """Return (label, number with unit) of each press; zeros without one, so that the panel does not jump."""
     # every value has a row of its own, so that a narrow sidebar does not cut off its unit
     lines = []
-    for number, force, depth in (finger_numbers(frame) if frame else []) or [(1, 0.0, 0.0)]:
+    touches = enumerate(zip(frame.pushes, frame.depths, strict=True), start=1) if frame else ()
+    for number, (force, depth) in [each for each in touches if each[1][1] > 0] or [(1, (0.0, 0.0))]:
         lines.append((iface_("Force {}").format(number), f"{force:.2f} N"))
-        lines.append((iface_("Depth {}").format(number), f"{depth:.2f} mm"))
+        lines.append((iface_("Depth {}").format(number), f"{1e3 * depth:.2f} mm"))
     return lines
 
 
@@ -50,20 +45,16 @@ def real_time(frame: Any, tick: float) -> tuple[str, str]:
 
 def more_rows(frame: Any, tick: float) -> list[tuple[str, str]]:
     """Return (label, number with unit) of everything else in a frame."""
+    volume = f"{frame.volume * 1e6:.1f} cm³" if frame.volume < 0.1 else f"{frame.volume:.4f} m³"
     return [  # + 0.0 turns -0 into 0
         (iface_("Pressure"), f"{round(frame.pressure / 1e3, 3) + 0.0:.3f} kPa"),
-        (iface_("Volume"), volume_text(frame.volume)),
+        (iface_("Volume"), volume),
         (iface_("Change of Volume"), f"{round(volume_change(frame), 4) + 0.0:+.2%}"),
         (iface_("Time"), f"{frame.time:.3f} s"),
         (iface_("Rate"), f"{rate_hz(frame):.0f} Hz"),
         (iface_("Steps per Tick"), f"{frame.substeps}"),
         real_time(frame, tick),
     ]
-
-
-def volume_text(volume: float) -> str:
-    """Return a volume [m3] in the unit that suits it."""
-    return f"{volume * 1e6:.1f} cm³" if volume < 0.1 else f"{volume:.4f} m³"
 
 
 def warnings(entry: Any) -> list[str]:

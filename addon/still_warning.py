@@ -5,6 +5,7 @@ glTF and FBX write no Mesh Cache, and FBX no shape keys where it has NLA Strips 
 
 import bpy
 
+from ..operators.bridge.stack import is_cache
 from ..operators.names import BAKED_KEY
 from .drawing import draw_notes
 
@@ -21,8 +22,6 @@ def stills(context: bpy.types.Context, exporter: bpy.types.Operator) -> list[str
 
 
 def _plays_cache(obj: bpy.types.Object) -> bool:
-    from ..operators.bridge.stack import is_cache  # not at import: it needs numpy, and enabling must be quick
-
     return any(is_cache(modifier) and modifier.show_viewport for modifier in obj.modifiers)
 
 
@@ -41,12 +40,10 @@ class DIMPLE_PT_still_warning(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Show where something would be a still."""
         exporter = context.space_data.active_operator
         return exporter is not None and bool(stills(context, exporter))
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw which objects would be stills, and the button of the export that moves."""
         names = ", ".join(stills(context, context.space_data.active_operator))
         draw_notes(context, self.layout, ["The bakes of these objects would be exported as stills:"], "ERROR")
         self.layout.label(text=names, translate=False)

@@ -125,15 +125,10 @@ def draw_coloured(each: Coloured, ends: tuple[float, float], view: bpy.types.Reg
     toward = np.array(view.view_matrix, np.float32)[2, :3]
     colours[:, :3] *= (1 - SHADE + SHADE * np.abs(each.normals @ toward))[:, None]
     with gpu.matrix.push_pop_projection():
-        gpu.matrix.load_projection_matrix(_lifted(gpu.matrix.get_projection_matrix()))
+        lifted = gpu.matrix.get_projection_matrix().copy()
+        lifted[2] -= LIFT * lifted[3]
+        gpu.matrix.load_projection_matrix(lifted)
         canvas.draw("TRIS", each.positions, colours=colours, indices=each.triangles, behind=False)
-
-
-def _lifted(projection: Any) -> Any:
-    """Return a projection that brings everything nearer to the viewer by a little."""
-    lifted = projection.copy()
-    lifted[2] = projection[2] - LIFT * projection[3]
-    return lifted
 
 
 def draw_rest(entry: Any, screen: Screen) -> None:
@@ -160,7 +155,8 @@ def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen)
     from ..core.fields import UNITS
 
     scale = screen.scale
-    title = f"{titles()[name]} ({UNITS[name]})"
+    items = bpy.context.scene.dimple.bl_rna.properties["show_field"].enum_items
+    title = f"{iface_(items[name.upper()].name)} ({UNITS[name]})"
     wide = max(canvas.width(title, scale), (LEGEND[0] + 50.0) * scale)
     high = min(LEGEND[1] * scale, free.top - free.bottom - 3 * LINE_HEIGHT * scale)
     left, bottom = free.right - wide, free.bottom
@@ -188,15 +184,6 @@ def draw_bar(corner: tuple[float, float], size: tuple[float, float], signed: boo
     points[:, 1] = bottom + high * np.repeat(np.linspace(0, 1, len(colours) // 2), 2)
     paint = np.concatenate([colours, np.ones((len(colours), 1))], axis=1).astype(np.float32)
     canvas.draw("TRI_STRIP", points, colours=paint)
-
-
-def titles() -> dict[str, str]:
-    """Return what each quantity is called in the language of the interface."""
-    return {
-        "pressure": iface_("Contact Pressure"), "depth": iface_("Depth"), "stretch": iface_("Stretch"),
-        "slope": iface_("Slope K1"), "knee": iface_("Knee x0"), "spread": iface_("Spread"),
-        "thickness": iface_("Thickness"),
-    }  # fmt: skip
 
 
 def register() -> None:

@@ -1,13 +1,25 @@
-"""The poke as a tool in the toolbar of the viewport, and in the Object menu, where F3 finds it."""
+"""The poke as a tool in the toolbar of the viewport, and in the Object menu, where F3 finds it.
+
+The circle under the mouse is as large as the fingertip, on the body that a click would press.
+"""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import bpy
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from mathutils import Vector
 
 from ..operators.names import POKE_TOOL, Op
 from ..operators.press.sessions import sessions
-from . import cursor
+from . import canvas, shapes
 from .drawing import draw_linked
+
+if TYPE_CHECKING:
+    from ..operators.press.pointer import View
+
+PIXELS_PER_NEWTON = 20.0  # while a force is changed: one of 5 N is drawn as a circle that is easily dragged
+_pixels = [5.0]  # in a millimetre, where the circle was drawn last
 
 
 def draw_amount(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
@@ -16,6 +28,51 @@ def draw_amount(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -
         draw_linked(layout, settings, "press_depth_mm", "depth_follows")
     else:
         layout.prop(settings, "press_force_n")
+
+
+def radius_zoom(_manager: bpy.types.PropertyGroup) -> tuple[float, float]:
+    """Return how many pixels a millimetre has, for Blender's control that sizes the circle round the mouse."""
+    return _pixels[0], _pixels[0]
+
+
+def amount_zoom(_manager: bpy.types.PropertyGroup) -> tuple[float, float]:
+    """Return how many pixels a millimetre of depth has, or a newton."""
+    each = PIXELS_PER_NEWTON if bpy.context.scene.dimple.by_force else _pixels[0]
+    return each, each
+
+
+def draw_circle(context: bpy.types.Context, xy: tuple[int, int]) -> None:
+    """Draw the circle, where the mouse at xy [px of the window] is on a body."""
+    from ..operators.press.pointer import View
+
+    region, window = context.region, context.window
+    view = View(region, context.region_data, (xy[0] - region.x, xy[1] - region.y))
+    sides = [[(x + region.x, y + region.y) for x, y in side] for side in circle(context, view)]
+    screen = canvas.screen_of(context)._replace(width=window.width, height=window.height)
+    canvas.draw_lines(sides, canvas.FINGERTIP, screen)
+
+
+def circle(context: bpy.types.Context, view: "View") -> list[shapes.Segment]:
+    """Return the sides [px of the region] of the circle, none where there is no body."""
+    from ..operators.press import pointer
+
+    found = pointer.touched(context, view)
+    if found is None:
+        return []
+    point, normal, radius = found
+    out = Vector(normal)
+    across = out.orthogonal().normalized() * radius
+    sides = shapes.circle(point, tuple(across), tuple(out.cross(across)))
+    beside = Vector(point) + view.region_3d.view_rotation @ Vector((radius, 0.0, 0.0))
+    ends = [_seen(view, place) for place in (point, beside)]
+    if None not in ends:
+        _pixels[0] = (ends[1] - ends[0]).length / context.scene.dimple.finger_radius_mm
+    seen = [(_seen(view, a), _seen(view, b)) for a, b in sides]
+    return [(tuple(a), tuple(b)) for a, b in seen if a is not None and b is not None]
+
+
+def _seen(view: "View", place: shapes.Point) -> Vector | None:
+    return location_3d_to_region_2d(view.region, view.region_3d, place)
 
 
 class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
@@ -53,7 +110,7 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
     @staticmethod
     def draw_cursor(context: bpy.types.Context, _tool: bpy.types.WorkSpaceTool, xy: tuple[int, int]) -> None:
         """Draw a circle of the fingertip's size on the body under the mouse."""
-        cursor.draw(context, xy)
+        draw_circle(context, xy)
 
 
 class DIMPLE_MT_object(bpy.types.Menu):
@@ -78,7 +135,6 @@ def draw_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
 
 
 def register() -> None:
-    """Add the tool below Blender's transform tools, and the menu."""
     bpy.utils.register_tool(DIMPLE_WT_poke, after={"builtin.transform"}, separator=True)
     bpy.utils.register_class(DIMPLE_MT_object)
     bpy.types.VIEW3D_MT_object.append(draw_menu)

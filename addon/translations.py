@@ -15,11 +15,11 @@ CONTEXTS = ("*", CONTEXT)  # descriptions are looked up without a context
 def dictionaries() -> dict[str, dict[tuple[str, str], str]]:
     """Return the dictionary of every language, as Blender takes it; a text means the same in both contexts."""
     paths = (Path(__file__).parent / "locale").glob("*.json")
-    return {path.stem: _in_contexts(json.loads(path.read_text("utf-8"))) for path in paths}
-
-
-def _in_contexts(texts: dict[str, str]) -> dict[tuple[str, str], str]:
-    return {(context, english): text for context in CONTEXTS for english, text in texts.items()}
+    texts = {path.stem: json.loads(path.read_text("utf-8")) for path in paths}
+    return {
+        language: {(context, english): text for context in CONTEXTS for english, text in own.items()}
+        for language, own in texts.items()
+    }
 
 
 def register() -> None:
@@ -48,5 +48,4 @@ def _is_ours(cls: type) -> bool:
 
 
 def unregister() -> None:
-    """Take the dictionaries back."""
     bpy.app.translations.unregister(__name__)

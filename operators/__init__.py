@@ -4,26 +4,40 @@ Only `bridge` reads and writes mesh arrays. In `press`, `sessions` holds what ru
 `live_step` steps it. Nothing heavy is imported here: numpy, trimesh and the core come with the first poke.
 """
 
+from collections.abc import Callable
+from types import ModuleType
+
+import bpy
+
 from . import bug_report
 from .animate import add_fingertip, bake, key_press
 from .calibrate import apply_result, from_file, measure, paint_softness
 from .device import connect_device
 from .experiment import comparison
 from .export import command_line, export_dialog
-from .press import apply_preset, get_ready, handlers, make_soft, play, poke, record, twins
+from .press import apply_preset, handlers, make_soft, play, poke, progress, record, twins
 
 PARTS = (
-    bug_report, make_soft, get_ready, poke, play, record, bake, export_dialog, apply_preset, add_fingertip, key_press,
+    bug_report, make_soft, progress, poke, play, record, bake, export_dialog, apply_preset, add_fingertip, key_press,
     from_file, apply_result, paint_softness, measure, twins, connect_device, comparison, command_line, handlers,
 )  # fmt: skip
 
 
 def register() -> None:
     for part in PARTS:
-        part.register()
+        _registered(part)[0]()
 
 
 def unregister() -> None:
     """End what runs, then unregister the operators."""
     for part in reversed(PARTS):
-        part.unregister()
+        _registered(part)[1]()
+
+
+def _registered(part: ModuleType) -> tuple[Callable[[], None], Callable[[], None]]:
+    """Return what registers a module and takes it back: its own functions, else those of its operators."""
+    if hasattr(part, "register"):
+        return part.register, part.unregister
+    return bpy.utils.register_classes_factory(
+        [each for name, each in vars(part).items() if name.startswith("DIMPLE_OT_")]
+    )

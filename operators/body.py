@@ -27,12 +27,9 @@ from .press.object_body import ObjectBody
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Body(ObjectBody):
-    """A soft body in the hands of a script; its object stays as it is until it is baked.
+    """A soft body in the hands of a script; its object stays as it is until it is baked."""
 
-    poke: the fingertips that `press` has put in.
-    """
-
-    poke: PokeState | None = None
+    poke: PokeState | None = None  # the fingertips that `press` has put in
 
     def press(
         self, at: Sequence[float] | None = None, depth: float = 0.015, *, force: float = 0.0,

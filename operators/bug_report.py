@@ -6,6 +6,7 @@ from collections import deque
 
 import bpy
 
+from ..core.errors import DimpleError
 from ..core.messages import read
 from .messages import LOG, say
 from .names import Op
@@ -35,9 +36,7 @@ class DIMPLE_OT_copy_report(polls.Declared, bpy.types.Operator):
     bl_label = "Copy Report"
 
     def run(self, context: bpy.types.Context) -> None:
-        """Fill the clipboard: versions, platform, core, how each body is simulated, and the end of the log."""
         from ..core import native
-        from ..core.errors import DimpleError
         from .bridge import cache_files
 
         try:

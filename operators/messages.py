@@ -66,6 +66,12 @@ def duration(seconds: float) -> Message:
     return Message("{hours} h {minutes} min", hours=whole // 3600, minutes=whole % 3600 // 60)
 
 
+def beyond_end(last: int, scene_end: int) -> list[Message]:
+    """Return a sentence where an animation ends after the last frame of the scene."""
+    end = Message("That is beyond the scene's last frame {last_frame}.", last_frame=scene_end)
+    return [end] if last > scene_end else []
+
+
 def megabytes(size: float) -> str:
     """Return a size [bytes] in MB as one reads it: "0.2", "6.4", "213"."""
     return f"{max(size / 1e6, 0.1):.1f}" if size < 1e7 else f"{size / 1e6:.0f}"

@@ -8,11 +8,6 @@ from ..messages import report
 from ..names import Op
 from ..press import fingertip_objects, polls
 
-_has_body = polls.need(
-    lambda context: (body := fingertip_objects.body_of(context.object, context.scene)) and body.type == "MESH",
-    "Select the mesh to press",
-)
-
 
 class DIMPLE_OT_add_fingertip(polls.Declared, bpy.types.Operator):
     """Add a fingertip to the active body."""
@@ -26,7 +21,11 @@ class DIMPLE_OT_add_fingertip(polls.Declared, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     needs = (
-        polls.in_object_mode, _has_body,
+        polls.in_object_mode,
+        polls.need(
+            lambda context: (body := fingertip_objects.body_of(context.object, context.scene)) and body.type == "MESH",
+            "Select the mesh to press",
+        ),
         lambda operator, context: polls.has_free_fingertips(operator, context.scene, 1),
     )  # fmt: skip
 
@@ -60,6 +59,3 @@ def _at_cursor(context: bpy.types.Context, body: bpy.types.Object, near: float) 
     if not found or (place - cursor).length > near:
         return None
     return place, (matrix.inverted().transposed().to_3x3() @ normal).normalized()
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_add_fingertip])

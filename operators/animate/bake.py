@@ -15,7 +15,7 @@ TARGETS = (
 )
 
 
-class DIMPLE_OT_bake(FrameRange, Working, polls.Declared, bpy.types.Operator):
+class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
     """Simulate bodies over a range of frames."""
 
     bl_idname = Op.BAKE
@@ -68,7 +68,6 @@ class DIMPLE_OT_unbake(polls.Declared, bpy.types.Operator):
     needs = polls.in_object_mode, polls.need(_may_play, "Select a mesh first")
 
     def run(self, context: bpy.types.Context) -> None:
-        """Take modifiers and keys off."""
         from ..bridge import cache_files
         from ..press import live_step
         from . import shape_keys
@@ -76,6 +75,3 @@ class DIMPLE_OT_unbake(polls.Declared, bpy.types.Operator):
         meshes = [obj for obj in live_step.candidates(context) if obj.type == "MESH"]
         if not sum(cache_files.detach_cache(obj) + shape_keys.remove(obj) for obj in meshes):
             say(self, {"WARNING"}, "There was no bake on the selected objects")
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_bake, DIMPLE_OT_unbake])

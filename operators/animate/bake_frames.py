@@ -31,41 +31,28 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Baked(ObjectBody):
-    """One object of a bake.
+    """One object of a bake."""
 
-    last: its offsets (N, 3) in the last frame, and what they were made of: of what sleeps the very same.
-    path: where the PC2 file goes.
-    part: where it is until it is whole.
-    cache: the PC2 file under way, None for shape keys.
-    table: the table of forces under way.
-    shapes: frame and offsets (N, 3) of each shape key from the shape at rest of that frame.
-    """
-
+    # its offsets (N, 3) in the last frame, and what they were made of: of what sleeps the very same
     last: tuple[Singles, tuple[object, ...]] | None = None
-    path: Path = field(init=False)
-    part: Path = field(init=False)
-    cache: PointCache | None = None
-    table: recorder.ForceTable = field(init=False)
+    path: Path = field(init=False)  # where the PC2 file goes
+    part: Path = field(init=False)  # where it is until it is whole
+    cache: PointCache | None = None  # the PC2 file under way, None for shape keys
+    table: recorder.ForceTable = field(init=False)  # the table of forces under way
+    # frame and offsets (N, 3) of each shape key from the shape at rest of that frame
     shapes: list[tuple[int, Singles]] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BakePlan:
-    """What to bake.
+    """What to bake."""
 
-    objects: the bodies.
-    first, last: frames.
-    target: "MESH_CACHE", "SHAPE_KEYS", or "FILES": nothing plays it.
-    step: frames from one shape key to the next.
-    folder: where the files go; None is where bakes of the scene go.
-    """
-
-    objects: Sequence[bpy.types.Object]
-    first: int
-    last: int
-    target: str
-    step: int = 1
-    folder: Path | None = None
+    objects: Sequence[bpy.types.Object]  # the bodies
+    first: int  # frame
+    last: int  # frame, included
+    target: str  # "MESH_CACHE", "SHAPE_KEYS", or "FILES": nothing plays it
+    step: int = 1  # frames from one shape key to the next
+    folder: Path | None = None  # where the files go; None is where bakes of the scene go
 
 
 def plan_of(
@@ -126,7 +113,8 @@ def simulate(
             _write(plan, bodies, frame)
             share = (frame - plan.first) / (plan.last - plan.first)
             yield READY + (0.99 - READY) * share  # the rest is for the files
-        _close(bodies)
+        for file in [file for body in bodies for file in (body.cache, body.table) if file]:
+            file.close()
         props.fallen.clear()
         props.keyframe(poses)
         for body in bodies:
@@ -153,10 +141,7 @@ def _check(plan: BakePlan) -> None:
         )
     for obj in plan.objects:
         scene_objects.check(obj)
-        if obj.library:
-            raise DimpleError(
-                '"{name}" is linked from another file. Make it local first: Object > Relations.', name=obj.name
-            )
+        scene_objects.check_writable(obj)
         if plan.target == "SHAPE_KEYS":
             _check_keys(obj)
 
@@ -210,12 +195,11 @@ def _opening(
 
 
 def _step(context: bpy.types.Context, bodies: Sequence[Baked], worlds: Sequence[contact.LiveWorld], frame: int) -> None:
-    """Bring every body from the frame before to this one."""
     scene = context.scene
     for look_s in timeline.looks(scene, frame):
         for body in bodies:
             obj = body.obj
-            body.settings = live_settings.follow_keyframes(scene, obj, body.session, body.link, body.settings)
+            live_settings.follow_keyframes(scene, obj, body)
             body.session.set_fingers(live_step.fingertips(scene, body.link.scale))
             body.follow(context, obj)
         for world in worlds:
@@ -232,7 +216,6 @@ def _step(context: bpy.types.Context, bodies: Sequence[Baked], worlds: Sequence[
 
 
 def _show_props(worlds: Sequence[contact.LiveWorld], frame: int, poses: props.Poses) -> None:
-    """Put props where they are at a frame, and note it for their keyframes."""
     for world in worlds:
         props.show(world)
         props.note(world, frame, poses)
@@ -257,15 +240,7 @@ def _files(body: Baked) -> list[tuple[Path, Path]]:
     return [(body.part.with_suffix(ending), body.path.with_suffix(ending)) for ending in endings]
 
 
-def _close(bodies: Sequence[Baked]) -> None:
-    for body in bodies:
-        if body.cache:
-            body.cache.close()
-        body.table.close()
-
-
 def _play(context: bpy.types.Context, plan: BakePlan, body: Baked) -> None:
-    """Let an object play its files."""
     obj = scene_objects.find(body.link.uid, body.link.name)
     if obj is None:
         return

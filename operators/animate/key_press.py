@@ -2,8 +2,9 @@
 
 import bpy
 
+from ...core.errors import DimpleError
 from ...core.messages import Message, in_a_row
-from ..messages import Note, report
+from ..messages import Note, beyond_end, report
 from ..names import Op
 from ..press import fingertip_objects, last_press, polls
 
@@ -29,8 +30,6 @@ class DIMPLE_OT_key_press(polls.Declared, bpy.types.Operator):
     )
 
     def run(self, context: bpy.types.Context) -> None:
-        """Add a fingertip for each that pressed."""
-        from ...core.errors import DimpleError
         from ..bridge import scene_objects
 
         press, scene = _wanted(context), context.scene
@@ -42,11 +41,8 @@ class DIMPLE_OT_key_press(polls.Declared, bpy.types.Operator):
         said = Message(
             'The press on "{name}" is keyframed from frame {first} to {last}.', name=body.name, first=first, last=last
         )
-        if last > scene.frame_end:
-            end = Message("That is beyond the scene's last frame {last_frame}.", last_frame=scene.frame_end)
-            report(self, [in_a_row([said, end])])
-        else:
-            report(self, [Note(said)])
+        beyond = beyond_end(last, scene.frame_end)
+        report(self, [in_a_row([said, *beyond]) if beyond else Note(said)])
 
 
 def key(context: bpy.types.Context, press: last_press.LivePress, body: bpy.types.Object) -> tuple[int, int]:
@@ -82,6 +78,3 @@ def key(context: bpy.types.Context, press: last_press.LivePress, body: bpy.types
 def _wanted(context: bpy.types.Context) -> last_press.LivePress | None:
     """Return the last press on the active body, or on what the active fingertip presses."""
     return last_press.last(context.scene, fingertip_objects.body_of(context.object, context.scene))
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_key_press])

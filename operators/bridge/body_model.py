@@ -1,16 +1,20 @@
-"""Materials, pins and maps of an object, read into a model. Part of the bridge."""
+"""Materials, pins and maps of an object, read into a model; and what of the panels that was read from.
+
+Whatever `to_params` returns belongs to that, so a new constant joins by itself.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import bpy
 
 from ...core.base import DimpleError
 from ...core.messages import about
-from ...core.steps import Parts, at_once
+from ...core.steps import Parts
 from ..messages import Note
 from ..names import MAPS
 from . import advice, final_mesh
@@ -22,18 +26,14 @@ if TYPE_CHECKING:
     from .object_link import Floats, ObjectLink
 
 
-def read_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink) -> Model:
-    """Read the materials and settings of an object into a model on the mesh that it was linked with.
+def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink) -> Parts:
+    """Read the materials and settings of an object into a model on the mesh that it was linked with, in parts.
+
+    Blender is looked at before the first of them only.
 
     Raises:
         DimpleError: it cannot be pressed with them, with the reason and what to do.
     """
-    found: Model = at_once(reading_model(scene, body, mesh, link))
-    return found
-
-
-def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink) -> Parts:
-    """Read a model in parts; see `read_model`. Blender is looked at before the first of them only."""
     from ...core.mesh.surface import base_vertices
 
     params, surroundings = body.dimple.to_params(), scene.dimple
@@ -110,3 +110,33 @@ def _weights(body: bpy.types.Object, group: str, role: str, link: ObjectLink) ->
             'there is no vertex group "{group}" ({role}). Choose another in Physics > Dimple.', group=group, role=role
         )
     return found
+
+
+class Settings(NamedTuple):
+    """What a running body was read from."""
+
+    body: Hashable  # laws, pins, softness and size
+    materials: tuple[Hashable, ...]  # the constants of each slot
+    surroundings: Hashable  # gravity, ground and the unit of length
+    plan: Hashable  # how it is to be simulated
+
+
+def settings_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> Settings:
+    """Return the settings of an object as they are now."""
+    around = scene.dimple
+    return Settings(
+        tuple(obj.dimple.to_params().items()),
+        tuple(_constants(slot.material) for slot in obj.material_slots),
+        (
+            bool(around.use_gravity), gravity(scene), bool(around.use_ground),
+            scene.unit_settings.scale_length,
+        ),
+        tuple(obj.dimple.to_plan().items()),
+    )
+
+
+def _constants(material: bpy.types.Material | None) -> Hashable:
+    if material is None:
+        return None
+    settings: Any = material.dimple
+    return material.session_uid, tuple(settings.to_params().items())

@@ -17,7 +17,7 @@ from ...core.base import DimpleError
 from ...core.messages import Message
 from ...core.recording import PointCache, open_point_cache
 from ..names import BAKED_PRESS, CACHE
-from . import force_curves, offset, rendered_mesh
+from . import keyframes, offset, rendered_mesh
 from .stack import is_cache
 
 LONGEST_NAME = 91  # bytes; a name has two, a number and endings, and a disk takes 255
@@ -75,7 +75,10 @@ def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
     elif bpy.data.filepath:
         folder = Path(bpy.data.filepath).parent
     else:
-        folder = _preferred_folder()
+        settings = bpy.context.preferences.addons.get(_PACKAGE)
+        chosen = settings.preferences.cache_dir if settings else ""
+        # not the extension's own folder: Blender deletes that with the extension, and scenes go on playing these files
+        folder = Path(bpy.path.abspath(chosen) if chosen else bpy.utils.user_resource("DATAFILES", path="dimple"))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -101,14 +104,6 @@ def version() -> str:
     """Return the version of the extension."""
     manifest = Path(__file__).parents[2] / "blender_manifest.toml"
     return str(tomllib.loads(manifest.read_text(encoding="utf-8"))["version"])
-
-
-def _preferred_folder() -> Path:
-    """Return where recordings go that have no other place; it may be missing."""
-    settings = bpy.context.preferences.addons.get(_PACKAGE)
-    chosen = settings.preferences.cache_dir if settings else ""
-    # not the extension's own folder: Blender deletes that with the extension, and scenes go on playing these files
-    return Path(bpy.path.abspath(chosen) if chosen else bpy.utils.user_resource("DATAFILES", path="dimple"))
 
 
 @contextlib.contextmanager
@@ -183,12 +178,12 @@ def add_curves(obj: bpy.types.Object, cache: Path) -> None:
     """Give an object the curves of the table beside a PC2 file, where the scene asks for curves."""
     if bpy.context.scene.dimple.use_curves:
         with contextlib.suppress(OSError):  # a recording of which the disk has taken no table still plays
-            force_curves.add(obj, cache.with_suffix(".csv"))
+            keyframes.add_press(obj, cache.with_suffix(".csv"))
 
 
 def detach_cache(obj: bpy.types.Object) -> int:
     """Take the modifiers that play a bake and its curves off an object; return how many modifiers there were."""
-    force_curves.remove(obj)
+    keyframes.remove_press(obj)
     return offset.remove(obj, BAKED_PRESS)
 
 

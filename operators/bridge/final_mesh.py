@@ -1,7 +1,6 @@
 """The final mesh of an object: what keys and modifiers make of its own, which is what is seen, and what is pressed.
 
 Where it is too coarse for the fingertip, the modifier that shows the press subdivides it.
-Part of the bridge: with `bridge`, `bridge_write` and `offset` the only toucher of mesh arrays.
 """
 
 from __future__ import annotations
@@ -12,15 +11,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import bpy
 import numpy as np
+import numpy.typing as npt
 
 from ...core.base import DimpleError
 from ..names import BAKED_KEY, CACHES_OFF, PRESS, REST
 from . import offset
-from .object_link import check_matrix, find, get_points, scale_of_body, to_physical
+from .object_link import find, get_points, scale_of_body
 from .stack import is_cache
 
 if TYPE_CHECKING:
-    from ...core.session import Session
     from .object_link import Floats, ObjectLink, Singles
 
 WIDE = 0.83  # fingertip radii: in wider faces a dent shows facets
@@ -29,18 +28,12 @@ MOST = 20_000  # vertices that are made by subdividing: more do not follow a han
 
 
 class Final(NamedTuple):
-    """A final mesh at rest, as the modifier is given it, subdivided.
+    """A final mesh at rest, as the modifier is given it, subdivided."""
 
-    points: (N, 3) its coordinates.
-    triangles: (t, 3).
-    slots: (t,) the material slot of each.
-    cuts: how often it is subdivided.
-    """
-
-    points: Singles
-    triangles: np.ndarray
-    slots: np.ndarray
-    cuts: int
+    points: Singles  # (N, 3) its coordinates
+    triangles: np.ndarray  # (t, 3)
+    slots: np.ndarray  # (t,) the material slot of each
+    cuts: int  # how often it is subdivided
 
 
 @contextmanager
@@ -144,7 +137,6 @@ def read(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = Tr
 
 
 def _cuts_now(body: bpy.types.Object) -> int:
-    """Return how often the modifier that shows a press subdivides."""
     modifier = offset.modifier_of(body)
     nodes = modifier.node_group.nodes if modifier else ()
     return next((each.inputs["Level"].default_value for each in nodes if each.type == "SUBDIVIDE_MESH"), 0)
@@ -183,40 +175,22 @@ def read_rest(body: bpy.types.Object, graph: bpy.types.Depsgraph) -> Singles | N
     return None if attribute is None else get_points(attribute.data, len(attribute.data), "vector")
 
 
-def lead(
-    context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, session: Session, matrix: Floats,
-    rest: Singles,
-) -> tuple[Floats, Singles]:
-    """Let pins and the shape at rest of a session go where its object and its rig have gone.
-
-    Args:
-        matrix: (4, 4) of the object before.
-        rest: (N, 3) its shape at rest before.
-
-    Returns:
-        Both as they are now.
+def rest_now(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, before: Singles) -> Singles:
+    """Return the shape at rest (N, 3) of an object as its rig has bent it, the one before where it has not.
 
     Raises:
-        DimpleError: the object is flat, or its modifiers give other vertices than they did.
+        DimpleError: its modifiers give other vertices than they did.
     """
-    now, shape = np.array(body.matrix_world), rest
-    if link.shaped:
-        read_now = read_rest(body, context.evaluated_depsgraph_get())
-        if read_now is None or len(read_now) != len(rest):
-            _check_count(context, body, link)
-        elif not np.array_equal(read_now, rest):
-            shape = read_now
-    if shape is rest and np.array_equal(now, matrix):
-        return matrix, rest
-    check_matrix(body.name, now)
-    there = to_physical(link.scale, now, shape)
-    session.set_pins(there)
-    if shape is not rest or session.model.rigged or _is_stretched(now, matrix):
-        session.set_rest(there)
-    return now, shape
+    if not link.shaped:
+        return before
+    now = read_rest(body, context.evaluated_depsgraph_get())
+    if now is None or len(now) != len(before):
+        _check_count(context, body, link)
+        return before
+    return before if np.array_equal(now, before) else now
 
 
-def _is_stretched(matrix: Floats, before: Floats) -> bool:
+def is_stretched(matrix: Floats, before: Floats) -> bool:
     """Tell whether a matrix (4, 4) scales or shears otherwise than one before."""
     now, then = (m[:3, :3].T @ m[:3, :3] for m in (matrix, before))
     return not np.allclose(now, then, rtol=1e-6, atol=1e-12)
@@ -231,11 +205,6 @@ def _check_count(context: bpy.types.Context, body: bpy.types.Object, link: Objec
             "its vertices: apply the modifier that changes them, or switch it off.",
             name=body.name, count=count, vertices=len(link.rest)
         )  # fmt: skip
-
-
-def is_coarse(context: bpy.types.Context, body: bpy.types.Object) -> bool:
-    """Tell whether the final mesh of a body, as it is pressed, is too coarse for the fingertip."""
-    return cuts_of(context, body, evaluated(context, body)) > 0
 
 
 def cuts_of(context: bpy.types.Context, body: bpy.types.Object, mesh: bpy.types.Mesh) -> int:
@@ -256,9 +225,8 @@ def cuts_of(context: bpy.types.Context, body: bpy.types.Object, mesh: bpy.types.
 
 def _widths(mesh: bpy.types.Mesh, points: Floats) -> tuple[Floats, Floats]:
     """Return how wide each face (f,) is, and its area (f,): halving all edges halves it."""
-    count, corners = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.loops), np.int32)
+    count, corners = np.empty(len(mesh.polygons), np.int32), corners_of(mesh)
     mesh.polygons.foreach_get("loop_total", count)
-    mesh.loops.foreach_get("vertex_index", corners)
     starts = np.cumsum(count) - count
     following = np.arange(1, len(corners) + 1)
     following[starts + count - 1] = starts
@@ -278,6 +246,13 @@ def evaluated(context: bpy.types.Context, body: bpy.types.Object) -> bpy.types.M
 def points_of(mesh: bpy.types.Mesh) -> Singles:
     """Return the coordinates (N, 3) of a mesh."""
     return get_points(mesh.vertices, len(mesh.vertices), "co")
+
+
+def corners_of(mesh: bpy.types.Mesh) -> npt.NDArray[np.int32]:
+    """Return the vertex at each corner of the faces of a mesh."""
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return corners
 
 
 def triangles_of(mesh: bpy.types.Mesh) -> tuple[Any, Any]:

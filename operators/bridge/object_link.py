@@ -1,4 +1,4 @@
-"""What joins an object to its session, and coordinates from one to the other. Part of the bridge.
+"""What joins an object to its session, and coordinates from one to the other.
 
 A session lives in metres of the real object, on the axes and the origin of Blender's world: p = s M co, with M the
 object's matrix and s its physical size over its size in the scene. What is kept here are numbers and session_uids,
@@ -23,35 +23,21 @@ Singles = npt.NDArray[np.float32]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ObjectLink:
-    """What joins an object to its session.
+    """What joins an object to its session."""
 
-    uid, name: of the object.
-    rest: (N, 3) its final mesh at rest, bit for bit.
-    own: (n, 3) the coordinates of its own mesh, bit for bit.
-    scale: physical metres per scene unit.
-    matrix: (4, 4) of the object at the start.
-    resting: (N, 3) what a frame shows at rest [m].
-    rounding: what a vertex at rest may be off it [m].
-    slots: of the object's materials that the model has.
-    cuts: how often its final mesh is subdivided.
-    shaped: shape keys or modifiers make the final mesh of its own.
-    rigged: they hold it, or move it where it is pinned.
-    bones: (b, 2, 3) ends of the bones that deform it, at the start [m].
-    """
-
-    uid: int
-    name: str
-    rest: Singles
-    own: Singles
-    scale: float
-    matrix: Floats
-    resting: Singles
-    rounding: float
-    slots: tuple[int, ...]
-    cuts: int = 0
-    shaped: bool = False
-    rigged: bool = False
-    bones: Floats | None = None
+    uid: int  # of the object
+    name: str  # of the object
+    rest: Singles  # (N, 3) its final mesh at rest, bit for bit
+    own: Singles  # (n, 3) the coordinates of its own mesh, bit for bit
+    scale: float  # physical metres per scene unit
+    matrix: Floats  # (4, 4) of the object at the start
+    resting: Singles  # (N, 3) what a frame shows at rest [m]
+    rounding: float  # what a vertex at rest may be off it [m]
+    slots: tuple[int, ...]  # of the object's materials that the model has
+    cuts: int = 0  # how often its final mesh is subdivided
+    shaped: bool = False  # shape keys or modifiers make the final mesh of its own
+    rigged: bool = False  # they hold it, or move it where it is pinned
+    bones: Floats | None = None  # (b, 2, 3) ends of the bones that deform it, at the start [m]
 
 
 def find(uid: int, name: str = "") -> bpy.types.Object | None:

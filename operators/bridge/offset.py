@@ -4,8 +4,6 @@ It is given the final mesh, subdivides it where it is too coarse for the fingert
 The offsets are the vertices of a mesh of their own, the carrier, so the artist's mesh, its shape keys, and whatever
 else uses them know nothing of a press. Viewport and render may have meshes of different counts: each has its carrier,
 and a mesh of any other count stays as it is.
-
-Part of the bridge: with `bridge`, `bridge_write` and `final_mesh` the only toucher of mesh arrays.
 """
 
 from __future__ import annotations
@@ -21,16 +19,11 @@ from .stack import shows
 
 
 class Shown(NamedTuple):
-    """How a final mesh is shown.
+    """How a final mesh is shown."""
 
-    given: vertices that the modifiers before give.
-    cuts: how often each of its edges is halved.
-    carrier: the object whose vertices are the offsets.
-    """
-
-    given: int
-    cuts: int
-    carrier: bpy.types.Object
+    given: int  # vertices that the modifiers before give
+    cuts: int  # how often each of its edges is halved
+    carrier: bpy.types.Object  # the object whose vertices are the offsets
 
 
 def modifier_of(body: bpy.types.Object) -> bpy.types.Modifier | None:

@@ -1,7 +1,4 @@
-"""The final mesh of an object in a render, where that is not the viewport's, and what carries offsets to it.
-
-Part of the bridge, above `final_mesh`.
-"""
+"""The final mesh of an object in a render, where that is not the viewport's, and what carries offsets to it."""
 
 from __future__ import annotations
 
@@ -45,14 +42,10 @@ def shown(
 
 
 class Carried(NamedTuple):
-    """What carries offsets to the vertices of another mesh: each follows the nearest triangle.
+    """What carries offsets to the vertices of another mesh: each follows the nearest triangle."""
 
-    corners: (M, 3) of that.
-    shares: (M, 3) of each corner.
-    """
-
-    corners: np.ndarray
-    shares: np.ndarray
+    corners: np.ndarray  # (M, 3) of that
+    shares: np.ndarray  # (M, 3) of each corner
 
     def carry(self, offsets: Singles) -> Singles:
         """Return the offsets (M, 3) of the other mesh for those (N, 3) of the one."""
@@ -78,7 +71,6 @@ def _carried(final: Final, points: Singles) -> Carried:
 
 
 def _final(context: bpy.types.Context, body: bpy.types.Object, given: int, cuts: int) -> Final:
-    """Return the final mesh of an object as it is now, subdivided."""
     offset.add(body, "Dimple Press", PRESS, [offset.Shown(given, cuts, offset.new_carrier())])
     try:
         mesh = evaluated(context, body)

@@ -1,8 +1,4 @@
-"""The bridge between Blender's objects and the core: an object becomes a model that can be pressed.
-
-With `object_link`, `bridge_model`, `bridge_write`, `final_mesh`, `rendered_mesh` and `offset` the only toucher of mesh
-arrays and scale.
-"""
+"""An object of Blender becomes a model that can be pressed."""
 
 from __future__ import annotations
 
@@ -22,7 +18,7 @@ from .object_link import Singles as Singles
 from .object_link import find as find
 from .object_link import get_points as get_points
 from .object_link import offsets_of as offsets_of
-from .object_link import scale_of_body
+from .object_link import scale_of_body as scale_of_body
 from .object_link import to_physical as to_physical
 
 if TYPE_CHECKING:
@@ -34,8 +30,7 @@ _CONVERTIBLE = {"CURVE", "SURFACE", "META", "FONT"}  # Blender turns them into m
 
 def read_body(context: bpy.types.Context, body: bpy.types.Object, **options: Any) -> tuple[ObjectLink, Model]:
     """Read a mesh object at once; see `reading_body`."""
-    found: tuple[ObjectLink, Model] = at_once(reading_body(context, body, **options))
-    return found
+    return at_once(reading_body(context, body, **options))
 
 
 def reading_body(
@@ -84,15 +79,6 @@ def _mesh(scale: float, matrix: Floats, rest: Singles, triangles: Any, triangle_
 
     points = to_physical(scale, matrix, rest)
     return mesh_from_triangles(points, triangles, triangle_material=triangle_material)
-
-
-def scale_of(scene: bpy.types.Scene, body: bpy.types.Object, link: ObjectLink) -> float:
-    """Return physical metres per scene unit of a running body by the settings it has now.
-
-    Raises:
-        DimpleError: it has no size.
-    """
-    return scale_of_body(scene, body, link.rest, link.matrix)
 
 
 def check(body: bpy.types.Object) -> None:

@@ -26,7 +26,6 @@ class DIMPLE_OT_connect_device(polls.Declared, bpy.types.Operator):
     bl_label = "Connect"
 
     def run(self, context: bpy.types.Context) -> None:
-        """Connect or disconnect."""
         if haptic_fingertips.get():
             haptic_fingertips.disconnect()
         else:
@@ -45,7 +44,6 @@ class DIMPLE_OT_arm_device(polls.Declared, bpy.types.Operator):
     )
 
     def run(self, _context: bpy.types.Context) -> None:
-        """Arm, and hold the dead-man key for the time given."""
         connection = haptic_fingertips.get()
         connection.watch = None
         haptic_fingertips.hold(self.hold_s)
@@ -90,7 +88,6 @@ class DIMPLE_OT_arm_device(polls.Declared, bpy.types.Operator):
         return {"PASS_THROUGH"}
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Disarm when Blender ends the operator."""
         sessions.disarm()
         self._end(context)
 
@@ -120,7 +117,6 @@ class DIMPLE_OT_disarm_device(polls.Declared, bpy.types.Operator):
     needs = (_is_ready,)
 
     def run(self, _context: bpy.types.Context) -> None:
-        """Disarm."""
         haptic_fingertips.hold(0.0)
         haptic_fingertips.get().device.disarm()
 
@@ -133,7 +129,6 @@ class DIMPLE_OT_centre_device(polls.Declared, bpy.types.Operator):
     needs = (_is_ready,)
 
     def run(self, context: bpy.types.Context) -> None:
-        """Set the origin."""
         haptic_fingertips.set_origin(context.scene)
 
 
@@ -143,12 +138,10 @@ _register_classes, _unregister_classes = bpy.utils.register_classes_factory(
 
 
 def register() -> None:
-    """Register the operators."""
     _register_classes()
     haptic_fingertips.register()
 
 
 def unregister() -> None:
-    """Disconnect the device, and unregister."""
     haptic_fingertips.unregister()
     _unregister_classes()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ...core.errors import DimpleError
 from ..press import sessions
 
 if TYPE_CHECKING:
@@ -23,22 +24,15 @@ FELT_S = 3.0  # [s] that a script lets a device press
 
 @dataclass(slots=True, kw_only=True)
 class UnderWay:
-    """An experiment under way.
+    """An experiment under way."""
 
-    experiment: plan, participant and answers.
-    agreed: the participant has read the consent.
-    obj: uid of the object, and the material it had.
-    shown: intervals of the trial that were shown.
-    samples: time [s], depth [m] and force [N] of what was touched in this trial.
-    began: when the trial did [s].
-    """
-
-    experiment: Experiment
-    agreed: bool = False
-    obj: tuple[str, bpy.types.Material | None] = ("", None)
-    shown: int = 0
+    experiment: Experiment  # plan, participant and answers
+    agreed: bool = False  # the participant has read the consent
+    obj: tuple[str, bpy.types.Material | None] = ("", None)  # uid of the object, and the material it had
+    shown: int = 0  # intervals of the trial that were shown
+    # time [s], depth [m] and force [N] of what was touched in this trial
     samples: list[tuple[float, float, float]] = field(default_factory=list)
-    began: float = 0.0
+    began: float = 0.0  # when the trial did [s]
 
 
 experiments: list[UnderWay] = []  # the experiment, where one is under way
@@ -83,7 +77,6 @@ def source_of(name: str) -> object:
     Raises:
         DimpleError: there is none.
     """
-    from ...core.base import DimpleError
     from ...core.everyday import OBJECTS
 
     preset = next((each for each in OBJECTS if name in (each.name, each.label)), None)

@@ -1,31 +1,19 @@
 """The sensory comparison of the paper's chapter 5: trials from a file, blind, each answer kept before the next."""
 
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
 from bpy.props import IntProperty, StringProperty
 
+from ...core.errors import DimpleError
 from ...core.messages import Message
 from ..messages import report, say
 from ..names import Op
 from ..press import fingertip_objects, modal_runs, polls, sessions
-from .blind_trial import (
-    FELT_S,
-    HOLD_S,
-    PRESS_S,
-    RELEASE_S,
-    UnderWay,
-    close,
-    dress,
-    experiments,
-    log_path,
-    seen_press,
-    source_of,
-    trial,
-)
-from .blind_trial import get as get
+from ..press.play import Driving
+from . import blind_trial
+from .blind_trial import FELT_S, HOLD_S, PRESS_S, RELEASE_S, experiments, trial
 
 
 class DIMPLE_OT_open_experiment(polls.Declared, bpy.types.Operator):
@@ -47,13 +35,10 @@ class DIMPLE_OT_open_experiment(polls.Declared, bpy.types.Operator):
     needs = polls.needs_mesh, polls.is_own, polls.is_free
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Ask for the file."""
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
     def run(self, context: bpy.types.Context) -> None:
-        """Read the plan and the answers so far."""
-        from ...core.base import DimpleError
         from ...core.experiment.log import Log
         from ...core.experiment.plan import read_plan
         from ...core.experiment.run import Experiment
@@ -64,9 +49,10 @@ class DIMPLE_OT_open_experiment(polls.Declared, bpy.types.Operator):
             raise DimpleError("Give the participant a number or a code.")
         plan = read_plan(path)
         for task in plan.tasks:
-            source_of(task.object)
-        under_way = UnderWay(experiment=Experiment(plan, participant, Log(log_path(path, participant))))
-        close()
+            blind_trial.source_of(task.object)
+        log = Log(blind_trial.log_path(path, participant))
+        under_way = blind_trial.UnderWay(experiment=Experiment(plan, participant, log))
+        blind_trial.close()
         under_way.obj = context.object.name, context.object.active_material
         experiments.append(under_way)
         done = len(under_way.experiment.log.rows)
@@ -94,14 +80,13 @@ class DIMPLE_OT_agree_experiment(polls.Declared, bpy.types.Operator):
         modal_runs.redraw()
 
 
-class DIMPLE_OT_show_trial(polls.Declared, bpy.types.Operator):
+class DIMPLE_OT_show_trial(Driving, bpy.types.Operator):
     """Present the object of this trial, to press with the device or to watch being pressed"""
 
     bl_idname = Op.SHOW_TRIAL
     bl_label = "Present"
 
     interval: IntProperty(name="Interval", description="1 is the first, 2 the second", default=1, min=1, max=2)
-    _steps: Iterator[float]
 
     needs = (
         _is_open,
@@ -109,56 +94,40 @@ class DIMPLE_OT_show_trial(polls.Declared, bpy.types.Operator):
         polls.need(lambda _: trial(), "All trials are answered"),
     )
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Present at once, frame by frame of the scene."""
-        if not self._begin(context):
-            return {"CANCELLED"}
-        dt = context.scene.render.fps_base / context.scene.render.fps
+    def run(self, context: bpy.types.Context) -> None:
+        from ..bridge import timeline
+
+        self._present(context)
+        dt = timeline.frame_s(context.scene)
         with sessions.ending_on_error():
             for _ in range(round(self._length() / dt)):
                 self._advance(context, dt, None)
-        self._end()
-        return {"FINISHED"}
+        sessions.stop_all()
 
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+    def begin(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Present in real time: a replayed press to its end, an object to feel until the answer or Esc."""
-        if not self._begin(context):
-            return {"CANCELLED"}
-        self._run = modal_runs.open_run(context, "play", "Trial: answer in the panel, Esc ends it")
-        self._clock = time.perf_counter()
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        self._present(context)
+        return self.drive(context, "play", "Trial: answer in the panel, Esc ends it")
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Step by the clock."""
+    def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         from ..press import live_step
 
-        if self._run.closed:
-            return {"CANCELLED"}
         over = self._seen and self._time > self._length()
         if over or (event.type == "ESC" and event.value == "PRESS") or not experiments:
-            self._end()
+            sessions.stop_all()
             return {"FINISHED"}
         if event.type == "TIMER":
-            now = time.perf_counter()
-            wall, self._clock = now - self._clock, now
-            asked, budget = live_step.ask(context.scene, self._run, wall)
-            with sessions.ending_on_error():
-                self._advance(context, asked, budget)
+            asked, budget = live_step.ask(context.scene, self._run, self.passed())
+            self._advance(context, asked, budget)
             live_step.adapt(self._run, asked)
             modal_runs.redraw()
         return {"PASS_THROUGH"}
 
-    def cancel(self, _context: bpy.types.Context) -> None:
-        """End when Blender ends the operator."""
-        sessions.stop_all()
-
     def _length(self) -> float:
         return PRESS_S + HOLD_S + RELEASE_S if self._seen else FELT_S
 
-    def _begin(self, context: bpy.types.Context) -> bool:
+    def _present(self, context: bpy.types.Context) -> None:
         """Give the object the stiffness of the interval and start its session."""
-        from ...core.base import DimpleError
         from ..press import live_step, scripted_press
 
         under_way, shown = experiments[0], trial()
@@ -168,20 +137,19 @@ class DIMPLE_OT_show_trial(polls.Declared, bpy.types.Operator):
             if obj is None:
                 raise DimpleError("The object of the experiment is gone. Open the experiment again.")
             interval = min(self.interval, len(shown.shown))
-            dress(obj, shown.task.object, shown.shown[interval - 1])
+            blind_trial.dress(obj, shown.task.object, shown.shown[interval - 1])
             fingertip_objects.select(context, obj)
             live_step.start_all(context)
             self._seen, self._time, self._state = shown.task.condition == "seen", 0.0, None
             if self._seen:
-                self._state = scripted_press.pressed(sessions.sessions, seen_press(context), None, (0.0, 0.0, 0.0))
-        except DimpleError as error:
+                press = blind_trial.seen_press(context)
+                self._state = scripted_press.pressed(sessions.sessions, press, None, (0.0, 0.0, 0.0))
+        except DimpleError:
             sessions.stop_all()
-            say(self, {"ERROR"}, str(error))
-            return False
+            raise
         if under_way.shown == 0:
             under_way.began, under_way.samples = time.perf_counter(), []
         under_way.shown = max(under_way.shown, interval)
-        return True
 
     def _advance(self, context: bpy.types.Context, dt: float, budget: float | None) -> None:
         """Go on by a time [s]; note how deep and how hard the object is pressed."""
@@ -203,9 +171,6 @@ class DIMPLE_OT_show_trial(polls.Declared, bpy.types.Operator):
                 force = float(frame.pushes[i])
                 experiments[0].samples.append((self._time, float(frame.depths[i]), force))
 
-    def _end(self) -> None:
-        sessions.stop_all()
-
 
 class DIMPLE_OT_answer_trial(polls.Declared, bpy.types.Operator):
     """Save this answer and go to the next trial"""
@@ -218,7 +183,6 @@ class DIMPLE_OT_answer_trial(polls.Declared, bpy.types.Operator):
     needs = _is_open, _is_shown
 
     def run(self, _context: bpy.types.Context) -> None:
-        """Keep the answer."""
         sessions.stop_all()
         under_way = experiments[0]
         seconds = time.perf_counter() - under_way.began
@@ -235,17 +199,15 @@ class DIMPLE_OT_stop_experiment(polls.Declared, bpy.types.Operator):
     needs = (_is_open,)
 
     def run(self, _context: bpy.types.Context) -> None:
-        """Stop, report how many trials are answered, and restore the material of the object."""
         done = len(experiments[0].experiment.log.rows)
-        close()
+        blind_trial.close()
         say(self, {"INFO"}, Message("{done} trials are answered", done=done))
 
 
-CLASSES = [
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory([
     DIMPLE_OT_open_experiment, DIMPLE_OT_agree_experiment, DIMPLE_OT_show_trial, DIMPLE_OT_answer_trial,
     DIMPLE_OT_stop_experiment,
-]  # fmt: skip
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+])  # fmt: skip
 
 
 @bpy.app.handlers.persistent
@@ -259,6 +221,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    close()
+    blind_trial.close()
     bpy.app.handlers.load_pre.remove(_on_load_pre)
     _unregister_classes()

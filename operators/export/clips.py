@@ -1,4 +1,4 @@
-"""What an exporter gets: an object and its animation, selected alone, playing a cache or with keyframed shape keys.
+"""What is to be exported; and what an exporter gets: an object, selected alone, playing or with keyframed shape keys.
 
 Each context manager puts the object back exactly as it was.
 """
@@ -9,14 +9,14 @@ import contextlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import bpy
 import numpy as np
 import numpy.typing as npt
 
 from ...core.recording import PointCache, open_point_cache
-from ..bridge import cache_files, keyframes, offset, stack
+from ..bridge import cache_files, final_mesh, keyframes, offset, stack
 
 Singles = npt.NDArray[np.float32]
 UV_MAP = "dimple_vertex"
@@ -38,44 +38,57 @@ class Keys(NamedTuple):
     error: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Clip:
-    """An object and its animation.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExportPlan:
+    """What to export."""
 
-    obj: the object.
-    plays: the PC2 file of offsets that it is to play, its first frame, and how often its final mesh is subdivided; None
-        where it plays already.
-    samples: (frames, vertices, 3) coordinates of its final mesh, in frames first to last; none where no format asks.
-    first, last: frames.
-    step: frames from one shape key to the next.
-    key_error: how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for a shape key
-        every `step` frames.
-    normals: write how the surface is shaded.
-    made: the shape keys, once they are.
-    """
+    objects: Sequence[bpy.types.Object]  # the bodies
+    formats: Sequence[str]  # keys of `formats.FORMATS`, in the order in which they are written
+    folder: Path  # where the files go; it is made
+    first: int  # frame
+    last: int  # frame, included
+    begin: int | None = None  # frame at which the simulation begins at rest; None is the first
+    step: int = 1  # frames from one shape key to the next
+    # how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for a shape key every
+    # `step` frames
+    key_error: float = 0.0
+    simulate: bool = False  # also objects that play a bake or a recording
+    overwrite: bool = False  # files that are there
+    normals: bool = True  # write how the surface is shaded
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Clip:
+    """An object and its animation."""
 
     obj: bpy.types.Object
-    plays: tuple[Path, float, int] | None
-    samples: Singles
-    first: int
-    last: int
-    step: int = 1
-    key_error: float = 0.0
-    normals: bool = True
-    made: list[Keys] = field(default_factory=list)
+    plan: ExportPlan  # frames and options
+    # the PC2 file of offsets that it is to play, its first frame, and how often its final mesh is subdivided; None
+    # where it plays already
+    plays: tuple[Path, float, int] | None = None
+    table: Path | None = None  # of forces, beside what it plays
+    simulated: dict[str, Any] | None = None  # how, where it was for this
+    # (frames, vertices, 3) coordinates of its final mesh; none where no format asks
+    samples: Singles = field(default_factory=lambda: np.empty((0, 0, 3), np.float32))
+    made: Keys | None = None  # the shape keys, once they are
+
+    @property
+    def frames(self) -> int:
+        """Return how many frames there are."""
+        return self.plan.last - self.plan.first + 1
 
     def keys(self) -> Keys:
         """Return the shape keys; they are made once."""
-        if not self.made:
-            self.made.append(self._few() if self.key_error else self._each())
-        return self.made[0]
+        self.made = self.made or (self._few() if self.plan.key_error else self._each())
+        return self.made
 
     def _each(self) -> Keys:
         """Return a shape key for every few frames; from one to the next a straight line leads."""
         from ...core.recording.basis import error_between
 
-        frames = sorted({*range(self.first, self.last + 1, self.step), self.last})
-        at = [frame - self.first for frame in frames]
+        plan = self.plan
+        frames = sorted({*range(plan.first, plan.last + 1, plan.step), plan.last})
+        at = [frame - plan.first for frame in frames]
         near = [frames[max(number - 1, 0) : number + 2] for number in range(len(frames))]
         shapes = [
             KeyedShape(f"Frame {frame:04d}", self.samples[where], some, [float(each == frame) for each in some])
@@ -87,8 +100,8 @@ class Clip:
         """Return the few shapes of which every frame is a sum."""
         from ...core.recording.basis import reduce
 
-        basis = reduce(self.samples, self.key_error * float(np.ptp(self.samples[0], axis=0).max()))
-        frames = list(range(self.first, self.last + 1))
+        basis = reduce(self.samples, self.plan.key_error * float(np.ptp(self.samples[0], axis=0).max()))
+        frames = list(range(self.plan.first, self.plan.last + 1))
         shapes = [
             KeyedShape(f"Shape {number:03d}", self.samples[0] + shape, frames, weights)
             for number, (shape, weights) in enumerate(zip(basis.shapes, basis.weights.T, strict=True), start=1)
@@ -137,13 +150,10 @@ def selected(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[None
 
 
 @contextlib.contextmanager
-def playing(context: bpy.types.Context, obj: bpy.types.Object, plays: tuple[Path, float, int] | None) -> Iterator[None]:
-    """Select an object that plays a PC2 file of offsets in place of its own bake.
-
-    Args:
-        plays: the file, its first frame, and how often the final mesh is subdivided; None where it plays already.
-    """
-    if plays is None:
+def playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
+    """Select the object of a clip, playing that in place of its own bake."""
+    obj = clip.obj
+    if clip.plays is None:
         with selected(context, obj):
             yield
         return
@@ -153,7 +163,7 @@ def playing(context: bpy.types.Context, obj: bpy.types.Object, plays: tuple[Path
         try:
             for modifier in ours:
                 modifier.show_viewport = modifier.show_render = False
-            cache_files.play(context, obj, *plays)
+            cache_files.play(context, obj, *clip.plays)
             yield
         finally:
             for modifier in [each for each in obj.modifiers if stack.is_cache(each) and each not in ours]:
@@ -163,40 +173,29 @@ def playing(context: bpy.types.Context, obj: bpy.types.Object, plays: tuple[Path
                 modifier.show_viewport, modifier.show_render = viewport, render
 
 
-def seen(
-    context: bpy.types.Context, obj: bpy.types.Object, plays: tuple[Path, float, int] | None, first: int, last: int,
-    path: Path,
-) -> Singles:
+def seen(context: bpy.types.Context, clip: Clip, path: Path) -> Singles:
     """Return the coordinates (frames, vertices, 3) that an object shows while it plays; they go to a file.
 
     Raises:
         OSError: the disk refuses.
         DimpleError: it does not show as many vertices in each frame.
     """
-    with ranged(context.scene, first, last), playing(context, obj, plays), contextlib.ExitStack() as files:
-        cache = None
+    first, last, cache = clip.plan.first, clip.plan.last, None
+    with ranged(context.scene, first, last), playing(context, clip), contextlib.ExitStack() as files:
         for frame in range(first, last + 1):
             context.scene.frame_set(frame)
-            mesh = obj.evaluated_get(context.evaluated_depsgraph_get()).data
-            points = np.empty(3 * len(mesh.vertices), np.float32)
-            mesh.vertices.foreach_get("co", points)
+            mesh = clip.obj.evaluated_get(context.evaluated_depsgraph_get()).data
             cache = cache or files.enter_context(PointCache(path, len(mesh.vertices), first))
-            cache.append(points.reshape(-1, 3))
+            cache.append(final_mesh.points_of(mesh))
     _, samples = open_point_cache(path)
     return samples
 
 
 @contextlib.contextmanager
-def keyed(
-    context: bpy.types.Context, obj: bpy.types.Object, plays: tuple[Path, float, int] | None, rest: Singles,
-    keys: Sequence[KeyedShape],
-) -> Iterator[None]:
-    """Give an object its final mesh with keyframed shape keys, in place of its own mesh and its modifiers.
-
-    Args:
-        rest: (vertices, 3) coordinates of the basis.
-    """
-    with playing(context, obj, plays):
+def keyed(context: bpy.types.Context, clip: Clip, keys: Sequence[KeyedShape]) -> Iterator[None]:
+    """Give an object its final mesh with keyframed shape keys, in place of its own mesh and its modifiers."""
+    obj = clip.obj
+    with playing(context, clip):
         graph = context.evaluated_depsgraph_get()
         copy = bpy.data.meshes.new_from_object(
             obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph
@@ -213,7 +212,7 @@ def keyed(
     for modifier, *_ in shaping:  # the keys include their effect
         modifier.show_viewport = modifier.show_render = False
     try:
-        _add_keys(obj, rest, keys, action)
+        _add_keys(obj, clip.samples[0], keys, action)
         with selected(context, obj):
             yield
     finally:
@@ -228,21 +227,17 @@ def keyed(
 
 
 @contextlib.contextmanager
-def mapped(
-    context: bpy.types.Context, obj: bpy.types.Object, plays: tuple[Path, float, int] | None, rest: Singles,
-    uv: Singles,
-) -> Iterator[None]:
-    """Give an object its final mesh in a shape (vertices, 3), with a last UV map that has a place a vertex."""
-    with keyed(context, obj, plays, rest, []):
-        obj.shape_key_clear()
-        mesh = obj.data
+def mapped(context: bpy.types.Context, clip: Clip, uv: Singles) -> Iterator[None]:
+    """Give an object its final mesh as in the first frame, with a last UV map that has a place a vertex."""
+    with keyed(context, clip, []):
+        clip.obj.shape_key_clear()
+        mesh = clip.obj.data
         while len(mesh.uv_layers) > 1:  # ours is to be the second one
             mesh.uv_layers.remove(mesh.uv_layers[-1])
         if not mesh.uv_layers:
             mesh.uv_layers.new(name="UVMap")
-        corners = np.empty(len(mesh.loops), np.int32)
-        mesh.loops.foreach_get("vertex_index", corners)
-        mesh.uv_layers.new(name=UV_MAP, do_init=False).uv.foreach_set("vector", uv[corners].ravel())
+        corners = uv[final_mesh.corners_of(mesh)]
+        mesh.uv_layers.new(name=UV_MAP, do_init=False).uv.foreach_set("vector", corners.ravel())
         yield
 
 

@@ -17,6 +17,7 @@ from typing import Any
 
 import bpy
 
+from ...core.errors import DimpleError
 from ..names import EXPORTS
 
 COMMAND = "dimple"
@@ -32,8 +33,6 @@ def run(words: list[str]) -> int:
     options = parser().parse_args(words)
     started, written, messages = time.perf_counter(), [], []  # type: ignore[var-annotated]
     result: dict[str, Any] = {"ok": False, "error": None, "file": str(options.file)}
-    from ...core.base import DimpleError
-
     try:
         plan = _open(options)
         result |= {"objects": [obj.name for obj in plan.objects], "frames": [plan.first, plan.last]}
@@ -91,7 +90,6 @@ def _formats(text: str) -> list[str]:
 
 
 def _open(options: argparse.Namespace) -> Any:
-    from ...core.base import DimpleError
     from . import export_plan
 
     if not options.file.is_file():
@@ -118,8 +116,6 @@ def _open(options: argparse.Namespace) -> Any:
 
 
 def _bodies(scene: bpy.types.Scene, names: Sequence[str] | None) -> list[bpy.types.Object]:
-    from ...core.base import DimpleError
-
     bodies = [obj for obj in scene.objects if obj.type == "MESH" and obj.dimple.enabled]
     if names is None:
         if not bodies:
@@ -146,11 +142,9 @@ _handles: list[object] = []
 
 
 def register() -> None:
-    """Let Blender know the command."""
     _handles.append(bpy.utils.register_cli_command(COMMAND, run))
 
 
 def unregister() -> None:
-    """Take the command away."""
     while _handles:
         bpy.utils.unregister_cli_command(_handles.pop())

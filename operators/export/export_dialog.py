@@ -5,6 +5,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from ...core.errors import DimpleError
 from ...core.messages import Message
 from ..messages import megabytes, wrapped
 from ..names import EXPORTS, Op
@@ -20,7 +21,7 @@ _SOURCES = (
 )
 
 
-class DIMPLE_OT_export_animation(FrameRange, Working, polls.Declared, bpy.types.Operator):
+class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
     """Export the selected bodies as they move, for other programs, with a table of forces and a JSON about the files"""
 
     bl_idname = Op.EXPORT
@@ -97,8 +98,6 @@ class DIMPLE_OT_export_animation(FrameRange, Working, polls.Declared, bpy.types.
             icon = "BLANK1"
 
     def _estimate(self, context: bpy.types.Context) -> tuple[str, str]:
-        """Return a sentence on frames and size, and its icon."""
-        from ...core.base import DimpleError
         from . import export_plan
 
         try:
@@ -111,7 +110,6 @@ class DIMPLE_OT_export_animation(FrameRange, Working, polls.Declared, bpy.types.
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; live sessions end first, for an export starts at rest."""
-        from ...core.base import DimpleError
         from . import export_plan
 
         if not self.directory:

@@ -10,10 +10,8 @@ import contextlib
 import errno
 import os
 import shutil
-from collections.abc import Generator, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Generator, Iterator
 from pathlib import Path
-from typing import Any
 
 import bpy
 import numpy as np
@@ -26,56 +24,13 @@ from ..animate import bake_frames
 from ..bridge import cache_files, offset, scene_objects, stack
 from ..messages import megabytes
 from . import clips, formats, sidecar
-from .clips import Clip
+from .clips import Clip, ExportPlan
 from .formats import FORMATS, Size
 
 SIMULATED = 0.5  # share of the progress bar that a simulation gets
 SPARE = 1.05  # of the estimate: room that must be free on the disk
 
 SHEAR = 1e-4  # cosine between two axes: less is not seen on the whole object
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ExportPlan:
-    """What to export.
-
-    objects: the bodies.
-    formats: keys of `formats.FORMATS`, in the order in which they are written.
-    folder: where the files go; it is made.
-    first, last: frames.
-    begin: frame at which the simulation begins at rest; None is the first.
-    step: frames from one shape key to the next.
-    key_error: how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for a shape key
-        every `step` frames.
-    simulate: also objects that play a bake or a recording.
-    overwrite: files that are there.
-    normals: write how the surface is shaded.
-    """
-
-    objects: Sequence[bpy.types.Object]
-    formats: Sequence[str]
-    folder: Path
-    first: int
-    last: int
-    begin: int | None = None
-    step: int = 1
-    key_error: float = 0.0
-    simulate: bool = False
-    overwrite: bool = False
-    normals: bool = True
-
-
-@dataclass(slots=True, kw_only=True, eq=False)
-class Source:
-    """What an object plays, and the table beside it.
-
-    plays: what it is to play, as in `Clip`; None where it plays already.
-    simulated: how, where it was for this.
-    """
-
-    plays: tuple[Path, float, int] | None
-    table: Path | None
-    simulated: dict[str, Any] | None = None
 
 
 def finals(plan: ExportPlan) -> list[Path]:
@@ -96,7 +51,7 @@ def estimate(context: bpy.types.Context, plan: ExportPlan) -> float:
     return total
 
 
-def played(obj: bpy.types.Object) -> Source | None:
+def played(obj: bpy.types.Object, plan: ExportPlan) -> Clip | None:
     """Return the bake or recording that an object plays, None where it plays none."""
     for modifier in obj.modifiers:
         if not (stack.is_cache(modifier) and modifier.show_viewport):
@@ -118,13 +73,8 @@ def played(obj: bpy.types.Object) -> Source | None:
                     name=obj.name, count=count, baked=points.shape[1]
                 )  # fmt: skip
             table = path.with_suffix(".csv")
-            return Source(plays=None, table=table if table.is_file() else None)
+            return Clip(obj=obj, plan=plan, table=table if table.is_file() else None)
     return None
-
-
-def unplayed(plan: ExportPlan) -> list[bpy.types.Object]:
-    """Return the objects that must be simulated."""
-    return [obj for obj in plan.objects if plan.simulate or played(obj) is None]
 
 
 def size_of(context: bpy.types.Context, obj: bpy.types.Object, normals: bool) -> Size:
@@ -145,10 +95,7 @@ def check(plan: ExportPlan) -> None:
     check_choice(plan)
     for obj in plan.objects:
         scene_objects.check(obj)
-        if obj.library:
-            raise DimpleError(
-                '"{name}" is linked from another file. Make it local first: Object > Relations.', name=obj.name
-            )
+        scene_objects.check_writable(obj)
         if sheared := [FORMATS[each].label for each in plan.formats if each in formats.UNSHEARED and _is_sheared(obj)]:
             raise DimpleError(
                 '"{name}" is sheared by the scale of its parents, which {label} cannot hold. Apply that scale, or '
@@ -225,16 +172,19 @@ def export(context: bpy.types.Context, plan: ExportPlan, messages: list[str], wr
         folder = files.enter_context(cache_files.unfinished_folder(plan.folder))
         check_space(context, plan)
         (folder / "simulated").mkdir()
-        done = SIMULATED if unplayed(plan) else 0.0
+        found = {obj: None if plan.simulate else played(obj, plan) for obj in plan.objects}
+        missing = [obj for obj, clip in found.items() if clip is None]
+        done = SIMULATED if missing else 0.0
         each_file = (0.99 - done) / (len(plan.objects) * len(plan.formats))  # the rest is for the end
-        sources = yield from _sources(context, plan, folder, messages)
-        for obj, source in zip(plan.objects, sources, strict=True):
-            clip = _clip(context, obj, source, plan, folder)
-            with clips.playing(context, obj, clip.plays):
-                described = sidecar.describe(context, obj, plan.first, plan.last, source.simulated)
+        if missing:
+            found |= yield from _simulated(context, plan, missing, folder, messages)
+        for obj, clip in found.items():
+            _look(context, clip, folder)
+            with clips.playing(context, clip):
+                described = sidecar.describe(context, clip)
             stem = cache_files.file_name(obj.name)
-            if source.table:
-                sidecar.copy_table(source.table, folder / "table", plan.first, plan.last)
+            if clip.table:
+                sidecar.copy_table(clip.table, folder / "table", plan.first, plan.last)
                 _commit(folder / "table", plan.folder / f"{stem}.csv", written)
             for each in plan.formats:
                 yield done
@@ -251,23 +201,22 @@ def export(context: bpy.types.Context, plan: ExportPlan, messages: list[str], wr
                 done += each_file
 
 
-def _sources(
-    context: bpy.types.Context, plan: ExportPlan, folder: Path, messages: list[str]
-) -> Generator[float, None, list[Source]]:
-    """Return what each object plays, after simulating those that play nothing."""
-    found = {obj.session_uid: None if plan.simulate else played(obj) for obj in plan.objects}
-    if missing := unplayed(plan):
-        begin = plan.first if plan.begin is None else plan.begin
-        bake = bake_frames.BakePlan(  # which needs two frames
-            objects=missing, first=begin, last=max(plan.last, begin + 1), target="FILES",
-            folder=folder / "simulated",
+def _simulated(
+    context: bpy.types.Context, plan: ExportPlan, missing: list[bpy.types.Object], folder: Path, messages: list[str]
+) -> Generator[float, None, dict[bpy.types.Object, Clip]]:
+    """Simulate objects that play nothing, and return what they are to play."""
+    begin = plan.first if plan.begin is None else plan.begin
+    bake = bake_frames.BakePlan(  # which needs two frames
+        objects=missing, first=begin, last=max(plan.last, begin + 1), target="FILES", folder=folder / "simulated"
+    )
+    bodies = yield from as_share(bake_frames.simulate(context, bake, messages), 0.0, SIMULATED)
+    return {
+        body.obj: Clip(
+            obj=body.obj, plan=plan, plays=(body.path, begin, body.link.cuts), table=body.path.with_suffix(".csv"),
+            simulated=sidecar.describe_session(body.session),
         )
-        for body in (yield from as_share(bake_frames.simulate(context, bake, messages), 0.0, SIMULATED)):
-            found[body.link.uid] = Source(
-                plays=(body.path, begin, body.link.cuts), table=body.path.with_suffix(".csv"),
-                simulated=sidecar.describe_session(body.session),
-            )  # fmt: skip
-    return [source for obj in plan.objects if (source := found[obj.session_uid])]
+        for body in bodies
+    }  # fmt: skip
 
 
 def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> None:
@@ -276,9 +225,9 @@ def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> 
     Raises:
         OSError: there is not.
     """
-    with clips.playing(context, clip.obj, clip.plays):
-        some = size_of(context, clip.obj, clip.normals)
-    size = (clip.last - clip.first + 1) * FORMATS[each].bytes_of(some) + 64 * some.corners + 2e5
+    with clips.playing(context, clip):
+        some = size_of(context, clip.obj, clip.plan.normals)
+    size = clip.frames * FORMATS[each].bytes_of(some) + 64 * some.corners + 2e5
     if hasattr(os, "posix_fallocate"):
         with (folder / "room").open("wb") as file:
             os.posix_fallocate(file.fileno(), 0, int(1.1 * size))
@@ -287,18 +236,14 @@ def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> 
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
 
 
-def _clip(context: bpy.types.Context, obj: bpy.types.Object, source: Source, plan: ExportPlan, folder: Path) -> Clip:
-    samples = np.empty((0, 0, 3), np.float32)
-    if not all(FORMATS[each].played for each in plan.formats):
+def _look(context: bpy.types.Context, clip: Clip, folder: Path) -> None:
+    """Give a clip its samples, where a format asks for them."""
+    if not all(FORMATS[each].played for each in clip.plan.formats):
         path = folder / "seen.pc2"
         try:
-            samples = clips.seen(context, obj, source.plays, plan.first, plan.last, path)
+            clip.samples = clips.seen(context, clip, path)
         except OSError as error:
             raise OSError(error.errno, error.strerror, error.filename or str(path)) from error
-    return Clip(
-        obj=obj, plays=source.plays, samples=samples, first=plan.first, last=plan.last, step=plan.step,
-        key_error=plan.key_error, normals=plan.normals,
-    )  # fmt: skip
 
 
 def _commit(part: Path, final: Path, written: list[Path]) -> None:

@@ -6,13 +6,12 @@ Cache by an exporter (glTF, FBX: they would write a still) gets shape keys inste
 
 from __future__ import annotations
 
-import contextlib
 import json
 import operator
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import bpy
 import numpy as np
@@ -25,42 +24,43 @@ from .clips import Clip
 
 
 class Size(NamedTuple):
-    """What the length of a file depends on: a mesh, and how its shading is written.
+    """What the length of a file depends on: a mesh, and how its shading is written."""
 
-    vertices, corners, triangles: how many it has; a quad is two triangles.
-    normals: they are written.
-    sharp: they differ from corner to corner of a vertex.
-    """
-
-    vertices: int
+    vertices: int  # how many it has
     corners: int
-    triangles: int
-    normals: bool
-    sharp: bool
+    triangles: int  # a quad is two
+    normals: bool  # they are written
+    sharp: bool  # they differ from corner to corner of a vertex
 
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """A format.
+    """A format."""
 
-    label: its name.
-    ending: of the file; None for a folder of files.
-    space: which coordinates, axes and units it holds.
-    write: the writer.
-    bytes_of: about how long a frame of a mesh is.
-    keyed: it holds shape keys.
-    played: Blender's exporter sees the object play; it holds the mesh of a render.
-    exporter: the operator of Blender's that writes it, if one does.
-    """
+    label: str  # its name
+    ending: str  # of the file; None for a folder of files
+    space: str  # which coordinates, axes and units it holds
+    bytes_of: Callable[[Size], float]  # about how long a frame of a mesh is
+    exporter: str = ""  # the operator of Blender's that writes it, if one does, and
+    options: Callable[[Clip], dict[str, Any]] | None = None  # what it is asked, where it writes all of it
+    writer: Callable[[bpy.types.Context, Clip, Path], Iterator[float]] | None = None  # writes it otherwise
+    keyed: bool = False  # it holds shape keys
+    played: bool = False  # Blender's exporter sees the object play; it holds the mesh of a render
 
-    label: str
-    ending: str
-    space: str
-    write: Callable[[bpy.types.Context, Clip, Path], Iterator[float]]
-    bytes_of: Callable[[Size], float]
-    keyed: bool = False
-    played: bool = False
-    exporter: str = ""
+    def write(self, context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
+        """Write a clip, and yield the share that is done."""
+        if self.writer:
+            yield from self.writer(context, clip, path)
+            return
+        with clips.ranged(context.scene, clip.plan.first, clip.plan.last):
+            with clips.keyed(context, clip, clip.keys().shapes) if self.keyed else clips.playing(context, clip):
+                ask(self.exporter, filepath=str(path), **self.options(clip))
+        yield 1.0
+
+
+GLB = {  # of every glTF
+    "export_format": "GLB", "use_selection": True, "export_apply": False, "export_skins": False, "export_yup": True,
+}  # fmt: skip
 
 
 def is_there(name: str) -> bool:
@@ -78,7 +78,8 @@ def ask(name: str, *, filepath: str, **options: object) -> None:
     export = operator.attrgetter(name)(bpy.ops)
     known = export.get_rna_type().properties.keys()
     try:
-        result = export(filepath=filepath, **{name: value for name, value in options.items() if name in known})
+        given = {name: value for name, value in options.items() if name in known}
+        result = export(filepath=filepath, check_existing=False, **given)
     except RuntimeError as error:
         raise DimpleError(
             "Blender's exporter failed at {filepath}: {why}", filepath=filepath, why=_last_line(str(error))
@@ -119,7 +120,7 @@ def is_whole(path: Path) -> bool:
 
 
 def _pc2(_context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    with PointCache(path, clip.samples.shape[1], clip.first) as cache:
+    with PointCache(path, clip.samples.shape[1], clip.plan.first) as cache:
         for number, sample in enumerate(clip.samples, start=1):
             cache.append(sample)
             yield number / len(clip.samples)
@@ -131,57 +132,36 @@ def _mdd(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     yield from write_mdd(path, clip.samples, 1 / timeline.frame_s(context.scene))
 
 
-def _alembic(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    with _playing(context, clip):
-        ask(
-            "wm.alembic_export", filepath=str(path), check_existing=False, start=clip.first, end=clip.last,
-            selected=True, normals=clip.normals, evaluation_mode="RENDER", as_background_job=False,
-        )  # fmt: skip
-    yield 1.0
+def _alembic(clip: Clip) -> dict[str, Any]:
+    return {
+        "start": clip.plan.first, "end": clip.plan.last, "selected": True, "normals": clip.plan.normals,
+        "evaluation_mode": "RENDER", "as_background_job": False,
+    }  # fmt: skip
 
 
-def _usd(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    with _playing(context, clip):
-        _ask_usd(clip, path, export_shapekeys=False)  # else an object with keys of its own is a still
-    yield 1.0
+def _usd(clip: Clip) -> dict[str, Any]:
+    return {
+        "selected_objects_only": True, "export_animation": True, "export_normals": clip.plan.normals,
+        "evaluation_mode": "RENDER", "export_textures_mode": "KEEP", "relative_paths": False,
+        "export_armatures": False, "export_shapekeys": False,  # else an object with keys of its own is a still
+    }  # fmt: skip
 
 
-def _usd_shapes(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    with _keyed(context, clip):
-        _ask_usd(clip, path, export_shapekeys=True)
-    yield 1.0
+def _glb(clip: Clip) -> dict[str, Any]:
+    return GLB | {
+        "export_animations": True, "export_animation_mode": "SCENE", "export_frame_range": True,
+        "export_anim_slide_to_zero": True, "export_force_sampling": True, "export_optimize_animation_size": False,
+        "export_morph": True, "export_morph_animation": True, "export_morph_normal": clip.plan.normals,
+    }  # fmt: skip
 
 
-def _ask_usd(clip: Clip, path: Path, *, export_shapekeys: bool) -> None:
-    ask(
-        "wm.usd_export", filepath=str(path), check_existing=False, selected_objects_only=True,
-        export_animation=True, export_normals=clip.normals, evaluation_mode="RENDER", export_textures_mode="KEEP",
-        relative_paths=False, export_armatures=False, export_shapekeys=export_shapekeys,
-    )  # fmt: skip
-
-
-def _glb(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    with _keyed(context, clip):
-        ask(
-            "export_scene.gltf", filepath=str(path), check_existing=False, export_format="GLB",
-            use_selection=True, export_animations=True, export_animation_mode="SCENE", export_frame_range=True,
-            export_anim_slide_to_zero=True, export_force_sampling=True, export_optimize_animation_size=False,
-            export_morph=True, export_morph_animation=True, export_morph_normal=clip.normals, export_apply=False,
-            export_skins=False, export_yup=True,
-        )  # fmt: skip
-    yield 1.0
-
-
-def _fbx(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    with _keyed(context, clip):
-        # with NLA strips or all actions it would write no movement, or that of other objects
-        ask(
-            "export_scene.fbx", filepath=str(path), check_existing=False, use_selection=True,
-            object_types={"MESH"}, use_mesh_modifiers=False, bake_anim=True, bake_anim_use_nla_strips=False,
-            bake_anim_use_all_actions=False, bake_anim_simplify_factor=0.0, bake_anim_step=1.0,
-            path_mode="ABSOLUTE",
-        )  # fmt: skip
-    yield 1.0
+def _fbx(_clip: Clip) -> dict[str, Any]:
+    # with NLA strips or all actions it would write no movement, or that of other objects
+    return {
+        "use_selection": True, "object_types": {"MESH"}, "use_mesh_modifiers": False, "bake_anim": True,
+        "bake_anim_use_nla_strips": False, "bake_anim_use_all_actions": False, "bake_anim_simplify_factor": 0.0,
+        "bake_anim_step": 1.0, "path_mode": "ABSOLUTE",
+    }  # fmt: skip
 
 
 def _stl(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
@@ -191,7 +171,7 @@ def _stl(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
 def _ply(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     # trimesh and others read no faces of several sizes
     yield from _sequence(
-        context, clip, path, "wm.ply_export", export_uv=False, export_colors="NONE", export_normals=clip.normals,
+        context, clip, path, "wm.ply_export", export_uv=False, export_colors="NONE", export_normals=clip.plan.normals,
         export_triangulated_mesh=True,
     )  # fmt: skip
 
@@ -200,15 +180,15 @@ def _sequence(context: bpy.types.Context, clip: Clip, path: Path, exporter: str,
     """Write a file a frame into a folder, whose name ends in that of the format."""
     stem, ending = path.name.rsplit("_", 1)
     path.mkdir()
-    with _playing(context, clip):
-        for frame in range(clip.first, clip.last + 1):
+    first, last = clip.plan.first, clip.plan.last
+    with clips.ranged(context.scene, first, last), clips.playing(context, clip):
+        for frame in range(first, last + 1):
             context.scene.frame_set(frame)
             ask(
-                exporter, filepath=str(path / f"{stem}_{frame:04d}.{ending}"), check_existing=False,
-                export_selected_objects=True, apply_modifiers=True, forward_axis="Y", up_axis="Z", global_scale=1.0,
-                **options,
+                exporter, filepath=str(path / f"{stem}_{frame:04d}.{ending}"), export_selected_objects=True,
+                apply_modifiers=True, forward_axis="Y", up_axis="Z", global_scale=1.0, **options,
             )  # fmt: skip
-            yield (frame - clip.first + 1) / (clip.last - clip.first + 1)
+            yield (frame - first + 1) / clip.frames
 
 
 def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
@@ -224,12 +204,9 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
     yield 0.4
     least, most = vertex_texture.write_png(path / "offsets.png", picture)
     yield 0.8
-    with clips.mapped(context, clip.obj, clip.plays, clip.samples[0], vertex_texture.uv(vertices, where)):
-        ask(
-            "export_scene.gltf", filepath=str(path / "mesh.glb"), check_existing=False, export_format="GLB",
-            use_selection=True, export_animations=False, export_apply=False, export_skins=False, export_yup=True,
-            export_attributes=False,
-        )  # fmt: skip
+    with clips.mapped(context, clip, vertex_texture.uv(vertices, where)):
+        still = GLB | {"export_animations": False, "export_attributes": False}
+        ask("export_scene.gltf", filepath=str(path / "mesh.glb"), **still)
     words = {
         "about": vertex_texture.__doc__, "width": where.width, "height": where.height, "rows": where.rows,
         "vertices": vertices, "frames": frames, "frame_rate": 1 / timeline.frame_s(context.scene),
@@ -237,20 +214,6 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
     }  # fmt: skip
     (path / "layout.json").write_text(json.dumps(words, indent=1) + "\n", encoding="utf-8")
     yield 1.0
-
-
-@contextlib.contextmanager
-def _playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
-    with clips.ranged(context.scene, clip.first, clip.last):
-        with clips.playing(context, clip.obj, clip.plays):
-            yield
-
-
-@contextlib.contextmanager
-def _keyed(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
-    with clips.ranged(context.scene, clip.first, clip.last):
-        with clips.keyed(context, clip.obj, clip.plays, clip.samples[0], clip.keys().shapes):
-            yield
 
 
 def _baked(size: Size) -> float:
@@ -268,35 +231,35 @@ USD = "Z up, in scene units"
 TEXTURE = "offsets in the coordinates of mesh.glb: Y up, in scene units, after modifiers; layout.json says how"
 FORMATS = {
     "ALEMBIC": Format(
-        "Alembic", ".abc", "Y up, as Alembic has it, in scene units, after modifiers", _alembic,
-        lambda size: 12 * (size.vertices + size.corners * (size.normals and size.sharp)), played=True,
-        exporter="wm.alembic_export",
+        "Alembic", ".abc", "Y up, as Alembic has it, in scene units, after modifiers",
+        lambda size: 12 * (size.vertices + size.corners * (size.normals and size.sharp)), "wm.alembic_export", _alembic,
+        played=True,
     ),
-    "USD": Format("USD", ".usdc", f"{USD}, after modifiers", _usd, _baked, played=True, exporter="wm.usd_export"),
+    "USD": Format("USD", ".usdc", f"{USD}, after modifiers", _baked, "wm.usd_export", _usd, played=True),
     "USD_SHAPES": Format(
-        "USD Blend Shapes", "_shapes.usdc", f"{USD}, after modifiers", _usd_shapes,
-        lambda size: 16 * size.vertices, keyed=True, exporter="wm.usd_export",
+        "USD Blend Shapes", "_shapes.usdc", f"{USD}, after modifiers", lambda size: 16 * size.vertices,
+        "wm.usd_export", lambda clip: _usd(clip) | {"export_shapekeys": True}, keyed=True,
     ),
     "GLB": Format(
-        "glTF", ".glb", "Y up, as glTF has it, in scene units, after modifiers", _glb, _split, keyed=True,
-        exporter="export_scene.gltf",
+        "glTF", ".glb", "Y up, as glTF has it, in scene units, after modifiers", _split, "export_scene.gltf", _glb,
+        keyed=True,
     ),
     "FBX": Format(
-        "FBX", ".fbx", "Y up, -Z forward, UnitScaleFactor says the unit, after modifiers", _fbx,
-        lambda size: 17 * size.vertices, keyed=True, exporter="export_scene.fbx",  # it is compressed
+        "FBX", ".fbx", "Y up, -Z forward, UnitScaleFactor says the unit, after modifiers",
+        lambda size: 17 * size.vertices, "export_scene.fbx", _fbx, keyed=True,  # it is compressed
     ),
-    "PC2": Format("PC2", ".pc2", OBJECT, _pc2, lambda size: 12 * size.vertices),
-    "MDD": Format("MDD", ".mdd", OBJECT, _mdd, lambda size: 12 * size.vertices),
+    "PC2": Format("PC2", ".pc2", OBJECT, lambda size: 12 * size.vertices, writer=_pc2),
+    "MDD": Format("MDD", ".mdd", OBJECT, lambda size: 12 * size.vertices, writer=_mdd),
     "STL": Format(
-        "STL", "_stl", SCENE, _stl, lambda size: 84 + 50 * size.triangles, played=True, exporter="wm.stl_export"
+        "STL", "_stl", SCENE, lambda size: 84 + 50 * size.triangles, "wm.stl_export", writer=_stl, played=True
     ),
     "PLY": Format(
-        "PLY", "_ply", SCENE, _ply, lambda size: 12 * (1 + size.normals) * size.vertices + 13 * size.triangles,
-        played=True, exporter="wm.ply_export",
+        "PLY", "_ply", SCENE, lambda size: 12 * (1 + size.normals) * size.vertices + 13 * size.triangles,
+        "wm.ply_export", writer=_ply, played=True,
     ),
     "VAT": Format(
-        "Vertex Animation Texture", "_vat", TEXTURE, _texture, lambda size: 18 * size.vertices,
-        exporter="export_scene.gltf",
+        "Vertex Animation Texture", "_vat", TEXTURE, lambda size: 18 * size.vertices, "export_scene.gltf",
+        writer=_texture,
     ),
 }  # fmt: skip
 UNSHEARED = ("GLB", "FBX", "VAT")  # there an object has a place, a rotation and a scale

@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
-import numpy as np
 
-from ..bridge import cache_files, scene_objects
+from ..bridge import cache_files, final_mesh, scene_objects
 from .clips import Clip
 from .formats import FORMATS
 
@@ -24,13 +23,10 @@ if TYPE_CHECKING:
 VERSION = 1  # of the layout of this JSON
 
 
-def describe(
-    context: bpy.types.Context, obj: bpy.types.Object, first: int, last: int, simulated: dict[str, Any] | None
-) -> dict[str, Any]:
+def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
     """Return the description that all files of an object share, which plays; `files` is still empty."""
-    render, mesh = context.scene.render, obj.evaluated_get(context.evaluated_depsgraph_get()).data
-    corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
+    obj, render = clip.obj, context.scene.render
+    mesh = obj.evaluated_get(context.evaluated_depsgraph_get()).data
     return {
         "dimple_animation": VERSION,
         "dimple": cache_files.version(),
@@ -38,14 +34,14 @@ def describe(
         "object": obj.name,
         "vertices": len(mesh.vertices),
         "polygons": len(mesh.polygons),
-        "topology_crc32": f"{zlib.crc32(corners.tobytes()):08x}",
-        "frames": [first, last],
+        "topology_crc32": f"{zlib.crc32(final_mesh.corners_of(mesh).tobytes()):08x}",
+        "frames": [clip.plan.first, clip.plan.last],
         "frame_rate": render.fps / render.fps_base,
         "metres_per_scene_unit": scene_objects.scale_and_top(context, obj)[0],
         "scene_unit_scale": context.scene.unit_settings.scale_length,
         "table_units": "force N, depth mm, pressure Pa, volume m3, work and energy J, time s",
         "seeds": [],  # nothing is random: the same file gives the same bytes
-        "simulation": simulated or "a bake or recording made before this export",
+        "simulation": clip.simulated or "a bake or recording made before this export",
         "body": _plain(obj.dimple.to_params()),
         "materials": {
             slot.material.name: _plain(slot.material.dimple.to_params())
@@ -111,8 +107,4 @@ def copy_table(table: Path, path: Path, first: int, last: int) -> None:
 
 def _plain(params: dict[str, Any]) -> dict[str, Any]:
     """Return settings as JSON can hold them."""
-    return {name: _value(value) for name, value in params.items()}
-
-
-def _value(value: Any) -> Any:
-    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
+    return {name: asdict(value) if is_dataclass(value) else value for name, value in params.items()}

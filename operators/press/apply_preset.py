@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import StringProperty
 
+from ...core.errors import DimpleError
 from ..bridge import sizing
 from ..names import Op
 from . import polls
@@ -32,8 +33,6 @@ class DIMPLE_OT_apply_preset(polls.Declared, bpy.types.Operator):
     needs = polls.needs_mesh, polls.is_own
 
     def run(self, context: bpy.types.Context) -> None:
-        """Set material, size and source."""
-        from ...core.base import DimpleError
         from ...core.everyday import OBJECTS
 
         preset = next((each for each in OBJECTS if each.name == self.preset), None)
@@ -65,6 +64,3 @@ def apply(settings: bpy.types.PropertyGroup, preset: "Preset") -> None:
     tip = constants.indenter
     settings.tip, settings.tip_radius_mm, settings.calibration = tip.shape.upper(), tip.radius * 1e3, ""
     settings.provenance = preset.provenance  # last: a constant that is set marks the material as edited
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_apply_preset])

@@ -16,7 +16,7 @@ from mathutils import Matrix
 
 from ...core.base import DimpleError
 from ...core.messages import in_a_row
-from ..bridge import body_model, scene_objects, sizing
+from ..bridge import body_model, final_mesh, scene_objects, sizing
 
 if TYPE_CHECKING:
     from ...core.base import Floats, Ints
@@ -28,22 +28,15 @@ SAME_SCALE = 1e-6
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class LiveWorld:
-    """Bodies that are stepped together.
+    """Bodies that are stepped together."""
 
-    key: what it was made of.
-    uids: of the bodies.
-    scale: physical metres per scene unit.
-    colliders: names of the objects.
-    props: which of them fall: session_uid, name and matrix in the scene when the world was made.
-    world: what steps them.
-    """
-
-    key: tuple[Any, ...]
-    uids: tuple[int, ...]
-    scale: float
-    colliders: tuple[str, ...]
+    key: tuple[Any, ...]  # what it was made of
+    uids: tuple[int, ...]  # of the bodies
+    scale: float  # physical metres per scene unit
+    colliders: tuple[str, ...]  # names of the objects
+    # which of them fall: session_uid, name and matrix in the scene when the world was made
     props: dict[int, tuple[int, str, Matrix]]
-    world: World
+    world: World  # what steps them
 
 
 def is_on(scene: bpy.types.Scene) -> bool:
@@ -168,35 +161,24 @@ def _make(
         if meets and session.proxy is not None:  # its cells may bridge a fold
             session.change(session.model, proxy=None)
     names = [obj.name for obj, _, _ in bodies] + [obj.name for obj in colliders]
-    falling = {i: (obj.session_uid, obj.name, obj.matrix_world.copy()) for i, obj in enumerate(colliders)}
-    falling = {i: prop for i, prop in falling.items() if _mass_of(colliders[i]) is not None}
+    props = [(i, obj) for i, obj in enumerate(colliders) if obj.dimple.is_prop]
+    falling = {i: (obj.session_uid, obj.name, obj.matrix_world.copy()) for i, obj in props}
     running = [session for _, session, _ in bodies]
     notes = drop_proxies(running, made, names)
+    kind, options = World, {}
     if falling:
         gravity, ground = _pull(context.scene)
-        world: World = PropWorld(
-            running, made, masses=[_mass_of(obj) for obj in colliders], gravity=gravity, ground=ground, itself=itself,
-            names=names,
-        )  # fmt: skip
-    else:
-        world = World(running, made, itself=itself, names=names)
+        kind, options = PropWorld, {"masses": list(map(_mass_of, colliders)), "gravity": gravity, "ground": ground}
+    world = kind(running, made, itself=itself, names=names, **options)
     world.notes = [in_a_row(each) for each in zip(notes, world.notes, strict=True)]
     key = (*key[:-1], _moving(running))
-    uids = tuple(obj.session_uid for obj, _, _ in bodies)
-    names = [obj.name for obj in colliders]
-    return LiveWorld(key=key, uids=uids, scale=scale, colliders=tuple(names), props=falling, world=world)
+    uids, colliding = tuple(obj.session_uid for obj, _, _ in bodies), tuple(obj.name for obj in colliders)
+    return LiveWorld(key=key, uids=uids, scale=scale, colliders=colliding, props=falling, world=world)
 
 
 def surface(graph: bpy.types.Depsgraph, obj: bpy.types.Object, scale: float) -> tuple[Floats, Ints]:
     """Return where the vertices (m, 3) [m] of an object are, as its modifiers leave it, and its triangles (t, 3)."""
     evaluated = obj.evaluated_get(graph)
-    mesh = evaluated.to_mesh()
-    try:
-        mesh.calc_loop_triangles()
-        points = scene_objects.get_points(mesh.vertices, len(mesh.vertices), "co")
-        corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
-        mesh.loop_triangles.foreach_get("vertices", corners)
-        placed = scene_objects.to_physical(scale, np.array(evaluated.matrix_world), points)
-        return placed, corners.reshape(-1, 3).astype(np.int64)
-    finally:
-        evaluated.to_mesh_clear()
+    triangles, _ = final_mesh.triangles_of(evaluated.data)
+    points = final_mesh.points_of(evaluated.data)
+    return scene_objects.to_physical(scale, np.array(evaluated.matrix_world), points), triangles.astype(np.int64)

@@ -11,7 +11,8 @@ from ..names import OURS
 from . import last_press, modal_runs, sessions, showing
 
 
-def _rescue() -> None:
+@bpy.app.handlers.persistent
+def _rescue(*_: object) -> None:
     """Put objects right that were caught pressed; look first, so that nothing heavy is loaded for nothing."""
     if any(each.name.startswith(OURS) for each in chain(bpy.data.node_groups, bpy.data.objects, bpy.data.meshes)):
         from ..bridge import write_back
@@ -26,19 +27,9 @@ def _on_load_pre(*_: object) -> None:
 
 
 @bpy.app.handlers.persistent
-def _on_load_post(*_: object) -> None:
-    _rescue()
-
-
-@bpy.app.handlers.persistent
 def _on_save_pre(*_: object) -> None:
     if sessions.sessions:
         showing.rest_all()
-    _rescue()
-
-
-@bpy.app.handlers.persistent
-def _on_import_post(*_: object) -> None:
     _rescue()
 
 
@@ -75,8 +66,8 @@ def _on_undo(*_: object) -> None:
 
 _HANDLERS = {
     "load_pre": _on_load_pre,
-    "load_post": _on_load_post,
-    "blend_import_post": _on_import_post,
+    "load_post": _rescue,
+    "blend_import_post": _rescue,
     "save_pre": _on_save_pre,
     "save_post": _on_save_post,
     "save_post_fail": _on_save_post,
@@ -88,7 +79,6 @@ _HANDLERS = {
 
 
 def register() -> None:
-    """Listen to Blender."""
     for name, handler in _HANDLERS.items():
         getattr(bpy.app.handlers, name).append(handler)
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ...core.errors import DimpleError
 from ...core.messages import Message, in_a_row
 from . import modal_runs, sessions
 
@@ -30,25 +31,17 @@ LOOK_S = 0.1  # [s] between two looks at the device while nothing runs
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Connection:
-    """A connected device.
+    """A connected device."""
 
-    device: what was opened.
-    report: its last one.
-    watch: token of the operator that follows the dead-man key.
-    known: bodies with which of its fingertips they know since the last frame, its place in their space, and the
-        fingertips' radius [mm].
-    note: a sentence for the artist that was not shown yet.
-    read_at: when it was read last [s].
-    slow: Blender draws too slowly for the dead-man key.
-    """
-
-    device: Device
-    report: ServoReport
-    watch: object = None
+    device: Device  # what was opened
+    report: ServoReport  # its last one
+    watch: object = None  # token of the operator that follows the dead-man key
+    # bodies with which of its fingertips they know since the last frame, its place in their space, and the fingertips'
+    # radius [mm]
     known: set[tuple[LiveBody, int, Workspace, float]] = field(default_factory=set)
-    note: str = ""
-    read_at: float = 0.0
-    slow: bool = False
+    note: str = ""  # a sentence for the artist that was not shown yet
+    read_at: float = 0.0  # when it was read last [s]
+    slow: bool = False  # Blender draws too slowly for the dead-man key
 
 
 connections: list[Connection] = []  # the device, where one is connected
@@ -71,7 +64,6 @@ def connect(scene: bpy.types.Scene) -> Connection:
     Raises:
         DimpleError: it cannot be started, with the reason and what to do.
     """
-    from ...core.base import DimpleError
     from ...core.device.device import HapticMaster
 
     disconnect()
@@ -191,8 +183,6 @@ def set_origin(scene: bpy.types.Scene) -> None:
     Raises:
         DimpleError: their positions are not known.
     """
-    from ...core.base import DimpleError
-
     connection = get()
     tips = [tip.position for tip in connection.report.tips if not tip.masked] if connection else []
     if not tips:
@@ -232,13 +222,11 @@ def _on_load_pre(*_: object) -> None:
 
 
 def register() -> None:
-    """Listen to Blender and to the sessions."""
     sessions.disarming.append(disarm)
     bpy.app.handlers.load_pre.append(_on_load_pre)
 
 
 def unregister() -> None:
-    """Disconnect the device and stop listening."""
     disconnect()
     sessions.disarming.remove(disarm)
     bpy.app.handlers.load_pre.remove(_on_load_pre)

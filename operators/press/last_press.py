@@ -14,21 +14,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LivePress:
-    """A press by hand.
+    """A press by hand."""
 
-    uid, name: of the object that was pressed.
-    scale: physical metres per scene unit.
-    start: when it began, by the clock of the session [s].
-    frame: of the timeline at its start, None where that stood still.
-    ways: of the fingertips, by the number of the finger.
-    """
-
-    uid: int
-    name: str
-    scale: float
-    start: float
-    frame: float | None
-    ways: dict[int, Way]
+    uid: int  # of the object that was pressed
+    name: str  # of the object
+    scale: float  # physical metres per scene unit
+    start: float  # when it began, by the clock of the session [s]
+    frame: float | None  # of the timeline at its start, None where that stood still
+    ways: dict[int, Way]  # of the fingertips, by the number of the finger
 
 
 presses: dict[int, LivePress] = {}  # by the session_uid of the body; the last that began comes last

@@ -14,14 +14,14 @@ from ...core.base import DimpleError
 from ...core.messages import about, in_a_row
 from ...core.steps import Parts, at_once, beside
 from ..bridge import body_model, final_mesh, scene_objects, timeline
-from ..bridge.settings import settings_of
+from ..bridge.body_model import settings_of
 from ..names import PAINTING
 from . import proxy_choice, sessions
 
 if TYPE_CHECKING:
     from ...core.body.model import Model
-    from ...core.session import Session
-    from ..bridge.settings import Settings
+    from ..bridge.body_model import Settings
+    from .object_body import ObjectBody
     from .sessions import LiveBody
 
 PAINTED_S = 0.2  # simulated time between two looks at weights that are being painted
@@ -49,22 +49,18 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
             return []
         parts = _changing(context, obj, body, now, refused_before)
         if bpy.app.background or timeline.is_playing(context):
-            messages: list[str] = at_once(parts)
-            return messages
+            return at_once(parts)
         body.change = beside(parts, WAIT_S if len(body.session.model.mass) <= LARGE else 0.0)
     try:
         next(body.change)
     except StopIteration as end:
         body.change = None
-        messages = end.value
-        return messages
+        return end.value
     return []
 
 
-def follow_keyframes(
-    scene: bpy.types.Scene, obj: bpy.types.Object, session: Session, link: scene_objects.ObjectLink, before: Settings
-) -> Settings:
-    """Let the session of a bake have the settings of this frame; return them.
+def follow_keyframes(scene: bpy.types.Scene, obj: bpy.types.Object, body: ObjectBody) -> None:
+    """Let a body that is baked have the settings of this frame.
 
     What is simulated stays: the same proxy, with other constants.
 
@@ -73,12 +69,11 @@ def follow_keyframes(
     """
     from ...core.reduction.proxy import with_constants
 
-    now = settings_of(scene, obj)
-    if now != before:
-        model = body_model.read_model(scene, obj, session.model.mesh, link)
-        proxy = session.proxy and with_constants(session.proxy, model)
-        session.change(model, proxy=proxy)
-    return now
+    now, session = settings_of(scene, obj), body.session
+    if now != body.settings:
+        model = at_once(body_model.reading_model(scene, obj, session.model.mesh, body.link))
+        session.change(model, proxy=session.proxy and with_constants(session.proxy, model))
+        body.settings = now
 
 
 def _changing(
@@ -97,8 +92,10 @@ def _changing(
 
 def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings) -> Parts:
     """Change a body, or raise a DimpleError and leave it as it is."""
+    from ...core.mesh.surface import input_vertices
+
     session, before = body.session, body.settings
-    scale = scene_objects.scale_of(context.scene, obj, body.link)
+    scale = scene_objects.scale_of_body(context.scene, obj, body.link.rest, body.link.matrix)
     slots, slots_before = (max(len(each.materials), 1) for each in (now, before))
     again = now.plan != before.plan
     if scale == body.link.scale and slots == slots_before:
@@ -108,13 +105,6 @@ def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, n
     link, model = scene_objects.read_body(context, obj, cuts=body.link.cuts)
     proxy = yield from _proxy(body, model, again=again)
     session.change(model, proxy=proxy, scale=link.scale / body.link.scale)
-    _define(body, link, model)
-
-
-def _define(body: LiveBody, link: scene_objects.ObjectLink, model: Model) -> None:
-    """Let a body have another definition than it was started with."""
-    from ...core.mesh.surface import input_vertices
-
     body.link, body.matrix, body.rest = link, link.matrix, link.rest
     body.triangles = input_vertices(model.mesh)[model.mesh.triangles]
 
@@ -124,21 +114,18 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
     from ...core.reduction.proxy import build_proxy, with_constants
 
     old = body.session.proxy
-    if not again and old is None:
-        return None
-    scaled = model.mesh is not body.session.model.mesh
-    if not again and old is not None:
+    if not again:
+        if old is None:
+            return None
         try:
-            if scaled:
+            if model.mesh is not body.session.model.mesh:  # it has another scale
                 return build_proxy(model, len(old.seeds))
             proxy = yield 0.8, partial(with_constants, old, model)
             now = body.session.proxy
             return proxy if now else None  # contact may have dropped it meanwhile
         except DimpleError:  # other pins or laws: another choice is made
             pass
-    obj = scene_objects.find(body.link.uid, body.name)
-    assert obj  # else the session has ended
-    return proxy_choice.proxy_for(bpy.context.scene, obj, model)
+    return at_once(proxy_choice.planning_for(bpy.context.scene, body.obj, model))
 
 
 def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
@@ -154,9 +141,9 @@ def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: Live
             return []
     body.changed_at, body.around = None, around
     finer = before and around.radius_mm < before.radius_mm
-    coarse = finer and final_mesh.is_coarse(context, obj)
+    coarse = finer and final_mesh.cuts_of(context, obj, final_mesh.evaluated(context, obj))
     try:
-        proxy = proxy_choice.proxy_for(context.scene, obj, session.model, session.proxy)
+        proxy = at_once(proxy_choice.planning_for(context.scene, obj, session.model, session.proxy))
         if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
             session.change(session.model, proxy=proxy)
     except DimpleError as error:

@@ -57,8 +57,7 @@ def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], li
     Raises:
         DimpleError: none of them can be pressed.
     """
-    found: tuple[list[LiveBody], list[str], list[str]] = at_once(starting_all(context))
-    return found
+    return at_once(starting_all(context))
 
 
 def starting_all(context: bpy.types.Context) -> Parts:
@@ -163,7 +162,6 @@ def _groups() -> list[tuple[list[LiveBody], World | None]]:
 
 
 def _run(group: tuple[list[LiveBody], World | None], dt: float, budget: float | None) -> list[str]:
-    """Step a group of bodies."""
     bodies, world = group
     left = [max(dt - body.lead, 0.0) for body in bodies]
     try:
@@ -178,15 +176,9 @@ def _run(group: tuple[list[LiveBody], World | None], dt: float, budget: float | 
     return []
 
 
-def _object(body: LiveBody) -> bpy.types.Object:
-    obj = scene_objects.find(body.link.uid, body.name)
-    assert obj  # else its session has just ended
-    return obj
-
-
 def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger | None]) -> list[str]:
     """Bring settings, pins and fingertips of a session up to date; return sentences for the artist."""
-    obj, link = _object(body), body.link
+    obj, link = body.obj, body.link
     messages = live_settings.follow(context, obj, body)
     if body.link is not link:
         pressed = ()  # those were in metres of another size
@@ -207,7 +199,7 @@ def finish(body: LiveBody) -> list[str]:
     frame = body.frame
     messages: list[str] = []
     body.fingers = merged(body.session.placed, ())
-    showing.show(_object(body), body)
+    showing.show(body.obj, body)
     if body.recorder:
         try:
             body.recorder.append(frame.time, body.offsets(), body.session)

@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
-from ...core.messages import Message, about
+from ...core.errors import DimpleError
+from ...core.messages import Message, about, in_a_row
 from ..bridge.sizing import fit, settle_size
 from ..messages import gathered, report, say
 from ..names import Op
 from . import polls, sessions
-from .get_ready import LARGE
+from .progress import LARGE
 
 if TYPE_CHECKING:
     import bmesh
@@ -64,25 +65,22 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
         polls.is_own, polls.is_free,
     )  # fmt: skip
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         """Set up every selected mesh; one that cannot be pressed is said and left as it was."""
-        from ...core.base import DimpleError
         from . import live_step, pointer
 
         done, soft, wrong, noted = [], [], [], []
-        try:
-            bodies = [obj for obj in live_step.candidates(context) if obj.type in PRESSABLE]
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
-            return {"CANCELLED"}
-        for chosen in bodies:
-            obj = chosen
+        for obj in [each for each in live_step.candidates(context) if each.type in PRESSABLE]:
             try:
                 if obj.type != "MESH":
                     obj, sentence = convert(context, obj)
                     done.append(sentence)
-                if self.repair and not is_shared(obj) and any(repaired := repair(obj)):
-                    done += [Message('"{name}" was repaired.', name=obj.name), words(repaired)]
+                shared = obj.data.shape_keys or obj.data.users > 1  # a repair would change more than this object
+                if self.repair and not shared and any(found := repair(obj)):
+                    done += [Message('"{name}" was repaired.', name=obj.name), Message(
+                        "Doubled vertices: {doubled}. Loose vertices: {loose}. Faces that look inward: {inward}.",
+                        **found._asdict(),
+                    )]  # fmt: skip
                 chosen = self.properties.is_property_set("preset")
                 sentence, notes = make_soft(context, obj, self.preset, chosen=chosen)
                 soft.append(sentence)
@@ -90,27 +88,12 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
             except DimpleError as error:
                 wrong.append(str(error))
         if not (done or soft):
-            say(self, {"ERROR"}, *gathered(wrong))
-            return {"CANCELLED"}
+            raise DimpleError(in_a_row(gathered(wrong)))
         report(self, [*wrong, *noted])
         pointer.choose_tool(context)
         if len(soft) > 1:
             soft = [Message("{count} meshes are soft. Press them with the left mouse button.", count=len(soft))]
         say(self, {"INFO"}, *done, *soft)
-        return {"FINISHED"}
-
-
-def words(found: Faults) -> str:
-    """Return the faults of meshes in words."""
-    return Message(
-        "Doubled vertices: {doubled}. Loose vertices: {loose}. Faces that look inward: {inward}.",
-        doubled=found.doubled, loose=found.loose, inward=found.inward
-    )  # fmt: skip
-
-
-def is_shared(obj: bpy.types.Object) -> bool:
-    """Tell whether to change a mesh would change more than this object, or unmake its shape keys."""
-    return bool(obj.data.shape_keys) or obj.data.users > 1
 
 
 def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool) -> tuple[str, list[str]]:
@@ -124,7 +107,6 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *,
     Raises:
         DimpleError: it cannot be pressed; only its material and settings may have been set.
     """
-    from ...core.base import DimpleError
     from ..bridge import scene_objects
     from .object_body import ObjectBody
 
@@ -164,8 +146,6 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.type
     Raises:
         DimpleError: it shows no faces; it was left as it was.
     """
-    from ...core.base import DimpleError
-
     deepened, name, replaced = False, obj.name, obj.type == "META"
     if obj.type == "FONT" and not obj.data.extrude and not obj.data.bevel_depth:  # flat characters are all rim
         obj.data.extrude, deepened = TEXT_DEPTH * obj.data.size, True
@@ -220,6 +200,3 @@ def _turn_outward(mesh: "bmesh.types.BMesh") -> int:
         bmesh.ops.reverse_faces(mesh, faces=mesh.faces)
         return len(before) - len(turned)
     return len(turned)
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_make_soft])

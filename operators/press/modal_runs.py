@@ -2,15 +2,23 @@
 
 Whatever ends a session from outside (a file is loaded, the extension is switched off, an undo takes the object away)
 also closes what drives it.
+
+Blender's own autosave waits as long as a modal operator runs (issue 77825), so a recovery copy is written when it would
+have written its own, to the same file: File > Recover > Auto Save finds it. The handlers put every mesh at rest for it.
+It has the path of the copy: after a recovery the file must be saved again.
 """
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import bpy
+
+from ...core.messages import Message
 
 PAUSED = "Paused: Play goes on, Esc ends and puts the rest shape back"
 STATUS_S = 0.5  # [s] between two times that a text is set: a field that is typed into and a stroke of a brush clear it
@@ -19,32 +27,18 @@ PAUSED_POKE = "Paused: Space or Play goes on, Esc ends and puts the rest shape b
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class ModalRun:
-    """A modal operator that drives the sessions.
+    """A modal operator that drives the sessions."""
 
-    kind: "poke", "play", or another of what nothing may disturb.
-    timer: what wakes it.
-    state: what it does, for the panel.
-    status: for the status bar.
-    shown: the workspace that shows which status.
-    shown_at: when it was set last [s].
-    paused: time stands still.
-    closed: it has ended.
-    step_s: simulated time that the next step asks for [s]; it falls when the computer lags.
-    saved_at: when the last recovery copy was due [s].
-    leave: called when the run is closed, by whomever.
-    """
-
-    kind: str
-    timer: bpy.types.Timer | None
-    state: str = ""
-    status: str = ""
-    shown: tuple[str, str] = ("", "")
-    shown_at: float = 0.0
-    paused: bool = False
-    closed: bool = False
-    step_s: float = 0.002
-    saved_at: float = field(default_factory=time.monotonic)
-    leave: Callable[[], None] | None = None
+    kind: str  # "poke", "play", or another of what nothing may disturb
+    timer: bpy.types.Timer | None  # what wakes it
+    state: str = ""  # what it does, for the panel
+    shown: tuple[str, str] = ("", "")  # the workspace that shows which text in the status bar
+    shown_at: float = 0.0  # when it was set last [s]
+    paused: bool = False  # time stands still
+    closed: bool = False  # it has ended
+    step_s: float = 0.002  # simulated time that the next step asks for [s]; it falls when the computer lags
+    saved_at: float = field(default_factory=time.monotonic)  # when the last recovery copy was due [s]
+    leave: Callable[[], None] | None = None  # called when the run is closed, by whomever
 
 
 runs: list[ModalRun] = []
@@ -79,7 +73,7 @@ def show_status(context: bpy.types.Context, run: ModalRun, text: str) -> None:
     wanted, now = (getattr(context.workspace, "name", ""), text), time.monotonic()
     if run.shown != wanted or now > run.shown_at + STATUS_S:
         context.workspace.status_text_set(text)
-        run.status, run.shown, run.shown_at = text, wanted, now
+        run.shown, run.shown_at = wanted, now
 
 
 def clear_status() -> None:
@@ -117,3 +111,31 @@ def redraw() -> None:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
                 area.tag_redraw()
+
+
+def save_when_due(run: ModalRun) -> list[str]:
+    """Write the copy at the interval of Blender's preferences, if autosave is on there.
+
+    Returns:
+        Sentences for the artist: why it could not be written.
+    """
+    settings = bpy.context.preferences.filepaths
+    due = run.saved_at + 60 * settings.auto_save_time
+    if not settings.use_auto_save_temporary_files or time.monotonic() < due:
+        return []
+    run.saved_at = time.monotonic()
+    copy = recovery_path()
+    written = copy.with_name(f"dimple_{copy.name}")
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(written), copy=True, check_existing=False)
+        os.replace(written, copy)  # the last copy is there until this one is whole
+    except (OSError, RuntimeError) as error:
+        return [Message("The recovery copy could not be written, so save the file yourself: {error}", error=error)]
+    return []
+
+
+def recovery_path() -> Path:
+    """Return where Blender would write its autosave."""
+    stem = Path(bpy.data.filepath).stem
+    name = f"{stem}_{os.getpid()}" if stem else f"{os.getpid()}"
+    return Path(bpy.app.tempdir).parent / f"{name}_autosave.blend"

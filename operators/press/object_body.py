@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ...core.errors import DimpleError
 from ...core.messages import about
 
 if TYPE_CHECKING:
@@ -19,27 +20,20 @@ if TYPE_CHECKING:
     from ...core.session import Session
     from ...core.session.frame import Frame
     from ...core.steps import Parts
+    from ..bridge.body_model import Settings
     from ..bridge.scene_objects import ObjectLink, Singles
-    from ..bridge.settings import Settings
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class ObjectBody:
-    """An object and the session that moves it; the object itself is only read.
+    """An object and the session that moves it; the object itself is only read."""
 
-    link: the object at rest.
-    session: what moves it.
-    settings: of the panels, as the session has them.
-    matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
-    triangles: (t, 3) of the vertices of the final mesh, outward.
-    """
-
-    link: ObjectLink
-    session: Session
-    settings: Settings
-    matrix: np.ndarray
-    rest: Singles
-    triangles: np.ndarray
+    link: ObjectLink  # the object at rest
+    session: Session  # what moves it
+    settings: Settings  # of the panels, as the session has them
+    matrix: np.ndarray  # (4, 4) of the object when it was last stepped
+    rest: Singles  # (N, 3) its shape at rest then
+    triangles: np.ndarray  # (t, 3) of the vertices of the final mesh, outward
 
     @classmethod
     def from_object(cls, obj: bpy.types.Object) -> Self:
@@ -50,8 +44,7 @@ class ObjectBody:
         """
         from ...core.steps import at_once
 
-        body: Self = at_once(cls.opening(bpy.context, obj))[0]
-        return body
+        return at_once(cls.opening(bpy.context, obj))[0]
 
     @classmethod
     def opening(cls, context: bpy.types.Context, obj: bpy.types.Object) -> Parts:
@@ -66,7 +59,7 @@ class ObjectBody:
         from ...core.mesh.surface import input_vertices
         from ...core.session import Session
         from ..bridge import scene_objects, timeline
-        from ..bridge.settings import settings_of
+        from ..bridge.body_model import settings_of
         from . import proxy_choice
 
         link, model = yield from scene_objects.reading_body(context, obj)
@@ -90,7 +83,6 @@ class ObjectBody:
         Raises:
             DimpleError: it is gone.
         """
-        from ...core.base import DimpleError
         from ..bridge import scene_objects
 
         obj = scene_objects.find(self.link.uid, self.name)
@@ -129,7 +121,21 @@ class ObjectBody:
         return x, y, z
 
     def follow(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        """Move the pins to where the object is now, and the shape at rest to where its rig has bent it."""
-        from ..bridge import final_mesh
+        """Move the pins to where the object is now, and the shape at rest to where its rig has bent it.
 
-        self.matrix, self.rest = final_mesh.lead(context, obj, self.link, self.session, self.matrix, self.rest)
+        Raises:
+            DimpleError: the object is flat, or its modifiers give other vertices than they did.
+        """
+        import numpy as np
+
+        from ..bridge import final_mesh, object_link
+
+        now, rest = np.array(obj.matrix_world), final_mesh.rest_now(context, obj, self.link, self.rest)
+        if rest is self.rest and np.array_equal(now, self.matrix):
+            return
+        object_link.check_matrix(self.name, now)
+        there = object_link.to_physical(self.link.scale, now, rest)
+        self.session.set_pins(there)
+        if rest is not self.rest or self.session.model.rigged or final_mesh.is_stretched(now, self.matrix):
+            self.session.set_rest(there)
+        self.matrix, self.rest = now, rest

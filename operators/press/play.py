@@ -8,10 +8,64 @@ from bpy.props import FloatProperty, IntProperty
 
 from ..messages import gathered, report, say
 from ..names import Op
-from . import modal_runs, polls, sessions, showing
+from . import modal_runs, polls, progress, sessions, showing
 
 
-class DIMPLE_OT_play(polls.Declared, bpy.types.Operator):
+class Driving(polls.Declared):
+    """An operator that also drives the sessions live: `begin` starts it, and `handle` takes each event."""
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        return self.trying(self.begin, context, event)
+
+    def starts_later(self, context: bpy.types.Context, verb: str) -> bool:
+        """Get ready first what is large, with its progress shown; then this operator is started again."""
+        later = progress.takes_long(context)
+        if later:
+            bpy.ops.dimple.start("INVOKE_DEFAULT", then=verb)
+        return later
+
+    def start(self, context: bpy.types.Context) -> None:
+        """Start a session on all that is selected, and report on it."""
+        from . import live_step
+
+        _, messages, wrong = live_step.start_all(context)
+        report(self, wrong)
+        if messages:
+            say(self, {"INFO"}, *gathered(messages))
+
+    def drive(self, context: bpy.types.Context, kind: str, state: str) -> set[str]:
+        """Take a timer and all events from now on; see `modal_runs.open_run`."""
+        self._run, self._clock = modal_runs.open_run(context, kind, state), time.perf_counter()
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Handle an event; after an error everything ends and is restored."""
+        if self._run.closed:
+            return {"CANCELLED"}
+        with sessions.ending_on_error():
+            return self.handle(context, event)
+
+    def passed(self) -> float:
+        """Return the time since this was asked last [s]."""
+        before, self._clock = self._clock, time.perf_counter()
+        return self._clock - before
+
+    def went_on(self, messages: list[str]) -> set[str] | None:
+        """Report what has happened; return how the operator ends when no session is left."""
+        report(self, messages)
+        if sessions.sessions:
+            return None
+        sessions.stop_all()
+        return {"CANCELLED"}
+
+    def cancel(self, _context: bpy.types.Context) -> None:
+        """End when Blender ends the operator: the window closes, another file is loaded."""
+        if not self._run.closed:
+            sessions.stop_all()
+
+
+class DIMPLE_OT_play(Driving, bpy.types.Operator):
     """Run or pause the selected bodies, which fingertip objects press. Esc ends it and restores the shapes"""
 
     bl_idname = Op.PLAY
@@ -30,12 +84,11 @@ class DIMPLE_OT_play(polls.Declared, bpy.types.Operator):
     needs = polls.in_object_mode, polls.is_free
 
     def run(self, context: bpy.types.Context) -> None:
-        """Run for some seconds or along the timeline at once, frame by frame of the scene."""
         from ..bridge import timeline
         from . import live_step
 
         polls.check_numbers(self, "seconds")
-        self._report(live_step.start_all(context))
+        self.start(context)
         scene = context.scene
         now, count = scene.frame_current, max(round(self.seconds / timeline.frame_s(scene)), 1)
         steps = [self.seconds / count] * count
@@ -46,51 +99,30 @@ class DIMPLE_OT_play(polls.Declared, bpy.types.Operator):
             for step_s in steps:
                 report(self, live_step.advance(context, step_s))
 
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+    def begin(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Start, pause or go on."""
-        from ...core.base import DimpleError
-        from . import get_ready, live_step
-
         if modal_runs.runs:
             run = modal_runs.runs[0]
             modal_runs.pause(context, run, not run.paused)
             return {"FINISHED"}
-        try:
-            if get_ready.takes_long(context):
-                bpy.ops.dimple.start("INVOKE_DEFAULT", then="play")
-                return {"CANCELLED"}  # it starts again once they are ready
-            self._report(live_step.start_all(context))
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
+        if self.starts_later(context, "play"):
             return {"CANCELLED"}
-        self._run = modal_runs.open_run(context, "play", "Playing: Esc ends and puts the rest shape back")
-        self._clock, self._frame = time.perf_counter(), context.scene.frame_current
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        self.start(context)
+        self._frame = context.scene.frame_current
+        return self.drive(context, "play", "Playing: Esc ends and puts the rest shape back")
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Step by the clock, or along the timeline while that plays; everything but Esc is Blender's."""
-        if self._run.closed:
-            return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
             report(self, sessions.stop_all())
             return {"CANCELLED"}
-        if event.type == "TIMER":
-            with sessions.ending_on_error():
-                return self._tick(context)
-        return {"PASS_THROUGH"}
-
-    def cancel(self, _context: bpy.types.Context) -> None:
-        """End when Blender ends the operator: the window closes, another file is loaded."""
-        if not self._run.closed:
-            sessions.stop_all()
+        return self._tick(context) if event.type == "TIMER" else {"PASS_THROUGH"}
 
     def _tick(self, context: bpy.types.Context) -> set[str]:
         from ..bridge import timeline
-        from . import live_step, recovery_copy
+        from . import live_step
 
-        now = time.perf_counter()
-        wall, self._clock = now - self._clock, now
+        wall = self.passed()
         if self._run.paused:
             messages = showing.end_changed(context.view_layer)
         elif timeline.is_playing(context):
@@ -99,12 +131,8 @@ class DIMPLE_OT_play(polls.Declared, bpy.types.Operator):
             asked, budget = live_step.ask(context.scene, self._run, wall)
             messages = live_step.advance(context, asked, budget=budget)
             live_step.adapt(self._run, asked)
-        report(self, [*messages, *recovery_copy.save_when_due(self._run)])
         modal_runs.redraw()
-        if not sessions.sessions:
-            sessions.stop_all()
-            return {"CANCELLED"}
-        return {"PASS_THROUGH"}
+        return self.went_on([*messages, *modal_runs.save_when_due(self._run)]) or {"PASS_THROUGH"}
 
     def _follow(self, context: bpy.types.Context) -> list[str]:
         """Go on with the timeline by one frame, as a bake does.
@@ -128,12 +156,6 @@ class DIMPLE_OT_play(polls.Declared, bpy.types.Operator):
             body.matrix, body.rest = body.link.matrix, body.link.rest
         return live_step.advance(context, 0.0)
 
-    def _report(self, started: tuple[list, list[str], list[str]]) -> None:
-        _, messages, wrong = started
-        report(self, wrong)
-        if messages:
-            say(self, {"INFO"}, *gathered(messages))
-
 
 def _at_rest() -> bool:
     """Tell whether no time has run yet."""
@@ -149,8 +171,4 @@ class DIMPLE_OT_reset(polls.Declared, bpy.types.Operator):
     needs = (polls.need(lambda _: sessions.sessions or modal_runs.runs, "Nothing is being pressed"),)
 
     def run(self, _context: bpy.types.Context) -> None:
-        """Put everything back."""
         report(self, sessions.stop_all())
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_play, DIMPLE_OT_reset])

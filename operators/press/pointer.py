@@ -179,17 +179,13 @@ def _pointed(
 ) -> PokeEvent:
     origin, direction = _ray(view)
     hit = nearest(origin, direction, bodies, shapes)
-    return PokeEvent(kind=kind, hit=hit, view=direction, pressure=_pressure(event))
+    return PokeEvent(kind=kind, hit=hit, view=direction, pressure=event.pressure if event.is_tablet else 1.0)
 
 
 def _ray(view: View) -> tuple[Vector, Vector]:
     """Return where the pointer's ray begins in the scene, and its unit direction."""
     origin = tuple(view3d_utils.region_2d_to_origin_3d(view.region, view.region_3d, view.at))
     return origin, tuple(view3d_utils.region_2d_to_vector_3d(view.region, view.region_3d, view.at).normalized())
-
-
-def _pressure(event: bpy.types.Event) -> float:
-    return event.pressure if event.is_tablet else 1.0
 
 
 def _inside(box: bpy.types.Area | bpy.types.Region, x: int, y: int) -> bool:

@@ -1,23 +1,25 @@
 """Press with mouse or pen, live and without the timeline; or, from a script, at a place, a depth and a time."""
 
-import time
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import bpy
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
 
-from ..messages import gathered, report, say
+from ...core.errors import DimpleError
+from ..messages import report, say
 from ..names import Op
 from . import fingertip_objects, modal_runs, polls, sessions, showing
+from .play import Driving
 
 if TYPE_CHECKING:
-    from ...core.poke import Effect, PokeEvent
+    from ...core.poke import Effect, PokeEvent, PokeState
     from .pointer import View
 
 _CONTACT = ("collider", "collider_friction", "is_prop", "prop_mass_kg", "self_contact")
 
 
-class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
+class DIMPLE_OT_poke(Driving, bpy.types.Operator):
     """Press the selected meshes with a fingertip: live with the mouse, or from a script at a given place"""
 
     bl_idname = Op.POKE
@@ -61,17 +63,14 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
     )
 
     def run(self, context: bpy.types.Context) -> None:
-        """Press once, as the properties say, without a window."""
         from . import scripted_press
 
         scripted_press.press_once(self, context)
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Start to press live."""
-        from ...core.base import DimpleError
+    def begin(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         from ...core.poke import PokeState
         from ..bridge import sizing
-        from . import fingertip_settings, get_ready, live_step, pointer
+        from . import live_step, pointer
 
         view = pointer.view_under(context, event)
         clicked = view if event.type == "LEFTMOUSE" and event.value in pointer.DOWN else None  # with the tool
@@ -82,24 +81,14 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
             return {"PASS_THROUGH"}  # it selects
         if found and not found.obj.select_get():
             fingertip_objects.select(context, found.obj)
-        try:
-            if get_ready.takes_long(context):
-                bpy.ops.dimple.start("INVOKE_DEFAULT", then="poke")
-                return {"CANCELLED"}  # it starts again once they are ready
-            sizing.fit(context.scene, found.obj if found else live_step.candidates(context)[0])
-            self._tool = fingertip_settings.settings_of(context.scene)
-            self._state = PokeState(**self._tool)
-            _, messages, wrong = live_step.start_all(context)
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
+        if self.starts_later(context, "poke"):
             return {"CANCELLED"}
-        report(self, wrong)
-        if messages:
-            say(self, {"INFO"}, *gathered(messages))
+        sizing.fit(context.scene, found.obj if found else live_step.candidates(context)[0])
+        self._tool = settings_of(context.scene)
+        self._state = PokeState(**self._tool)
+        self.start(context)
         self._shapes: dict[int, object] = {}
-        self._clock = time.perf_counter()
-        self._run = modal_runs.open_run(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
-        context.window_manager.modal_handler_add(self)
+        result = self.drive(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
         self._settings = {uid: body.settings for uid, body in sessions.sessions.items()}
         self._contacts, self._typed = _contacts(context), {}
         modal_runs.show_status(context, self._run, self._help(context))
@@ -107,21 +96,9 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
             self._take(context, pointer.poke_event(event, clicked, sessions.sessions, {}, pressing=False))
         else:
             pointer.choose_tool(context)  # its keys and its circle
-        return {"RUNNING_MODAL"}
+        return result
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Pass every event to the state machine; after an error, everything ends and is restored."""
-        if self._run.closed:
-            return {"CANCELLED"}
-        with sessions.ending_on_error():
-            return self._handle(context, event)
-
-    def cancel(self, _context: bpy.types.Context) -> None:
-        """Leave when Blender ends the operator: the window closes, another file is loaded."""
-        if not self._run.closed:
-            sessions.stop_all()
-
-    def _handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         from ...core.poke import Kind
         from . import pointer
 
@@ -159,24 +136,22 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
     def _tick(self, context: bpy.types.Context) -> set[str]:
         """Let as much time pass as did since the last tick, or as this computer manages."""
         from ...core.poke import Kind, PokeEvent
-        from . import fingertip_settings, live_step, recovery_copy
+        from . import live_step
 
-        now = time.perf_counter()
-        wall, self._clock = now - self._clock, now
-        asked, self._budget = live_step.ask(context.scene, self._run, wall)
-        tool = fingertip_settings.settings_of(context.scene)
+        asked, self._budget = live_step.ask(context.scene, self._run, self.passed())
+        tool = settings_of(context.scene)
         undone = not any(self._run.shown)  # then which finger is active, which is no step, may have gone back too
         for name in tool:
             if tool[name] != self._tool[name] and (name in self._typed or not undone):  # typed in a panel, or undone
                 if self._typed.setdefault(name, self._tool[name]) == tool[name]:
                     del self._typed[name]
-        self._state, self._tool = fingertip_settings.taken(self._state, self._tool, tool), tool
+        self._state, self._tool = taken(self._state, self._tool, tool), tool
         modal_runs.show_status(context, self._run, self._help(context))
         if self._run.paused != self._state.paused:  # the sidebar's button
             self._take(context, PokeEvent(kind=Kind.PAUSE))
-        if self._state.paused and (ended := self._went_on(showing.end_changed(context.view_layer))):
+        if self._state.paused and (ended := self.went_on(showing.end_changed(context.view_layer))):
             return ended
-        report(self, recovery_copy.save_when_due(self._run))
+        report(self, modal_runs.save_when_due(self._run))
         result = self._take(context, PokeEvent(kind=Kind.TICK, amount=asked))
         return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
 
@@ -200,7 +175,6 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def _do(self, context: bpy.types.Context, effect: "Effect", amount: float) -> set[str] | None:
-        """Carry out an effect of the state machine; return the result of the operator, None while it continues."""
         from ...core.poke import Effect, fingers, lifted
         from ..bridge import scene_objects, sizing
         from . import live_step
@@ -215,7 +189,7 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
                         self._state = lifted(self._state, uid)
                         sizing.fit(context.scene, scene_objects.find(uid, body.name))
                 live_step.adapt(self._run, amount)
-                return self._went_on(messages)
+                return self.went_on(messages)
             case Effect.KEEP | Effect.RESTORE:
                 report(self, sessions.stop_all(restore=effect is Effect.RESTORE))
                 return {"FINISHED"} if effect is Effect.KEEP else {"CANCELLED"}
@@ -223,7 +197,6 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
 
     def _joined(self, context: bpy.types.Context, event: bpy.types.Event, view: "View") -> "PokeEvent | None":
         """Let a soft body that was not selected join when it is pressed; return the press, None where there is none."""
-        from ...core.base import DimpleError
         from . import pointer
 
         found = pointer.under(context, view)
@@ -241,35 +214,56 @@ class DIMPLE_OT_poke(polls.Declared, bpy.types.Operator):
     def _tuned(self, context: bpy.types.Context) -> bool:
         """Tell whether a setting was changed in a panel since the poke began, which undo may take back."""
         begun = self._settings
-        chosen = [
-            uid for uid, body in sessions.sessions.items()
-            if uid not in begun or begun[uid] != body.seen
-        ]  # fmt: skip
+        chosen = any(uid not in begun or begun[uid] != body.seen for uid, body in sessions.sessions.items())
         changed = chosen or self._typed or self._contacts != _contacts(context)
         return bool(changed) and not self._state.pressing
 
     def _help(self, context: bpy.types.Context) -> str:
-        """Return the help on the keys for the status bar."""
-        from . import fingertip_settings
-
         if context.mode != "OBJECT":
             return polls.tip_("The fingertips stay where they are | Esc: leave the poke")
-        return fingertip_settings.help_text(self._state)
-
-    def _went_on(self, messages: list[str]) -> set[str] | None:
-        """Report what has happened; return how the operator ends when no session is left."""
-        report(self, messages)
-        if sessions.sessions:
-            return None
-        sessions.stop_all()
-        return {"CANCELLED"}
+        return help_text(self._state)
 
 
 def _contacts(context: bpy.types.Context) -> dict[int, tuple[float, ...]]:
-    """Return the contact settings of the objects of a scene."""
     return {
         obj.session_uid: tuple(getattr(obj.dimple, name) for name in _CONTACT) for obj in context.scene.objects
     }  # fmt: skip
 
 
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_poke])
+def settings_of(scene: bpy.types.Scene) -> dict[str, float]:
+    """Return what a scene says of the fingertip, as `PokeState` names it."""
+    stored = scene.dimple
+    return {
+        "radius": stored.finger_radius_mm / 1e3,
+        "depth": stored.press_depth_mm / 1e3,
+        "force": stored.press_force_n,
+        "by_force": stored.press_by == "FORCE",
+        "along_normal": stored.poke_along == "NORMAL",
+        "active": stored.active_finger - 1,
+    }
+
+
+def taken(state: "PokeState", before: dict[str, float], now: dict[str, float]) -> "PokeState":
+    """Return a state with the settings that changed in the panels; the finger changes only between presses."""
+    from ...core.poke import with_settings
+
+    changed = {name: value for name, value in now.items() if value != before[name]}
+    active = int(changed.pop("active", state.active))
+    if changed:
+        state = with_settings(state, **changed)
+    return state if state.pressing else replace(state, active=active)
+
+
+def help_text(state: "PokeState") -> str:
+    """Return the help on the keys for the status bar."""
+    if state.by_force:
+        amount, text = f"{state.force:.3g} N", polls.tip_("Left drag: press with {} | F: radius {} | Ctrl F: force")
+    else:
+        amount = f"{1e3 * state.depth:.3g} mm"
+        text = polls.tip_("Left drag: press {} deep | F: radius {} | Ctrl F: depth")
+    keys = (
+        polls.tip_("1 2 3: finger"),
+        polls.tip_("Space: go on") if state.paused else polls.tip_("Space: pause"),
+        polls.tip_("Enter: keep | Esc: leave"),
+    )
+    return " | ".join((text.format(amount, f"{1e3 * state.radius:.3g} mm"), *keys))

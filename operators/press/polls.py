@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import bpy
 
@@ -29,14 +29,18 @@ class Declared:
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Make the call, report what went wrong, and log what nobody foresaw."""
         try:
-            self.run(context)
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return self.trying(self.run, context) or {"FINISHED"}
         except Exception:
             LOG.exception(self.bl_idname)
             raise
-        return {"FINISHED"}
+
+    def trying(self, call: Callable[..., Any], *given: Any) -> Any:
+        """Return what a call returns; report a DimpleError and cancel."""
+        try:
+            return call(*given)
+        except DimpleError as error:
+            say(self, {"ERROR"}, str(error))
+            return {"CANCELLED"}
 
 
 def need(is_met: Callable[[bpy.types.Context], object], sentence: str) -> Need:

@@ -1,16 +1,21 @@
-"""What takes more than a second: at once from a script, else between Blender's events, with the time left."""
+"""What takes more than a second: at once from a script, else between Blender's events, with the time left.
+
+So large meshes get ready before they are poked or played.
+"""
 
 import time
 
 import bpy
-from bpy.props import IntProperty
+from bpy.props import IntProperty, StringProperty
 
 from ...core.messages import Message
-from ..messages import conclude, duration, say
+from ..messages import conclude, duration, report, say
+from ..names import Op
 from ..translation import translated
-from . import modal_runs, sessions
+from . import modal_runs, polls, sessions
 
 SLICE_S = 0.1  # between two looks at the keyboard
+LARGE = 20_000  # vertices in all: more take longer than a second to read
 READY = 0.05  # of a bake, for getting ready: how long that takes does not tell how long the frames will
 
 
@@ -38,8 +43,8 @@ class FrameRange:
         )
 
 
-class Working:
-    """Give an operator its `execute`, `invoke`, `modal` and `cancel`.
+class Working(polls.Declared):
+    """Give an operator its `run`, `invoke`, `modal` and `cancel`.
 
     The operator brings:
 
@@ -54,29 +59,23 @@ class Working:
     ready = 0.0
     _run = None  # while it asks for a file nothing runs yet
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> set[str]:
         """Work in one go."""
-        from ...core.base import DimpleError
-
         manager = context.window_manager
         manager.progress_begin(0, 1)
         try:
             for share in self._begin(context):
                 manager.progress_update(share)
             return self._finished(context)
-        except DimpleError as error:
-            return self._failed(str(error))
         finally:
             manager.progress_end()
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Work with a progress bar, between Blender's own events."""
-        from ...core.base import DimpleError
+        return self.trying(self._start, context)
 
-        try:
-            self._steps = self._begin(context)
-        except DimpleError as error:
-            return self._failed(str(error))
+    def _start(self, context: bpy.types.Context) -> set[str]:
+        self._steps = self._begin(context)
         self._run = self._open(context)
         self._run.leave = self._leave
         self._began = time.perf_counter()
@@ -86,8 +85,6 @@ class Working:
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Work a little; nothing else may change the scene meanwhile."""
-        from ...core.base import DimpleError
-
         if self._run.closed:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
@@ -95,18 +92,16 @@ class Working:
             modal_runs.close_run(self._run)
             say(self, {"INFO"}, self.stopped)
             return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"RUNNING_MODAL"}
-        try:
-            with sessions.ending_on_error():
-                share = self._work()
-                if share < 1:
-                    self._show(context, share)
-                    return {"RUNNING_MODAL"}
-                modal_runs.close_run(self._run)
-                return self._finished(context)
-        except DimpleError as error:
-            return self._failed(str(error))
+        return self.trying(self._go_on, context) if event.type == "TIMER" else {"RUNNING_MODAL"}
+
+    def _go_on(self, context: bpy.types.Context) -> set[str]:
+        with sessions.ending_on_error():
+            share = self._work()
+            if share < 1:
+                self._show(context, share)
+                return {"RUNNING_MODAL"}
+            modal_runs.close_run(self._run)
+            return self._finished(context)
 
     def cancel(self, _context: bpy.types.Context) -> None:
         """Leave when Blender ends the operator: the window closes, another file is loaded."""
@@ -142,6 +137,40 @@ class Working:
         self._steps.close()
         bpy.context.window_manager.progress_end()
 
-    def _failed(self, why: str) -> set[str]:
-        say(self, {"ERROR"}, why)
-        return {"CANCELLED"}
+
+class DIMPLE_OT_start(Working, bpy.types.Operator):
+    """Get the selected meshes ready to be pressed, then poke or play"""
+
+    bl_idname = Op.START
+    bl_label = "Get Ready"
+    bl_options = {"INTERNAL"}
+    running = "Getting ready: Esc cancels"
+    verb, stopped = "Getting ready", "Nothing was started"
+    ready = 1.0  # how long the parts take is not known
+
+    then: StringProperty(name="Then", description="The operator that follows", options={"HIDDEN", "SKIP_SAVE"})
+
+    def _begin(self, context: bpy.types.Context):
+        from ...core.steps import beside
+        from . import live_step
+
+        self._came = yield from beside(live_step.starting_all(context))
+
+    def _finished(self, _context: bpy.types.Context) -> set[str]:
+        _, messages, wrong = self._came
+        report(self, [*wrong, *messages])
+        getattr(bpy.ops.dimple, self.then)("INVOKE_DEFAULT")
+        return {"FINISHED"}
+
+
+def takes_long(context: bpy.types.Context) -> bool:
+    """Tell whether what would be started is large, and does not run yet.
+
+    Raises:
+        DimpleError: nothing can be started.
+    """
+    from . import live_step
+
+    graph = context.evaluated_depsgraph_get()
+    waiting = [obj for obj in live_step.candidates(context) if obj.type == "MESH" and sessions.get(obj) is None]
+    return sum(len(obj.evaluated_get(graph).data.vertices) for obj in waiting) > LARGE

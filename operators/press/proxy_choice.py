@@ -18,7 +18,7 @@ from ...core.constants import MAX_FINGERTIPS
 from ...core.messages import about, in_a_row, kept, read
 from ...core.reduction.planner import Maker, Plan, plan, plan_full_mesh, plan_proxy
 from ...core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
-from ...core.steps import Parts, at_once
+from ...core.steps import Parts
 from ..bridge import stack
 from . import contact
 
@@ -45,10 +45,8 @@ _choices: dict[str, Choice] = {}
 _moving: list[tuple[Mesh, Proxy | None]] = []  # the choices for the last meshes, whatever their materials
 
 
-def proxy_for(
-    scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None
-) -> Proxy | None:
-    """Return the proxy of an object, None for the full mesh.
+def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None) -> Parts:
+    """Return the proxy of an object, None for the full mesh; in parts.
 
     Args:
         moving: what moves in place of this very model already.
@@ -56,12 +54,6 @@ def proxy_for(
     Raises:
         DimpleError: the proxy that was asked for cannot be made.
     """
-    found: Proxy | None = at_once(planning_for(scene, obj, model, moving))
-    return found
-
-
-def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None) -> Parts:
-    """Plan an object in parts; see `proxy_for`."""
     settings, now = obj.dimple, key(scene, obj, model)
     build = partial(_proxy, moving)
     known, old = settings.plan_key == now, _choices.get(now)

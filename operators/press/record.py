@@ -1,8 +1,9 @@
 """Record live presses at the frame rate of the scene; the object plays the recording once its session has ended."""
 
+from contextlib import ExitStack
+
 import bpy
 
-from ...core.errors import DimpleError
 from ..messages import Note, report
 from ..names import Op
 from . import polls, sessions
@@ -20,38 +21,16 @@ def begin(context: bpy.types.Context) -> None:
     render = context.scene.render
     fps = render.fps / render.fps_base
     begun: list[tuple[sessions.LiveBody, recorder.Recorder]] = []
-    try:
+    with ExitStack() as files, cache_files.plain_os_errors("Recording"):
         for uid, body in sessions.sessions.items():
             obj = scene_objects.find(uid, body.name)
-            if obj is None or body.recorder:
-                continue
-            path = cache_files.take_path(context, obj)
-            with cache_files.plain_os_errors("Recording"):
-                each = recorder.Recorder(path, context.scene.frame_current, fps, body)
-            begun.append((body, each))
-    except DimpleError:
-        for _, each in begun:
-            each.discard()
-        raise
+            if obj and not body.recorder:
+                each = recorder.Recorder(cache_files.take_path(context, obj), context.scene.frame_current, fps, body)
+                files.callback(each.discard)
+                begun.append((body, each))
+        files.pop_all()
     for body, each in begun:
         body.recorder = each
-
-
-def end() -> list[str]:
-    """Stop recording; each object plays its take once its session has ended. Return sentences for the artist."""
-    return [sentence for body in sessions.sessions.values() for sentence in sessions.end_recording(body)]
-
-
-def switch(context: bpy.types.Context) -> list[str]:
-    """Begin to record, or end it; return sentences for the artist.
-
-    Raises:
-        DimpleError: nothing can be recorded.
-    """
-    if any(body.recording for body in sessions.sessions.values()):
-        return end()
-    begin(context)
-    return [Note("Recording")]
 
 
 class DIMPLE_OT_record(polls.Declared, bpy.types.Operator):
@@ -63,8 +42,9 @@ class DIMPLE_OT_record(polls.Declared, bpy.types.Operator):
     needs = (polls.need(lambda _: sessions.sessions, "Poke or play first: there is nothing to record"),)
 
     def run(self, context: bpy.types.Context) -> None:
-        """Start or stop."""
-        report(self, switch(context))
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_record])
+        live = sessions.sessions.values()
+        if any(body.recording for body in live):  # each object plays its take once its session has ended
+            report(self, [sentence for body in live for sentence in sessions.end_recording(body)])
+        else:
+            begin(context)
+            report(self, [Note("Recording")])

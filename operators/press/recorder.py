@@ -6,10 +6,11 @@ import contextlib
 import csv
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from ...core.messages import Message, in_a_row
 from ...core.recording import PointCache
+from ..messages import beyond_end
 
 if TYPE_CHECKING:
     from ...core.session import Session
@@ -98,11 +99,9 @@ class Recorder:
         span = time - self._time
         while (due := self._began + self._cache.samples / self._fps) <= time + 1e-9:
             self._table.append(self._start_frame + self._cache.samples, due - self._began, session)
-            self._cache.append(offsets if time - due < 1e-9 else self._between(offsets, (due - self._time) / span))
+            share = 1.0 if time - due < 1e-9 else max((due - self._time) / span, 0.0)
+            self._cache.append(offsets if share == 1 else self._offsets + (offsets - self._offsets) * share)
         self._time, self._offsets = time, offsets
-
-    def _between(self, offsets: Singles, share: float) -> Singles:
-        return self._offsets + (offsets - self._offsets) * max(share, 0.0)
 
     @property
     def frames(self) -> int:
@@ -117,8 +116,7 @@ class Recorder:
             "{first} to {last}.",
             frames=self.frames, name=name, path=self._path.name, first=self._start_frame, last=last
         )  # fmt: skip
-        end = Message("That is beyond the scene's last frame {last_frame}.", last_frame=scene_end)
-        return in_a_row([said, end] if last > scene_end else [said])
+        return in_a_row([said, *beyond_end(last, scene_end)])
 
     def close(self) -> None:
         """Close the files.
@@ -143,17 +141,7 @@ class Recorder:
         )  # fmt: skip
 
 
-Opened = TypeVar("Opened", bound="Closes")
-
-
-class Closes(Protocol):
-    """What can be closed."""
-
-    def close(self) -> None:
-        """Close it."""
-
-
-def open_file(files: contextlib.ExitStack, path: Path, make: Callable[[Path], Opened]) -> Opened:
+def open_file(files: contextlib.ExitStack, path: Path, make: Callable[[Path], Any]) -> Any:
     """Open a file that is closed and deleted when `files` are, unless it has another name by then.
 
     Raises:

@@ -25,8 +25,14 @@ DOWN: Vector = (0.0, 0.0, -1.0)
 
 def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> None:
     """Press, hold and release as the operator's properties say; show and record every frame of it."""
-    polls.check_numbers(operator, "location", "direction", "hold_s")
-    state = new_state(context, operator)
+    polls.check_numbers(
+        operator, "location", "direction", "radius_mm", "depth_mm", "force_n", "press_s", "hold_s", "release_s"
+    )
+    state = PokeState(
+        radius=(operator.radius_mm or context.scene.dimple.finger_radius_mm) / 1e3, depth=operator.depth_mm / 1e3,
+        force=operator.force_n or FORCE_N, by_force=operator.force_n > 0, press_s=operator.press_s,
+        release_s=operator.release_s, active=(operator.finger or context.scene.dimple.active_finger) - 1,
+    )  # fmt: skip
     with sessions.ending_on_error():
         _, messages, wrong = live_step.start_all(context)
         place = operator.location if operator.properties.is_property_set("location") else None
@@ -39,24 +45,6 @@ def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> None
     say(operator, {"INFO"}, Message(
         "Pressed {deepest:.1f} mm deep with up to {strongest:.2f} N", deepest=deepest * 1e3, strongest=strongest
     ))  # fmt: skip
-
-
-def new_state(context: bpy.types.Context, operator: bpy.types.Operator) -> PokeState:
-    """Return the poke's first state from the operator's properties and the scene's settings.
-
-    Raises:
-        DimpleError: a property is no number that can be used.
-    """
-    polls.check_numbers(operator, "radius_mm", "depth_mm", "force_n", "press_s", "release_s")
-    return PokeState(
-        radius=(operator.radius_mm or context.scene.dimple.finger_radius_mm) / 1e3,
-        depth=operator.depth_mm / 1e3,
-        force=operator.force_n or FORCE_N,
-        by_force=operator.force_n > 0,
-        press_s=operator.press_s,
-        release_s=operator.release_s,
-        active=(operator.finger or context.scene.dimple.active_finger) - 1,
-    )
 
 
 def pressed(

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ...core.errors import DimpleError
 from ..messages import LOG, Note
 from .modal_runs import close_run, runs
 from .object_body import ObjectBody
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from ...core.poke.stroke import Hand
     from ...core.session import Finger
     from ...core.steps import Parts
-    from ..bridge.settings import Settings
+    from ..bridge.body_model import Settings
     from .contact import LiveWorld
     from .proxy_choice import Around
     from .recorder import Recorder
@@ -35,42 +36,26 @@ def _hand() -> Hand:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class LiveBody(ObjectBody):
-    """One object that is being pressed live.
+    """One object that is being pressed live."""
 
-    seen: the settings it had when they were looked at last; the session may have refused them.
-    refused: "" or why.
-    change: of a large body to other settings, under way in a thread.
-    changed_at: when they were changed last, None where they were planned for [s].
-    around: what it was planned for besides its settings, None before its first step.
-    painted_at: when weights that are painted were read last [s].
-    fingers: the fingertips to be drawn, in the session's space.
-    poked: which fingertips are the poke's.
-    held: the fingertips of a hand, by number: the poke's and the haptic device's.
-    hand: what they have done.
-    lead: simulated time that it is ahead of the slowest of those that run with it [s].
-    done: how far it came in the last step, that lead included [s].
-    recorder: of the recording under way.
-    take: path and first frame of the last recording.
-    shown: what its object shows: link, matrix, shape at rest and positions; None where that is not known.
-    objects: how many there were in the file when duplicates were looked for last.
-    """
-
-    seen: Settings | None = None
-    hand: Hand = field(default_factory=_hand)
-    refused: str = ""
-    change: Generator[float, None, list[str]] | None = None
-    changed_at: float | None = None
-    around: Around | None = None
-    painted_at: float = 0.0
-    fingers: tuple[Finger | None, ...] = (None, None, None)
-    poked: frozenset[int] = frozenset()
+    seen: Settings | None = None  # the settings it had when they were looked at last; the session may have refused them
+    hand: Hand = field(default_factory=_hand)  # what they have done
+    refused: str = ""  # "" or why
+    change: Generator[float, None, list[str]] | None = None  # of a large body to other settings, under way in a thread
+    changed_at: float | None = None  # when they were changed last, None where they were planned for [s]
+    around: Around | None = None  # what it was planned for besides its settings, None before its first step
+    painted_at: float = 0.0  # when weights that are painted were read last [s]
+    fingers: tuple[Finger | None, ...] = (None, None, None)  # the fingertips to be drawn, in the session's space
+    poked: frozenset[int] = frozenset()  # which fingertips are the poke's
+    # the fingertips of a hand, by number: the poke's and the haptic device's
     held: dict[int, Finger] = field(default_factory=dict)
-    lead: float = 0.0
-    done: float = 0.0
-    recorder: Recorder | None = None
-    take: tuple[str, int] | None = None
+    lead: float = 0.0  # simulated time that it is ahead of the slowest of those that run with it [s]
+    done: float = 0.0  # how far it came in the last step, that lead included [s]
+    recorder: Recorder | None = None  # of the recording under way
+    take: tuple[str, int] | None = None  # path and first frame of the last recording
+    # what its object shows: link, matrix, shape at rest and positions; None where that is not known
     shown: tuple[object, ...] | None = None
-    objects: int = 0
+    objects: int = 0  # how many there were in the file when duplicates were looked for last
 
     @property
     def running(self) -> bool:
@@ -85,7 +70,7 @@ class LiveBody(ObjectBody):
 
 sessions: dict[int, LiveBody] = {}
 worlds: list[LiveWorld] = []  # the sessions that are stepped together
-disarming: list[Callable[[], None]] = []  # what ends all force of the haptic device: `haptic` adds itself
+disarming: list[Callable[[], None]] = []  # what ends all force of the haptic device: `haptic_fingertips` adds itself
 
 
 def get(obj: bpy.types.Object | None) -> LiveBody | None:
@@ -108,8 +93,7 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
     """
     from ...core.steps import at_once
 
-    found: tuple[LiveBody, list[str]] = at_once(starting(obj, context))
-    return found
+    return at_once(starting(obj, context))
 
 
 def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
@@ -157,7 +141,6 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     if body is None:
         return []
     set_worlds(())  # made anew of those that are left
-    from ...core.base import DimpleError
     from ..bridge import cache_files, final_mesh, scene_objects, write_back
     from . import props
 

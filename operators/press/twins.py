@@ -71,7 +71,6 @@ def moved(fingers: Fingers, here: LiveBody, there: LiveBody) -> list[Finger | No
 
 
 def _pair(uid: int, scene: bpy.types.Scene) -> tuple[LiveBody, LiveBody] | None:
-    """Return a body that runs and its twin, where that runs too."""
     body = sessions.sessions.get(uid)
     obj = bpy.data.objects.get(body.name) if body else None
     twin = sessions.get(other(obj, scene)) if obj else None
@@ -102,7 +101,6 @@ class DIMPLE_OT_compare_materials(polls.Declared, bpy.types.Operator):
     )  # fmt: skip
 
     def run(self, context: bpy.types.Context) -> None:
-        """Copy object, mesh and materials."""
         obj = context.object
         twin = obj.copy()
         twin.data, twin.name = obj.data.copy(), f"{obj.name} B"
@@ -168,6 +166,3 @@ def _to_the_right(context: bpy.types.Context, obj: bpy.types.Object) -> Vector:
         right = right.normalized() if right.length > 1e-3 else Vector((1.0, 0.0, 0.0))
     corners = [(obj.matrix_world @ Vector(corner)) @ right for corner in obj.bound_box]
     return right * max(APART * (max(corners) - min(corners)), 1e-6)
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_compare_materials, DIMPLE_OT_use_material])

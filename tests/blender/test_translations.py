@@ -90,7 +90,7 @@ def drawn_texts() -> Iterator[str]:
             if getattr(node.func, "id", "") == "draw_notes":
                 written += [each for each in node.args if isinstance(each, ast.List)]
             name = getattr(node.func, "attr", getattr(node.func, "id", ""))
-            if name == "open_run":
+            if name in ("open_run", "drive"):
                 written += node.args[2:]
             if name in ("refuse", "tip_", "need"):
                 written += node.args[-1:]

@@ -26,7 +26,7 @@ UNITS = re.compile(r"\{[^}]*\}|\b(cm|kPa|kg|mm|ms|px|Hz)\b|³")
 UNSEEN = (
     "core/calibration/vocabulary.py", "core/device/servo_process.py", "core/native/body.py", "core/native/carry.py",
     "core/native/scene.py", "operators/export/clips.py", "operators/export/command_line.py",
-    "operators/bridge/force_curves.py",
+    "operators/bridge/keyframes.py",
     "operators/export/formats.py", "operators/export/sidecar.py",
     "core/everyday.py", "operators/names.py",  # labels and the texts of presets, which a test in Blender looks at
 )  # fmt: skip

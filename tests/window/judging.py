@@ -27,7 +27,7 @@ PLAN = {
 
 def judge(body: str, out: Path, check: Callable[..., None]) -> robot.Waits:
     """Go through an experiment of two trials by its buttons."""
-    rest, experiment = robot.positions(body).copy(), robot.extension("operators.experiment.comparison")
+    rest, experiment = robot.positions(body).copy(), robot.extension("operators.experiment.blind_trial")
     material = bpy.data.objects[body].active_material
     panel = device.open_panel("DIMPLE_PT_experiment", TAB)
     yield from robot.show_tab(TAB)

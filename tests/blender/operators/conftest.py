@@ -255,12 +255,12 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
     from bl_ext.user_default.dimple.operators.animate import bake
     from bl_ext.user_default.dimple.operators.calibrate import measure
     from bl_ext.user_default.dimple.operators.press import (
-        get_ready,
         live_step,
         modal_runs,
         play,
         pointer,
         poke,
+        progress,
         sessions,
     )
 
@@ -276,8 +276,7 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(pointer, "view_under", view_under)
     monkeypatch.setattr(pointer, "view3d_utils", views)
     clock = SimpleNamespace(perf_counter=lambda: max(each.time for each in hands))
-    for module in (poke, play):
-        monkeypatch.setattr(module, "time", clock)
+    monkeypatch.setattr(play, "time", clock)
     # however slow this computer is, it keeps up
     monkeypatch.setattr(live_step, "ask", lambda _scene, _run, wall: (wall, None))
 
@@ -285,7 +284,7 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
         operators = {
             "poke": poke.DIMPLE_OT_poke, "play": play.DIMPLE_OT_play, "bake": bake.DIMPLE_OT_bake,
             "measure": measure.DIMPLE_OT_measure,
-            "start": get_ready.DIMPLE_OT_start,
+            "start": progress.DIMPLE_OT_start,
         }  # fmt: skip
         hands.append(Hand(name, operators[name], Context(bpy)))
         return hands[-1]

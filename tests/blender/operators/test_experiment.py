@@ -32,14 +32,14 @@ def rows(plan: Path) -> list[dict[str, str]]:
 
 
 def test_an_experiment_is_shown_answered_stopped_and_gone_on_with(bpy: ModuleType, plan: Path) -> None:
-    from bl_ext.user_default.dimple.operators.experiment import comparison
+    from bl_ext.user_default.dimple.operators.experiment import blind_trial
 
     ops, body = bpy.ops.dimple, bpy.context.object
     assert ops.open_experiment(filepath=str(plan), participant="7") == {"FINISHED"}
     assert not ops.show_trial.poll(), "not before the consent"
     assert ops.agree_experiment() == {"FINISHED"} and not ops.answer_trial.poll()
     for number in range(1, 4):
-        trial = comparison.trial()
+        trial = blind_trial.trial()
         assert trial.number == number
         for interval in range(1, len(trial.shown) + 1):
             assert ops.show_trial(interval=interval) == {"FINISHED"}
@@ -52,7 +52,7 @@ def test_an_experiment_is_shown_answered_stopped_and_gone_on_with(bpy: ModuleTyp
             assert body.active_material.name == "Own" and body.active_material.dimple.K1 == pytest.approx(0.4)
             assert ops.open_experiment(filepath=str(plan), participant="7") == {"FINISHED"}
             ops.agree_experiment()
-    assert comparison.trial() is None and not ops.show_trial.poll()
+    assert blind_trial.trial() is None and not ops.show_trial.poll()
     answers = rows(plan)
     assert [row["trial"] for row in answers] == ["1", "2", "3"] and {row["condition"] for row in answers} == {"seen"}
     assert all(float(row["force_max_n"]) > 1 and float(row["depth_max_mm"]) > 0.1 for row in answers)
@@ -61,16 +61,16 @@ def test_an_experiment_is_shown_answered_stopped_and_gone_on_with(bpy: ModuleTyp
 
 
 def test_a_softer_body_is_seen_to_sink_in_deeper_and_no_material_is_left(bpy: ModuleType, plan: Path) -> None:
-    from bl_ext.user_default.dimple.operators.experiment import comparison
+    from bl_ext.user_default.dimple.operators.experiment import blind_trial
 
     bpy.ops.dimple.open_experiment(filepath=str(plan), participant="7")
     bpy.ops.dimple.agree_experiment()
     depths = {}
-    while trial := comparison.trial():
+    while trial := blind_trial.trial():
         for interval, level in enumerate(trial.shown, start=1):
-            comparison.get().samples.clear()
+            blind_trial.get().samples.clear()
             bpy.ops.dimple.show_trial(interval=interval)
-            depths[trial.task.kind, level] = max(depth for _, depth, _ in comparison.get().samples)
+            depths[trial.task.kind, level] = max(depth for _, depth, _ in blind_trial.get().samples)
         bpy.ops.dimple.answer_trial(choice=1)
     assert depths["comparison", 0.5] > 1.3 * depths["comparison", 1.0] > 1.6 * depths["comparison", 2.0]
     bpy.ops.dimple.stop_experiment()

@@ -123,7 +123,7 @@ def test_bodies_that_play_together_have_one_clock(
         sessions.start(ball(name), bpy.context)
     slow, fast = sessions.sessions.values()
     begin = slow.session.begin
-    monkeypatch.setattr(slow.session, "begin", lambda dt: begin(min(dt, 0.003)))
+    monkeypatch.setattr(slow.session, "begin", lambda dt, **more: begin(min(dt, 0.003), **more))
     bpy.ops.dimple.record()
     for _ in range(60):
         live_step.advance(bpy.context, 1 / 60)

@@ -16,11 +16,11 @@ Bits = Callable[[Any], bytes]
 @pytest.fixture
 def copy(bpy: ModuleType) -> Iterator[Path]:
     """Where Blender would write its autosave; nothing is there before and after."""
-    from bl_ext.user_default.dimple.operators.press import recovery_copy
+    from bl_ext.user_default.dimple.operators.press import modal_runs
 
-    recovery_copy.path().unlink(missing_ok=True)
-    yield recovery_copy.path()
-    recovery_copy.path().unlink(missing_ok=True)
+    modal_runs.recovery_path().unlink(missing_ok=True)
+    yield modal_runs.recovery_path()
+    modal_runs.recovery_path().unlink(missing_ok=True)
 
 
 def minutes_later(run: Any, minutes: float) -> None:
@@ -68,12 +68,12 @@ def test_no_copy_is_written_where_autosave_is_switched_off(bpy: ModuleType, hand
 def test_a_copy_that_cannot_be_written_is_said_and_the_session_goes_on(
     bpy: ModuleType, hand: Any, ball: Any, monkeypatch: Any, tmp_path: Path
 ) -> None:
-    from bl_ext.user_default.dimple.operators.press import recovery_copy, sessions
+    from bl_ext.user_default.dimple.operators.press import modal_runs, sessions
 
     ball()
     run = hand("play")
     run.invoke()
-    monkeypatch.setattr(recovery_copy, "path", lambda: tmp_path / "nowhere" / "autosave.blend")
+    monkeypatch.setattr(modal_runs, "recovery_path", lambda: tmp_path / "nowhere" / "autosave.blend")
     minutes_later(run, 1000)
     assert run.ticks(1) == {"PASS_THROUGH"}
     assert any(text.startswith("The recovery copy could not be written") for _, text in run.reports)

@@ -67,15 +67,15 @@ def test_a_bake_that_fails_on_its_way_leaves_nothing(
 def test_a_large_mesh_gets_ready_between_events_with_progress_and_esc_leaves_nothing(
     bpy: ModuleType, hand: Any, ball: Callable[..., Any], coordinates: Bits, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators.press import get_ready, modal_runs, progress, sessions
+    from bl_ext.user_default.dimple.operators.press import modal_runs, progress, sessions
 
     monkeypatch.setattr(progress, "SLICE_S", 0.01)  # many slices, however fast this computer is
     large = ball("Large", subdivisions=7)
-    assert len(large.data.vertices) > get_ready.LARGE
+    assert len(large.data.vertices) > progress.LARGE
     before = coordinates(large)
     run = hand("start")
     run.operator.then = "play"
-    assert get_ready.takes_long(run.context)
+    assert progress.takes_long(run.context)
     for ticks in (1, 3):
         assert run.invoke() == {"RUNNING_MODAL"}
         assert run.ticks(ticks) == {"RUNNING_MODAL"} and "Getting ready" in run.context.said
@@ -88,5 +88,5 @@ def test_a_large_mesh_gets_ready_between_events_with_progress_and_esc_leaves_not
     while run.ticks(1) == {"RUNNING_MODAL"}:
         slices += 1
     assert sessions.get(large) and slices > 5
-    assert not get_ready.takes_long(run.context), "what runs already is ready"
+    assert not progress.takes_long(run.context), "what runs already is ready"
     sessions.stop_all()
