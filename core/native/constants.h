@@ -54,6 +54,7 @@
 #define DM_QUERY_REACH 2.5   /* times the distance at which surfaces touch, a query looks; as many times that, a search, of
                               * which several queries live: pairs grow with its square, searches with its inverse */
 #define DM_BOUND 0.9         /* of half the distance: what two primitives may go towards each other; rounding has the rest */
+#define DM_ROAM 0.99         /* of half the reach: what is near nothing may go */
 #define DM_STALE 0.8         /* of the way after which something unknown might touch: a substep comes on top */
 #define DM_LEAST_SHARE 0.1   /* of the distance, that a side gets at least; more the faster it comes; */
 #define DM_SOFT_SHARE 0.3    /* where both are soft: they come and go, and a side that is slow now is soon fast */

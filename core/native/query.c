@@ -85,7 +85,7 @@ static void dm_free_behind(dm_scene_state *s, const dm_surface *f, const dm_surf
             for (uint32_t j = s->ring_start[i]; j < s->ring_start[i + 1]; j++)
                 free_way = away[s->ring[j]] < free_way ? away[s->ring[j]] : free_way;
             free_way = free_way > s->reach ? free_way : s->reach;
-            double slack = DM_BOUND * free_way / 2, stale = DM_STALE * (free_way - s->touch) / 2;
+            double slack = DM_ROAM * free_way / 2, stale = DM_STALE * (free_way - s->touch) / 2;
             s->slack[i] = slack < s->slack[i] ? slack : s->slack[i];
             s->stale[i] = stale < s->stale[i] ? stale : s->stale[i];
         }
@@ -137,7 +137,7 @@ static void dm_query_pair(dm_scene_state *s, uint32_t i, uint32_t j, uint32_t *r
     double apart = f == g ? -1 : dm_boxes_apart(f->low, f->high, g->low, g->high), normal[3] = {0};
     if (apart > s->reach) {
         double way = apart / 2;
-        dm_bring_near(f, DM_BOUND * way, way / 2), dm_bring_near(g, DM_BOUND * way, way / 2);
+        dm_bring_near(f, DM_ROAM * way, way / 2), dm_bring_near(g, DM_ROAM * way, way / 2);
         return;
     }
     for (uint32_t k = 0; close && k < 2; k++)

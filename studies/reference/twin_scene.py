@@ -12,7 +12,7 @@ from core.native.scene import Collider, ColliderMotion, Crossings, SceneFrame, W
 
 from . import touching
 from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed
-from .constants import BOUND, OFFSET, QUERY_REACH, STALE, TOO_NEAR
+from .constants import OFFSET, QUERY_REACH, ROAM, STALE, TOO_NEAR
 from .crossing import crossing_vertices, find_crossings
 from .islands import let_sleep, woken
 from .proximity import Pairs, find_pairs, join_surfaces, touching_distance
@@ -214,7 +214,7 @@ class TwinScene:
                 apart = -1.0 if i == j else float(np.maximum(lows[j] - highs[i], lows[i] - highs[j]).max())
                 if apart > reach:
                     for part in (self._part[i], self._part[j]):
-                        slack[part] = np.minimum(slack[part], BOUND * apart / 2)
+                        slack[part] = np.minimum(slack[part], ROAM * apart / 2)
                         stale[part] = np.minimum(stale[part], apart / 4)
                 else:
                     closest = float(max(self._sizes[i], self._sizes[j]))
@@ -224,7 +224,7 @@ class TwinScene:
                         out = self._left_out[found[-1].at].sum(axis=1)
                         found[-1] = _picked(found[-1], np.flatnonzero(out == 0))
                     way = free_behind(s, x, i, j, found[-1], reach)
-                    slack = np.minimum(slack, BOUND * way / 2)
+                    slack = np.minimum(slack, ROAM * way / 2)
                     stale = np.minimum(stale, STALE * (way - self._touch) / 2)
         pairs = _joined(found)
         self._bounds: Bounds = bounds_of(x, slack, pairs)
