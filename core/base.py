@@ -18,15 +18,13 @@ Singles = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
-EXACT = 1e-9  # of what is summed: a million units in the last place of double precision
-TINY = 1e-30  # keeps a quotient finite: its square is still a number
 LEAST_VOLUME_OPEN = 1e-2  # of size x area, in an open mesh: a crumpled sheet encloses none, a hemisphere has 0.17
 MASS_FLOOR = 1e-2  # of the mean: no vertex is lighter
 STIFFEST = 4.0  # of the median stiffness over mass: the vertex of a sliver above it is made heavier
 TICK = 1e-3  # [s] control step: the 1 kHz of haptics; makes motion independent of the frame rate
 STEP_SAFETY = 0.9  # of the stability bound: springs stiffen a little as they turn
 LONGEST_STEP = 1.35  # over omega: an undamped body stiffens as it folds, and at 1.5 its energy grows
-LONGEST_CONTACT = 1.25e-4  # [s] contact is resolved once a step: with longer ones a free body that is held rocks on
+LONGEST_CONTACT = TICK / 8  # contact is resolved once a step: with longer ones a free body that is held rocks on
 MAX_SUBSTEPS = 2000  # of a tick: with more, a body could not run live
 ROWS = 1 << 15  # of an array at a time: what is worked out of them stays in the cache
 

@@ -79,7 +79,7 @@ def shared_constants() -> str:
     section = NUMBERS.read_text().partition("/* What Python must know too")[2].partition("\n\n")[0]
     found = re.findall(r"^#define DM_(\w+) +(\S+)", section, re.MULTILINE)
     words = '"""What C and Python both must know, written by `dev.py native` from native/constants.h."""\n\n'
-    return words + "".join(f"{name} = {value}\n" for name, value in found)
+    return words + "".join(f"{name} = {value.removeprefix('DM_')}\n" for name, value in found)
 
 
 def provide_wheels(python: str | Path) -> list[Path]:

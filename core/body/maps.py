@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,10 +26,15 @@ class Maps(NamedTuple):
     thicker: Floats
 
 
+def stiffness_of(softness: float | Floats) -> Any:
+    """Return how many times as stiff as measured a place of this softness is: from 4 at 0 to a quarter at 1."""
+    return 4.0 ** (1 - 2 * softness)
+
+
 def painted(softness: Floats, knee: Floats, spread: Floats, thickness: Floats) -> Maps:
     """Return the factors (n,) of what is painted (n,), from 0 to 1 and 0.5 as measured.
 
     Softness 1 is four times softer, 0 four times stiffer; of the others 1 is twice the constant and 0.25 half of it.
     """
-    stiffer = 4.0 ** (1 - 2 * np.clip(softness, 0, 1))
+    stiffer = stiffness_of(np.clip(softness, 0, 1))
     return Maps(stiffer, *(np.clip(2 * values, LEAST, 2) for values in (knee, spread, thickness)))

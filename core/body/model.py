@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import (
-    EXACT,
     LONGEST_CONTACT,
     LONGEST_STEP,
     MAX_SUBSTEPS,
@@ -23,7 +22,7 @@ from ..base import (
     mean_of_pairs,
     sums_at,
 )
-from ..constants import ROUNDING
+from ..constants import EXACT, ROUNDING
 from ..fills import FILLS
 from ..material import Material
 from ..mesh.surface import Mesh, spans_a_plane
@@ -38,7 +37,6 @@ from .springs import Springs
 
 _ALL_PINS = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
-FIRM = 0.999  # a weight of 1 as it is stored: where the pins hold a body that sways
 
 
 
@@ -203,7 +201,7 @@ def build_model(
         amount, frequency, damping, down = sway
         sways = Sways(amount, frequency, damping, held, _bones(bones), np.asarray(down, np.float64))
         gravity, rigged = (0.0, 0.0, 0.0), True
-    pinned_here = mesh.loose | (held >= (FIRM if sways else 0.5))
+    pinned_here = mesh.loose | (held >= (1 - ROUNDING if sways else 0.5))
     named = (("softness", softness), ("knee", knee), ("spread", spread), ("thickness", thickness))
     said = (Message("{name} map", name=Message(name)) for name, _ in named)
     maps = painted(*(_on_vertices(mesh, values, name, 0.5) for name, (_, values) in zip(said, named, strict=True)))

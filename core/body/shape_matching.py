@@ -22,7 +22,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import TINY, Floats, Ints, sums_at
+from ..base import Floats, Ints, sums_at
+from ..constants import TINY
 from ..mesh.surface import Mesh
 
 Pose = tuple[Floats, Floats]  # rotation (3, 3), translation (3,)

@@ -12,7 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..base import TINY, Floats, Ints, sums_at
+from ..base import Floats, Ints, sums_at
+from ..constants import TINY
 from ..mesh.rings import Rings
 from ..mesh.surface import Mesh
 

@@ -12,7 +12,8 @@ from itertools import product
 import numpy as np
 from trimesh.grouping import unique_rows
 
-from ..base import EXACT, Bools, Floats, Ints, sums_at
+from ..base import Bools, Floats, Ints, sums_at
+from ..constants import EXACT
 from .edges import edges_of
 
 SLANTED = np.array([0.3517, 0.5843, 0.7313])  # no longer than 1; hardly any two points of a mesh are level along it

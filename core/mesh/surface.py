@@ -31,8 +31,8 @@ from .edges import Edges, edges_of
 from .repair import connected, consistent_winding, inward_parts, weld
 from .rings import Rings, ordered_rings
 
-LEAST = 0.25  # of its cotangent weights a vertex keeps, where nearly all triangles round it are blunt
-STEEPEST = 4.0  # of an edge between the long sides of slivers: more would shorten the time step and hold no better
+STEEPEST = 4.0  # of an edge between the long sides of slivers: more would shorten the time step and hold no
+# better; and a vertex keeps at least the inverse of its weights, where nearly all triangles round it are blunt
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +99,7 @@ class Mesh:
         total = sums_at(self.triangle_springs.ravel(), cotangents.ravel(), len(ends)) / 2
         weights = np.clip(total, 0, STEEPEST)
         wanted, kept = (sums_at(ends.ravel(), np.repeat(w * square, 2), n) for w in (total, weights))
-        return weights * mean_of_pairs(np.clip(wanted / np.maximum(kept, 1e-30), LEAST, 1.0), ends)
+        return weights * mean_of_pairs(np.clip(wanted / np.maximum(kept, 1e-30), 1 / STEEPEST, 1.0), ends)
 
 
 def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material: Ints | None = None) -> Mesh:

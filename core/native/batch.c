@@ -122,7 +122,7 @@ DM_INLINE dm_vec3 dm_resolve_batch(const dm_scene_state *s, dm_batch *b, dm_movi
     dm_vec3 slide = dm_plus(dm_plus(u, dm_splat(1), b->back), -along, b->normal), drag = dm_plus(b->drag, -by, slide);
     dm_lanes square = dm_dot(drag, drag), most = b->friction * push;
     dm_mask slips = (dm_mask)(square > most * most);
-    dm_lanes kept = dm_blend(slips, most / dm_vsqrt(dm_vmax(square, dm_splat(DM_TINY))), dm_splat(1));
+    dm_lanes kept = dm_blend(slips, most / dm_vsqrt(dm_vmax(square, dm_splat(DM_LEAST))), dm_splat(1));
     drag = (dm_vec3){kept * drag.x, kept * drag.y, kept * drag.z};
     dm_vec3 more = dm_plus(dm_sub(drag, b->drag), push - b->push, b->normal);
     b->push = push, b->drag = drag;

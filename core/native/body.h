@@ -3,7 +3,6 @@
 #define DM_BODY_H
 #include "lanes.h"
 #include "methods.h"
-#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -92,7 +92,7 @@ static void dm_hold_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex
     dm_last_of(s, f, n, from);
     uint32_t count;
     const uint32_t *mine = dm_pairs_of(s, n, &count);
-    for (int sweep = 0; sweep < DM_PROJECTIONS; sweep++) {
+    for (int sweep = 0; sweep < DM_TRIES; sweep++) {
         int moved = 0;
         for (uint32_t k = 0; k < count; k++) {
             const dm_plane *plane = s->planes + mine[k] / 4;

@@ -55,11 +55,11 @@ static dm_quad dm_way_of_push(const dm_state *b, const dm_near *t) {
 static dm_real dm_give_way(dm_state *b, const dm_near *t, dm_contact *h, dm_quad at, dm_real apart) {
     dm_real inverse = 1 / (dm_real)(b->dt * b->dt), gap = apart - h->radius;
     h->part = 1; /* it is as deep as its impulse says, and comes out by that alone */
-    h->yields *= (dm_real)(h->corners > 1 ? 2 * DM_YIELDS : DM_YIELDS) * inverse;
+    h->yields *= (h->corners > 1 ? 4 : 2) * inverse; /* vertices bear half of it, twice as many faces the other half */
     if (gap >= 0) return gap;
     dm_quad way = at + t->radius * t->pushed;
     dm_real length = DM_SQRT(dm_dot3(way, way));
-    if (length > (dm_real)DM_NO_WAY * t->radius) h->normal = way / length;
+    if (length > (dm_real)DM_TRAVEL * t->radius) h->normal = way / length;
     dm_real along = dm_dot3(at, h->normal), deep = DM_SQRT(along * along - gap * (apart + h->radius)) - along;
     /* p = deep / (c (1 - s^2)) with s = deep / most, along its tangent there */
     dm_real most = (dm_real)DM_MOST_GIVEN * t->radius, s = deep / most;
@@ -74,7 +74,7 @@ static dm_real dm_give_way(dm_state *b, const dm_near *t, dm_contact *h, dm_quad
 static int64_t dm_list_contact(dm_state *b, const dm_near *t, dm_quad from, uint32_t number, int corners,
                                const uint32_t *corner, dm_quad weight, dm_real radius, dm_real margin, int64_t count) {
     int held = dm_was_held(b, t->finger, number);
-    dm_real part = held ? (dm_real)DM_HELD_PART : 1;
+    dm_real part = held ? (dm_real)DM_BACK : 1;
     dm_quad at = -from;
     for (int j = 0; j < corners; j++) at += weight[j] * b->before[corner[j]];
     dm_real apart = DM_SQRT(dm_dot3(at, at)), gap = apart - radius;
@@ -139,9 +139,9 @@ DM_INLINE dm_real dm_compliance_of(const dm_state *b, dm_contact *h) {
         most = inverse > most ? inverse : most;
         pinned |= !(inverse > 0);
     }
-    give = give > DM_TINY ? give : DM_TINY;
+    give = give > DM_LEAST ? give : DM_LEAST;
     if (pinned) { /* a free vertex must not be flung away to move a point it hardly carries */
-        dm_real least = (dm_real)DM_PINNED_GIVE * most / (free > DM_TINY ? free : DM_TINY);
+        dm_real least = (dm_real)DM_PINNED_GIVE * most / (free > DM_LEAST ? free : DM_LEAST);
         give = give > least ? give : least;
     }
     return give;
@@ -185,10 +185,10 @@ static dm_real dm_sweep_speeds(dm_state *b, const dm_near *t, int64_t count) {
         if (!h->at_work) continue;
         dm_real give = dm_compliance_of(b, h), speed = dm_dot3(h->at, h->normal), was = dm_dot3(h->held, h->normal);
         dm_real push = was + (h->closing - speed - h->yields * was) / (give + h->yields);
-        push = push * give * (dm_real)b->dt < (dm_real)DM_PUSH_FLOOR * t->radius ? 0 : push;
+        push = push * give * (dm_real)b->dt < (dm_real)(DM_ROUNDING / 100) * t->radius ? 0 : push;
         dm_quad drag = h->held - was * h->normal - (h->at - speed * h->normal) / give;
         dm_real size = DM_SQRT(dm_dot3(drag, drag)), limit = h->friction * push;
-        dm_quad held = push * h->normal + (size > limit ? limit / (size > DM_TINY ? size : DM_TINY) : 1) * drag;
+        dm_quad held = push * h->normal + (size > limit ? limit / (size > DM_LEAST ? size : DM_LEAST) : 1) * drag;
         h->change = held - h->held, h->held = held;
         dm_real moved = DM_SQRT(dm_dot3(h->change, h->change)) * give * (dm_real)b->dt;
         most = moved > most ? moved : most;
@@ -219,7 +219,7 @@ static dm_real dm_sweep_places(dm_state *b, const dm_near *t, int64_t count, int
         dm_real give = dm_compliance_of(b, h), along = dm_dot3(h->at, h->normal);
         dm_quad aside = h->at - along * h->normal;
         dm_real square = h->radius * h->radius - dm_dot3(aside, aside), depth = DM_SQRT(square > 0 ? square : 0) - along;
-        dm_real left = (1 - h->part) * depth, most = (dm_real)DM_PLACE_SLACK / 2 * t->radius, fall = depth + along - h->radius;
+        dm_real left = (1 - h->part) * depth, most = (dm_real)DM_SLACK / 2 * t->radius, fall = depth + along - h->radius;
         dm_real out = depth > 0 ? depth - (left < most ? left : most) : depth > fall ? depth : fall;
         h->change = out / give * h->normal;
         deepest = depth > deepest ? depth : deepest;
@@ -276,7 +276,7 @@ static void dm_rest_on_ground(dm_state *b) {
             if (!low[l]) continue;
             dm_record *r = b->records + i;
             dm_real fall = r->v[2] < 0 ? -r->v[2] : 0, speed = DM_SQRT(r->v[0] * r->v[0] + r->v[1] * r->v[1]);
-            dm_real stop = b->friction[i] * fall / (speed > DM_TINY ? speed : DM_TINY);
+            dm_real stop = b->friction[i] * fall / (speed > DM_LEAST ? speed : DM_LEAST);
             dm_real left = 1 - (stop < 1 ? stop : 1);
             for (int c = 0; c < 2; c++) /* the slip of the step as well, or it would creep */
                 r->x[c] -= (dm_real)b->dt * (1 - left) * r->v[c], r->v[c] *= left;
@@ -303,7 +303,7 @@ static void dm_resolve_contact(dm_state *b, double ahead) {
             if (dm_sweep_speeds(b, t, count) < (dm_real)DM_ROUNDING * t->radius) break;
         dm_keep_impulses(b, t, count, &moved);
         for (int sweep = 0; sweep < DM_SWEEPS; sweep++)
-            if (dm_sweep_places(b, t, count, sweep == 0) < (dm_real)DM_PLACE_SLACK * t->radius) break;
+            if (dm_sweep_places(b, t, count, sweep == 0) < (dm_real)DM_SLACK * t->radius) break;
         dm_update_groups(b, moved);
     }
     if (b->ground > -INFINITY) dm_rest_on_ground(b);

@@ -30,7 +30,7 @@ DM_INLINE dm_vec3 dm_nearest_weights(dm_vec3 a, dm_vec3 b, dm_vec3 c) {
     v = dm_blend(in_c, none, v), w = dm_blend(in_c, one, w);
     v = dm_blend(in_b, one, v), w = dm_blend(in_b, none, w);
     v = dm_blend(in_a, none, v), w = dm_blend(in_a, none, w);
-    dm_mask some = ((dm_mask)(whole > dm_splat(DM_TINY)) | (dm_mask)(whole < dm_splat(-DM_TINY))) & ~at_corner;
+    dm_mask some = ((dm_mask)(whole > dm_splat(DM_LEAST)) | (dm_mask)(whole < dm_splat(-DM_LEAST))) & ~at_corner;
     whole = dm_blend(some, whole, one);
     v /= whole, w /= whole;
     v = dm_blend(in_bc & ~(in_ac | in_ab | at_corner), one - w, v);
@@ -42,7 +42,7 @@ DM_INLINE dm_quad dm_inward_normal(const dm_state *b, const uint32_t *corner) {
     dm_quad a = b->before[corner[0]], p = b->before[corner[2]] - a, q = b->before[corner[1]] - a;
     dm_quad normal = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0], 0};
     dm_real size = DM_SQRT(dm_dot3(normal, normal));
-    return normal / (size > DM_TINY ? size : DM_TINY);
+    return normal / (size > DM_LEAST ? size : DM_LEAST);
 }
 
 /* The points of eight triangles with these weights. */
@@ -67,6 +67,6 @@ static dm_real dm_met_radius(const dm_state *b, const uint32_t *at, dm_real radi
         dm_real x = p->x[k] - q->x[m], y = p->y[k] - q->y[m], z = p->z[k] - q->z[m];
         bulge += (x * x + y * y + z * z) / (18 * radius);
     }
-    dm_real left = (dm_real)DM_STIFF * radius - bulge, sunk = (dm_real)DM_SUNK * radius;
+    dm_real left = (dm_real)DM_TRAVEL * radius - bulge, sunk = (dm_real)DM_SUNK * radius;
     return radius - (sunk < left ? sunk : left > 0 ? left : 0);
 }

@@ -39,7 +39,7 @@ static double dm_force_at(const dm_state *b, const dm_tip *f, double x) {
 /* The depth at which the law gives a force. */
 static double dm_depth_of(const dm_state *b, const dm_tip *f, double force) {
     double low = 0, high = f->radius;
-    while (dm_force_at(b, f, high) < force && high < DM_BOTTOM) high *= 2;
+    while (dm_force_at(b, f, high) < force && high < DM_LARGEST_GROWTH * b->size) high *= 2;
     for (int k = 0; k < 50; k++) {
         double middle = (low + high) / 2;
         if (dm_force_at(b, f, middle) < force) low = middle;
@@ -145,7 +145,7 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
 /* Let the depth be counted from the surface at rest again, where what had moved the skin has gone. */
 static void dm_count_anew(dm_state *b, int finger, double tick) {
     dm_tip *f = b->fingers + finger;
-    if (f->in_contact && f->beside && !dm_is_beside_others(b, finger)) f->zero *= exp(-tick / DM_BACK_TIME);
+    if (f->in_contact && f->beside && !dm_is_beside_others(b, finger)) f->zero *= exp(-tick / DM_REST_TIME);
 }
 
 /* Let a force push a fingertip on for a tick, towards the depth at which the law answers it. */
@@ -154,7 +154,7 @@ static void dm_push_on(const dm_state *b, dm_tip *f, const dm_fingertip *to, dou
     double pose[12], straight = 0;
     dm_pose_now(b, pose);
     for (int c = 0; c < 3; c++) straight -= to->inward[c] * dm_inner3(pose + 3 * c, f->outward);
-    double way = dm_depth_of(b, f, to->force) - f->depth, most = DM_MARCH * f->radius;
+    double way = dm_depth_of(b, f, to->force) - f->depth, most = DM_TRAVEL * f->radius;
     way *= (1 - exp(-tick / DM_PUSH_TIME)) / (straight > 0.5 ? straight : 0.5);
     f->way += way > most ? most : way < -most ? -most : way;
 }

@@ -77,10 +77,10 @@ static double dm_cotangent(const dm_flips *f, int64_t at, int64_t p, int64_t q, 
 static int dm_is_better(const dm_flips *f, int64_t i, int64_t j, int64_t k, int64_t m) {
     double near[3], far[3], old[3], one[3], other[3];
     dm_normal_of(f, i, j, k, near), dm_normal_of(f, j, i, m, far);
-    if (dm_cotangent(f, k, i, j, near) + dm_cotangent(f, m, i, j, far) >= -DM_BLUNT) return 0;
+    if (dm_cotangent(f, k, i, j, near) + dm_cotangent(f, m, i, j, far) >= -DM_EXACT) return 0;
     for (int c = 0; c < 3; c++) old[c] = near[c] + far[c];
     dm_normal_of(f, k, i, m, one), dm_normal_of(f, m, j, k, other);
-    double flat = DM_AS_FLAT * sqrt(dm_inner(old, old));
+    double flat = DM_CREASE * sqrt(dm_inner(old, old));
     return dm_inner(one, old) > flat * sqrt(dm_inner(one, one)) &&
            dm_inner(other, old) > flat * sqrt(dm_inner(other, other));
 }

@@ -9,8 +9,8 @@
  * that sees the centre most squarely counts: on an edge it knows the side. */
 static void dm_note_facet(dm_round *r, const dm_facet *f, const double *offset, double seat) {
     double away = sqrt(dm_inner3(offset, offset));
-    int nearer = away < r->near * (1 - 1e-9);
-    if (!nearer && away <= r->near * (1 + 1e-9))
+    int nearer = away < r->near * (1 - DM_EXACT);
+    if (!nearer && away <= r->near * (1 + DM_EXACT))
         nearer = fabs(dm_inner3(offset, f->normal)) > fabs(dm_inner3(r->offset, r->facet->normal));
     if (nearer) r->near = away, r->facet = f, memcpy(r->offset, offset, sizeof r->offset);
     if (!(away < seat && away > 0) || r->count == DM_NORMALS) return;
@@ -29,7 +29,7 @@ static void dm_look_round(const dm_state *b, int64_t first, const double *x, dou
     r->facet = b->facets + first, dm_offset_from(r->facet, x, r->offset);
     r->near = sqrt(dm_inner3(r->offset, r->offset));
     for (int64_t k = 0; k < b->facet_box_count; k++) {
-        double reach = r->near > seat ? r->near * (1 + 1e-9) : seat;
+        double reach = r->near > seat ? r->near * (1 + DM_EXACT) : seat;
         if (k % DM_BLOCK == 0 && dm_gap_to_box(b->facet_regions[k / DM_BLOCK], x) > reach) {
             k += DM_BLOCK - 1;
             continue;
@@ -38,7 +38,7 @@ static void dm_look_round(const dm_state *b, int64_t first, const double *x, dou
         int64_t end = (k + 1) * DM_BLOCK < b->facet_count ? (k + 1) * DM_BLOCK : b->facet_count;
         for (int64_t i = k * DM_BLOCK; i < end; i++) {
             const dm_facet *f = b->facets + i;
-            if (dm_apart(x, f->middle) > (1 + 1e-9) * (reach + f->extent)) continue;
+            if (dm_apart(x, f->middle) > (1 + DM_EXACT) * (reach + f->extent)) continue;
             dm_offset_from(f, x, offset), dm_note_facet(r, f, offset, seat);
         }
     }
@@ -74,7 +74,7 @@ static void dm_seat(const dm_state *b, const dm_tip *f, double *x, dm_round *r) 
 
 /* Lead a sphere over the surface by a way. */
 static void dm_march(const dm_state *b, const dm_tip *f, double *x, const double *way, dm_round *r) {
-    double parts = ceil(sqrt(dm_inner3(way, way)) / (DM_MARCH * f->radius));
+    double parts = ceil(sqrt(dm_inner3(way, way)) / (DM_TRAVEL * f->radius));
     parts = parts < 1 ? 1 : parts < 64 ? parts : 64;
     for (int k = 0; k < (int)parts; k++) {
         for (int c = 0; c < 3; c++) x[c] += way[c] / parts;
@@ -93,7 +93,7 @@ static int dm_straighten(const dm_state *b, dm_tip *f, const double *x, const do
         for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
         dm_along_normals(round, way, along, aside);
         double far = sqrt(dm_inner3(aside, aside));
-        if (far <= DM_STRAIGHT * f->radius) return 1;
+        if (far <= DM_SLACK * f->radius) return 1;
         if (step == DM_FOOT_STEPS) return 1; /* as near as it comes */
         for (int c = 0; c < 3; c++) way[c] = -(far < most ? 1 : most / far) * aside[c];
         dm_march(b, f, f->foot, way, round);
@@ -109,7 +109,7 @@ static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_rou
     dm_look_round(b, f->facet, f->anchor, f->radius, round);
     for (int c = 0; c < 3; c++) way[c] = f->anchor[c] - x[c];
     dm_along_normals(round, way, along, aside);
-    double most = 2 * sqrt(dm_inner3(aside, aside)) + DM_STRAIGHT * f->radius, touched[3];
+    double most = 2 * sqrt(dm_inner3(aside, aside)) + DM_SLACK * f->radius, touched[3];
     for (int c = 0; c < 3; c++) touched[c] = f->anchor[c] - round->offset[c];
     if (!dm_straighten(b, f, x, touched, most, round)) {
         memcpy(f->foot, f->anchor, sizeof f->foot);
@@ -123,10 +123,10 @@ static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_rou
     for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
     if (!(dm_along_normals(round, way, along, aside) > 0)) return 0;
     /* what a foot that is straight above is still aside would tilt the force of a shallow press */
-    int straight = sqrt(dm_inner3(aside, aside)) <= DM_STRAIGHT * f->radius;
+    int straight = sqrt(dm_inner3(aside, aside)) <= DM_SLACK * f->radius;
     const double *up = straight ? along : way;
     double deep = sqrt(dm_inner3(up, up));
-    if (!(deep > 1e-9 * f->radius)) return 0; /* it has no direction */
+    if (!(deep > DM_EXACT * f->radius)) return 0; /* it has no direction */
     for (int c = 0; c < 3; c++) f->outward[c] = up[c] / deep;
     return deep;
 }
@@ -136,7 +136,7 @@ static double dm_find_gap(const dm_state *b, dm_tip *f, const double *x, dm_roun
     dm_look_round(b, f->facet, x, f->radius, round);
     if (!round->facet) return -INFINITY;
     for (int c = 0; c < 3; c++)
-        f->outward[c] = round->near > 1e-9 * f->radius ? round->offset[c] / round->near : round->facet->normal[c];
+        f->outward[c] = round->near > DM_EXACT * f->radius ? round->offset[c] / round->near : round->facet->normal[c];
     for (int c = 0; c < 3; c++) f->foot[c] = x[c] + (f->radius - round->near) * f->outward[c];
     double gap = f->radius - round->near;
     dm_seat(b, f, f->foot, round);
@@ -163,7 +163,7 @@ static double dm_thickness(const dm_state *b, const double *from, const double *
 /* Is a place inside the body? Behind a sheet the facets are half of what is to be seen, inside a body with a hole most.
  * Source: the generalised winding number, Jacobson and others 2013. */
 static int dm_is_inside(const dm_state *b, const double *x) {
-    double seen = 0;
+    double seen = 0, sheet = acos(-1), closed = 2 * sheet; /* halves of the solid angles that the two are seen under */
     for (const dm_facet *f = b->facets; f < b->facets + b->facet_count; f++) {
         double way[3][3], far[3], normal[3];
         for (int p = 0; p < 3; p++) {
@@ -175,7 +175,7 @@ static int dm_is_inside(const dm_state *b, const double *x) {
         beside += dm_inner3(way[1], way[2]) * far[0] + dm_inner3(way[2], way[0]) * far[1];
         seen += atan2(dm_inner3(way[0], normal), beside);
     }
-    return seen > DM_INSIDE * 2 * acos(-1);
+    return seen > (sheet + closed) / 2;
 }
 
 /* How far the skin stands above the surface at rest at a place of a facet, in the space of the shape at rest [m]: another

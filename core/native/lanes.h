@@ -27,7 +27,7 @@
 #define DM_SMALL
 #define DM_FAST
 #endif
-#define DM_TINY ((dm_real)1e-30)
+#define DM_LEAST ((dm_real)DM_TINY)
 
 #if DM_BITS == 32
 typedef float dm_real;

@@ -66,9 +66,10 @@ static void dm_renew_plane(dm_scene_state *s, dm_pair *p) {
     double gap = dm_measure_pair(at, p->ones, w, between);
     double closest = dm_closest_of(f, g), least = f->body && g->body ? DM_SOFT_SHARE : DM_LEAST_SHARE;
     if (gap > closest) {
+        double slow = gap / DM_REST_TIME; /* [m/s] below this both count as equally fast */
         for (int c = 0; c < 3; c++) normal[c] = between[c] / gap;
-        double u = dm_approach(s, p, 0, p->ones, w, normal) + DM_SLOW;
-        double v = dm_approach(s, p, p->ones, 4, w, normal) + DM_SLOW;
+        double u = dm_approach(s, p, 0, p->ones, w, normal) + slow;
+        double v = dm_approach(s, p, p->ones, 4, w, normal) + slow;
         share = u / (u + v);
         share = share < least ? least : share > 1 - least ? 1 - least : share;
     }

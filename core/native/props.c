@@ -88,8 +88,8 @@ static void dm_begin_props(dm_scene_state *s) {
 /* Where a prop may go in a substep: so much of its way that none of its vertices passes its bounds. */
 static double dm_free_share(dm_scene_state *s, const dm_surface *f, double *pose) {
     double least = 0, most = 1;
-    for (int k = 0; k <= DM_HALVINGS; k++) {
-        double share = k == 0 ? 1 : k < DM_HALVINGS ? (least + most) / 2 : least;
+    for (int k = 0; k <= DM_TRIES; k++) {
+        double share = k == 0 ? 1 : k < DM_TRIES ? (least + most) / 2 : least;
         int allowed = 1;
         if (share == 0) return 0;
         dm_find_pose(f->prop, s->dt, share, pose), dm_find_places(f->prop, pose, s->aim + f->first);

@@ -47,14 +47,6 @@ static double dm_fastest_of(const dm_scene_state *s) {
     return speed;
 }
 
-/* How far a query looks: so far that it lasts some ticks at the speeds there are. */
-static double dm_reach_of(const dm_scene_state *s) {
-    double least = DM_LEAST_REACH * s->touch, most = DM_REACH_EDGE * s->edge;
-    double wanted = s->touch + 2 * DM_REACH_TIME * s->fastest * s->tick;
-    most = most > least ? most : least;
-    return wanted < least ? least : wanted < most ? wanted : most;
-}
-
 /* As a tick begins: how much farther than they touch things are looked at, for they come nearer before the next look. */
 static void dm_set_approach(dm_scene_state *s) {
     s->fastest = dm_fastest_of(s);
@@ -103,7 +95,7 @@ DM_INLINE int dm_may_touch(const dm_surface *f, const dm_surface *g) { return f 
 
 /* Find all that is close, so widely that some queries can live of it. */
 static void dm_search(dm_scene_state *s) {
-    s->wide = DM_WIDE * s->reach, s->close_count[0] = s->close_count[1] = s->run_count = 0;
+    s->wide = DM_QUERY_REACH * s->reach, s->close_count[0] = s->close_count[1] = s->run_count = 0;
     s->waiting_count[0] = s->waiting_count[1] = 0;
     memcpy(s->searched, s->before, (size_t)s->vertex_count * sizeof *s->searched);
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) dm_fit_boxes(s, f);
@@ -173,7 +165,6 @@ static void dm_query(dm_scene_state *s) {
     dm_sum_meetings(s), s->batch_count = s->support_count = 0;
     for (int64_t i = 0; i < s->vertex_count; i++) s->place[i] = DM_NO_VERTEX;
     s->near_count = s->pair_count = s->candidate_count = s->held_count = 0, s->due = 0, s->gap = INFINITY;
-    s->reach = dm_reach_of(s);
     for (int64_t k = 0; k < s->surface_count; k++) dm_note_surface(s, s->surfaces + k);
     for (int64_t i = 0; i < s->vertex_count; i++) s->slack[i] = s->stale[i] = INFINITY;
     if (dm_is_outdated(s)) dm_search(s);

@@ -11,7 +11,7 @@ DM_INLINE dm_strain dm_gather_slot(const dm_state *b, const dm_slot *s, dm_vec3 
     dm_vec3 at, speed;
     dm_gather8(b->records, s->at, &at, &speed);
     *arm = dm_sub(at, x);
-    return (dm_strain){dm_vmax(dm_dot(*arm, *arm), dm_splat(DM_TINY)), dm_dot(*arm, dm_sub(speed, v))};
+    return (dm_strain){dm_vmax(dm_dot(*arm, *arm), dm_splat(DM_LEAST)), dm_dot(*arm, dm_sub(speed, v))};
 }
 
 /* f = (k (1 - l0 / |d|) + t + c d.w / d^2) d, with one division: 1 / |d| = |d| / d^2 */
@@ -33,7 +33,7 @@ DM_INLINE void dm_add_fan_normal(const dm_vec3 *arm, dm_vec3 *normal) {
 DM_INLINE dm_vec3 dm_matching_force(const dm_group_matter *m, dm_vec3 u, dm_vec3 w) {
     dm_lanes k = m->k1, square = dm_dot(u, u), none = dm_splat(0), one = dm_splat(1);
     if (dm_any_of((dm_mask)(square > m->d0 * m->d0))) { /* few vertices are that far from home */
-        dm_lanes inverse = one / dm_vsqrt(dm_vmax(square, dm_splat(DM_TINY)));
+        dm_lanes inverse = one / dm_vsqrt(dm_vmax(square, dm_splat(DM_LEAST)));
         k += m->k_more * dm_vmax(one - m->d0 * inverse, none);
     }
     return (dm_vec3){-(k * u.x + m->damping * w.x), -(k * u.y + m->damping * w.y), -(k * u.z + m->damping * w.z)};

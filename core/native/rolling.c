@@ -20,7 +20,8 @@ static void dm_resist_body(const dm_scene_state *s, dm_surface *f) {
     for (int c = 0; c < 3; c++) way[c] = spin[c] - f->spin_beside[c] / f->load;
     for (int c = 0; c < 3; c++, row += 3) {
         double stop = dm_inner3(row, way) / s->dt;
-        f->moment_of[c] = f->resisting[c] + DM_ROLL_PART * stop, f->resisting[c] += DM_ROLL_PART * DM_ROLL_PART / 4 * stop;
+        f->moment_of[c] = f->resisting[c] + DM_BACK * stop;
+        f->resisting[c] += DM_BACK * DM_BACK / 4 * stop; /* critical */
     }
     dm_limit3(f->moment_of, most), dm_limit3(f->resisting, most);
     for (int c = 0; c < 3; c++) f->body->resisted[c] += f->moment_of[c];

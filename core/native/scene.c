@@ -95,6 +95,7 @@ static int32_t dm_lay_surfaces(dm_scene_state *s, int64_t bodies, const dm_colli
             double most = dm_touch_of(s->surfaces + j, s->surfaces + k);
             s->touch = most > s->touch ? most : s->touch;
         }
+    s->reach = DM_QUERY_REACH * fmax(s->touch, 2 * DM_OFFSET * s->edge);
     return code == DM_OK ? dm_lay_neighbours(s) : code;
 }
 

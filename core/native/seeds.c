@@ -56,7 +56,7 @@ static int dm_sort_points(dm_grid *g, int64_t n, const double *place) {
             double x = place[6 * k + c];
             low[c] = x < low[c] ? x : low[c], high[c] = x > high[c] ? x : high[c];
         }
-    int64_t side = 1 + (int64_t)cbrt((double)n / DM_BIN_POINTS);
+    int64_t side = 1 + (int64_t)cbrt((double)n / DM_LANES);
     for (int c = 0; c < 3; c++) width = fmax(width, (high[c] - low[c]) / (double)side);
     int64_t all = side * side * side, *start = calloc((size_t)all + 2, sizeof *start);
     g->points = malloc((size_t)n * sizeof *g->points), g->bins = malloc((size_t)all * sizeof *g->bins);

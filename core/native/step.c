@@ -110,7 +110,7 @@ static void dm_finish_pins(dm_state *b, const dm_motion *m) {
             double late = fabs(m->pins_to[c * count + k] - x[c]);
             behind = late > behind ? late : behind;
         }
-        int there = whole && !(b->pins_met && behind > DM_PIN_BEHIND * b->size);
+        int there = whole && !(b->pins_met && behind > DM_SEATED * b->size);
         for (int c = 0; c < 3; c++) {
             x[c] = there ? m->pins_to[c * count + k] : x[c];
             b->pins[c * n + k] = x[c], local[c] = x[c] - b->origin[c];
@@ -228,7 +228,7 @@ static void dm_end_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *fr
     double centre[3];
     frame->ticks = t + 1;
     if (!b->free || b->asleep) dm_press_held(b, m->tick, frame);
-    b->comes_back = dm_is_beside_others(b, -1) ? DM_BACK_TIME : b->comes_back - m->tick;
+    b->comes_back = dm_is_beside_others(b, -1) ? DM_REST_TIME : b->comes_back - m->tick;
     if (b->asleep) return;
     frame->finite = dm_is_finite(b, m->tick, centre);
     if (!frame->finite) return;

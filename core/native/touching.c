@@ -25,7 +25,7 @@ static int dm_is_nearest(const dm_scene_state *s, const dm_pair *p, const double
     double point[3];
     int zero = 0, on = 0, off = 0;
     for (int k = 0; k < 3; k++) {
-        if (w[1 + k] < -DM_ON_BORDER) on = k;
+        if (w[1 + k] < -DM_EXACT) on = k;
         else zero++, off = k;
     }
     if (!zero) return 1;
@@ -71,7 +71,7 @@ static void dm_note_meeting(dm_scene_state *s, const dm_candidate *candidate, do
     if (!(gap < candidate->touch + s->approach) || !(gap > 0)) return;
     if (p->ones == 1 ? !dm_is_nearest(s, p, w, between) : !(w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0)) return;
     dm_meeting m = {.gap = gap, .touch = candidate->touch, .share = candidate->weight};
-    if (p->ones == 1 && !(w[1] < -DM_ON_BORDER && w[2] < -DM_ON_BORDER && w[3] < -DM_ON_BORDER))
+    if (p->ones == 1 && !(w[1] < -DM_EXACT && w[2] < -DM_EXACT && w[3] < -DM_EXACT))
         m.share = dm_share_of_border(s, p, between, gap);
     if (!(m.share > 0)) return;
     for (int j = 0; j < 4; j++)

@@ -76,7 +76,7 @@ static int32_t dm_lay_neighbours(dm_scene_state *s) {
 static uint32_t dm_lay_tree(dm_scene_state *s, uint32_t node, uint32_t start, uint32_t end) {
     dm_node *n = s->nodes + node++;
     n->start = start, n->end = end;
-    if (end - start > DM_LEAF) {
+    if (end - start > DM_LANES) {
         node = dm_lay_tree(s, node, start, start + (end - start) / 2);
         n->next = node;
         node = dm_lay_tree(s, node, start + (end - start) / 2, end);
@@ -148,7 +148,7 @@ static void dm_visit_leaves(dm_scene_state *s, const dm_surface *f, const dm_sur
 /* Visit the triangles of two surfaces, or of one, whose boxes are nearer than a distance: each pair once. */
 static void dm_visit_pairs(dm_scene_state *s, const dm_surface *f, const dm_surface *g, double distance,
                            dm_visit visit) {
-    enum { DM_DEEPEST = 128 }; /* pairs of nodes that wait: two trees of 2^24 / DM_LEAF leaves are 22 deep, and each step adds two */
+    enum { DM_DEEPEST = 128 }; /* pairs of nodes that wait: two trees of 2^24 / DM_LANES leaves are 22 deep, and each step adds two */
     uint32_t wait[DM_DEEPEST][2], count = 0;
     if (!f->node_count || !g->node_count) return;
     wait[count][0] = f->first_node, wait[count++][1] = g->first_node;

@@ -9,9 +9,9 @@ import numpy as np
 
 from .. import native
 from ..base import Bools, Floats, Ints, distinct, row_parts, sums_at, sums_of_three
+from ..constants import CREASE
 from ..mesh.surface import Mesh
 
-CREASE = 0.6  # cosine: faces that turn by more than 53 degrees meet in a crease, which the proxy must have too
 CREASED = 0.3  # of the vertices: where more lie on creases, these are the roughness of a scan
 BESIDE = 0.75  # of the spacing: how near to each other seeds may lie on a crease
 MANY = 40_000  # vertices that are looked at of a finer mesh, every second, third...: it is smooth between them

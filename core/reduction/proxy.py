@@ -14,6 +14,7 @@ import numpy as np
 
 from .. import native
 from ..base import DimpleError, Floats, Ints, Singles, mean_of_pairs, sums_at
+from ..body.maps import stiffness_of
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
 from ..mesh.surface import Mesh, mesh_from_triangles
@@ -24,8 +25,7 @@ from .protrusion import held_distance
 
 SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 16_000  # more take over a second to choose
-NORMAL_SHARE = 0.5  # of the spacing: how far apart opposite normals put two points is twice this
-STIFFER = 16.0  # times as stiff, as softness of 0 is beside 1: what is painted so is a spacing apart
+STIFFER = stiffness_of(0.0) / stiffness_of(1.0)  # what is painted so is a spacing apart
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
 
 
@@ -86,8 +86,8 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
 def _places(mesh: Mesh, stiffer: Singles, spacing: float) -> Floats:
     """Return where vertices are (n, 6) [m] in the space in which cells are the nearest of it."""
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
-    # along a diagonal: any way
-    shift = NORMAL_SHARE * spacing * normals + spacing / math.sqrt(3) * stiffer[:, None]
+    # opposite normals put two points a spacing apart; what is painted goes along a diagonal: any way
+    shift = spacing / 2 * normals + spacing / math.sqrt(3) * stiffer[:, None]
     return np.concatenate([mesh.rest_positions, shift], axis=1)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 
-from .constants import BOUND, PROJECTIONS, QUICK, ROUNDING
+from .constants import BOUND, QUICK, ROUNDING, TRIES
 from .proximity import Pairs, Surfaces, planes_between
 
 
@@ -131,7 +131,7 @@ def hold_back(b: Bounds, vertex: int, x: Floats, last: Floats) -> Floats:
     x = _shortened(before, x, most)
     planes, pairs = _planes(b, vertex), b.pairs
     sign = np.where(b.corners[b.start[vertex] : b.start[vertex + 1]] < pairs.ones[planes], 1.0, -1.0)
-    for _ in range(PROJECTIONS):
+    for _ in range(TRIES):
         moved = False
         for plane, way, keep in zip(planes, sign, _kept(b, vertex), strict=True):
             short = keep * (1 + ROUNDING) - way * (pairs.normal[plane] @ x - pairs.level[plane])

@@ -30,18 +30,16 @@ import numpy as np
 from core.base import Bools, Floats, Ints
 
 from .constants import (
+    BACK,
     HARDEST,
-    HELD_PART,
     MOST_GIVEN,
-    NO_WAY,
     PINNED_GIVE,
-    PLACE_SLACK,
-    PUSH_FLOOR,
     ROUNDING,
+    SLACK,
     SUNK,
     SWEEPS,
     TOO_NEAR,
-    YIELDS,
+    TRAVEL,
 )
 from .facets import bulge, faces_near, inward_normals, met_radius, nearest_on_triangles
 
@@ -135,7 +133,7 @@ def resolve(x: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: Skin
     moved = moved[inverse_mass[moved] > 0]
     x[:, moved] = before[:, moved] + v[:, moved] * step.slip(np.sqrt((v[:, moved] ** 2).sum(axis=0)))
     for sweep in range(SWEEPS):
-        if _sweep_places(x, touch, met, inverse_mass, first=sweep == 0) < PLACE_SLACK * touch.radius:
+        if _sweep_places(x, touch, met, inverse_mass, first=sweep == 0) < SLACK * touch.radius:
             break
     if touch.kept is not None:
         touch.kept[:] = 0
@@ -235,9 +233,9 @@ def _find(before: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: S
     normal[:, inward] = inward_normals(before[:, members[inward]])
     here, share = members[met], weights[met]
     compliance, friction = ((each[here] * share).sum(axis=1) for each in (skin.compliance, skin.friction))
-    yields = YIELDS * np.where(is_face[met], 2.0, 1.0) * compliance / dt**2
+    yields = np.where(is_face[met], 4.0, 2.0) * compliance / dt**2
     friction = (1 - touch.slides) * friction
-    part = np.where(was_held[met] & (yields == 0), HELD_PART, 1.0)  # what yields comes out by its impulse alone
+    part = np.where(was_held[met] & (yields == 0), BACK, 1.0)  # what yields comes out by its impulse alone
     gap, normal = (apart - radius)[met], normal[:, met]
     gives = (yields > 0) & (gap < 0)
     if gives.any():
@@ -270,7 +268,7 @@ def _given(
     """
     way = offset + touch.radius * (pushed / max(np.sqrt((pushed**2).sum()), _TINY))[:, None]
     length = np.sqrt((way**2).sum(axis=0))
-    normal = np.where(length > NO_WAY * touch.radius, way / np.maximum(length, _TINY), normal)
+    normal = np.where(length > TRAVEL * touch.radius, way / np.maximum(length, _TINY), normal)
     along = (offset * normal).sum(axis=0)
     return np.sqrt(along**2 + radius**2 - (offset**2).sum(axis=0)) - along, normal
 
@@ -288,7 +286,7 @@ def _sweep_speeds(v: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats,
         return 0.0
     give = met.compliance(inverse_mass, at_work)
     push = was + (met.closing - speed - met.yields * was) / (give + met.yields)
-    push[push * give * dt < PUSH_FLOOR * touch.radius] = 0
+    push[push * give * dt < ROUNDING / 100 * touch.radius] = 0
     drag = met.held - was * met.normal - (relative - speed * met.normal) / give
     size = np.sqrt((drag**2).sum(axis=0))
     held = push * met.normal + np.minimum(1, met.friction * push / np.maximum(size, _TINY)) * drag
@@ -313,7 +311,7 @@ def _sweep_places(x: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats,
     along = (offset * met.normal).sum(axis=0)
     level = np.sqrt(np.maximum(met.radius**2 - ((offset - along * met.normal) ** 2).sum(axis=0), 0))
     depth = level - along
-    left = np.minimum((1 - met.part) * depth, PLACE_SLACK / 2 * touch.radius)
+    left = np.minimum((1 - met.part) * depth, SLACK / 2 * touch.radius)
     out = np.where(
         depth > 0, depth - left, np.maximum(depth, level - met.radius)
     )

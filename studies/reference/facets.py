@@ -18,7 +18,7 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 
-from .constants import STIFF
+from .constants import TRAVEL
 
 _TINY = 1e-30
 
@@ -34,7 +34,7 @@ def faces_near(x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats,
 
 def met_radius(bulge: Floats, radius: float, sunk: Floats | float) -> Floats:
     """Return the radii (c,) [m] of the spheres that facets of a bulge at rest (c,) [m] meet: smaller by sunk [m]."""
-    return radius - np.minimum(sunk, np.maximum(STIFF * radius - bulge, 0.0))
+    return radius - np.minimum(sunk, np.maximum(TRAVEL * radius - bulge, 0.0))
 
 
 def bulge(corners: Floats, radius: float) -> Floats:

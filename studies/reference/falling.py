@@ -19,7 +19,7 @@ from core.base import Floats, Ints
 from core.body import rigid
 from core.native.scene import Fall, Falling
 
-from .constants import BACK, FALL_LEVEL, FALL_SETTLED, FALL_SWEEPS, PART, REST_SPEED, REST_TIME, ROLL_ARM, ROUNDING
+from .constants import BACK, HELD, PART, REST_SPEED, REST_TIME, ROLL_ARM, ROUNDING, SWEEPS
 
 SIDES = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]])  # of the ground
 NOBODY = -1  # surface of the ground
@@ -235,9 +235,9 @@ def resolve_supports(supports: list[Support], dt: float) -> None:
     for support in awake:
         if support.push > 0:
             support.pass_on(support.impulse)
-    for _ in range(FALL_SWEEPS):
+    for _ in range(SWEEPS):
         changed = sum(support.resolve() for support in awake)
-        if not changed > FALL_SETTLED * sum(support.push for support in awake):
+        if not changed > ROUNDING / 10 * sum(support.push for support in awake):
             break
     for support in awake:
         support.resist_turning()
@@ -249,7 +249,7 @@ def ground_supports(prop: Prop, surface: int, friction: float, dt: float) -> lis
     """Return what of a prop may touch the ground in a substep."""
     assert prop.fall
     turn, centre, ground = prop.state.turn, prop.state.centre, prop.fall.ground
-    near = FALL_LEVEL * prop.radius + dt * prop.speed()
+    near = HELD * prop.radius + dt * prop.speed()
     if not centre[2] - prop.radius < ground + near:
         return []
     arms = prop.what.seen @ turn.T

@@ -21,12 +21,11 @@ from core.material import law_force
 from core.mesh.surface import Mesh
 from core.native.motion import FingertipMotion
 
-from .constants import BACK_TIME, BOTTOM, HELD, INSIDE, MARCH, PUSH_TIME, SAME_WAY, SEATED, STRAIGHT
+from .constants import EXACT, HELD, LARGEST_GROWTH, PUSH_TIME, REST_TIME, SAME_WAY, SEATED, SLACK, STICK, TRAVEL
 from .facets import nearest_on_triangles
 
 SETTLING, CONE_SWEEPS, FOOT_STEPS = 24, 32, 4
 NORMALS = 8  # that hold a sphere: more walls than a fingertip touches at once
-STICK = 2 / 3  # of the normal stiffness, what is soft and keeps its volume has sideways
 FRICTION, DAMPING, LAYER = 4, 5, 6  # of a material's law, behind K1, K2, x0 and the power
 
 
@@ -152,7 +151,7 @@ def look_round(s: RestSurface, first: int, x: Floats, radius: float) -> Round:
     """Look at the facets round a sphere at x. Of those that are as near, the one that sees x most squarely counts."""
     offsets = x[:, None] - (s.corners * nearest_on_triangles(s.corners, x)).sum(axis=2)
     away = np.sqrt((offsets**2).sum(axis=0))
-    tied: Ints = np.flatnonzero(away <= away.min() * (1 + 1e-9))
+    tied: Ints = np.flatnonzero(away <= away.min() * (1 + EXACT))
     square = np.abs((offsets * s.normals)[:, tied].sum(axis=0))
     facet = first if first in tied[square == square.max()] else int(tied[square.argmax()])
     normals: list[Floats] = []
@@ -190,7 +189,7 @@ def seat(s: RestSurface, tip: Tip, x: Floats) -> Round:
 
 def march(s: RestSurface, tip: Tip, x: Floats, way: Floats) -> Round:
     """Lead a sphere at x (3,) over the surface by a way (3,), in place."""
-    parts = min(max(math.ceil(math.sqrt(way @ way) / (MARCH * tip.radius)), 1), 64)
+    parts = min(max(math.ceil(math.sqrt(way @ way) / (TRAVEL * tip.radius)), 1), 64)
     for _ in range(parts):
         x += way / parts
         found = seat(s, tip, x)
@@ -234,7 +233,7 @@ def force_at(s: RestSurface, tip: Tip, x: float) -> float:
 def depth_of(s: RestSurface, tip: Tip, force: float) -> float:
     """Return the depth [m] at which the law gives a force [N]."""
     low, high = 0.0, tip.radius
-    while force_at(s, tip, high) < force and high < BOTTOM:
+    while force_at(s, tip, high) < force and high < LARGEST_GROWTH * s.size:
         high *= 2
     for _ in range(50):
         middle = (low + high) / 2
@@ -284,7 +283,7 @@ def straighten(
             break
         _, aside = along_normals(found, tip.foot - x)
         far = math.sqrt(aside @ aside)
-        if far <= STRAIGHT * tip.radius or step == FOOT_STEPS:
+        if far <= SLACK * tip.radius or step == FOOT_STEPS:
             return True, found
         found = march(s, tip, tip.foot, -(1 if far < most else most / far) * aside)
     return False, found
@@ -298,7 +297,7 @@ def find_foot(s: RestSurface, tip: Tip, x: Floats) -> tuple[float, Round]:
     """
     at_anchor = look_round(s, tip.facet, tip.anchor, tip.radius)
     _, aside = along_normals(at_anchor, tip.anchor - x)
-    most = 2 * math.sqrt(aside @ aside) + STRAIGHT * tip.radius
+    most = 2 * math.sqrt(aside @ aside) + SLACK * tip.radius
     touched = tip.anchor - at_anchor.offset
     above, found = straighten(s, tip, x, touched, most, at_anchor)
     if not above:
@@ -310,9 +309,9 @@ def find_foot(s: RestSurface, tip: Tip, x: Floats) -> tuple[float, Round]:
     way = tip.foot - x
     along, aside = along_normals(found, way)
     # what a foot that is straight above is still aside would tilt the force of a shallow press
-    up = along if math.sqrt(aside @ aside) <= STRAIGHT * tip.radius else way
+    up = along if math.sqrt(aside @ aside) <= SLACK * tip.radius else way
     deep = math.sqrt(up @ up)
-    if not along @ along > 0 or not deep > 1e-9 * tip.radius:  # it has no direction
+    if not along @ along > 0 or not deep > EXACT * tip.radius:  # it has no direction
         return 0.0, found
     tip.outward = up / deep
     return deep, found
@@ -321,7 +320,7 @@ def find_foot(s: RestSurface, tip: Tip, x: Floats) -> tuple[float, Round]:
 def find_gap(s: RestSurface, tip: Tip, x: Floats) -> tuple[float, Round]:
     """Find the foot of one that is clear of the surface, or comes to it. Return how deep it is: its gap, negative."""
     found = look_round(s, tip.facet, x, tip.radius)
-    tip.outward = found.offset / found.near if found.near > 1e-9 * tip.radius else s.normals[:, found.facet].copy()
+    tip.outward = found.offset / found.near if found.near > EXACT * tip.radius else s.normals[:, found.facet].copy()
     tip.foot = x + (tip.radius - found.near) * tip.outward
     return tip.radius - found.near, seat(s, tip, tip.foot)
 
@@ -368,7 +367,7 @@ def press(a: Around, tip: Tip, centre: Floats, seconds: float = 0.0) -> None:
     aside = place_tip(a, tip, before, x)
     if not tip.in_contact:
         return
-    law, step = force_at(s, tip, tip.depth), 1e-4 * tip.depth + 1e-9 * tip.radius
+    law, step = force_at(s, tip, tip.depth), 1e-4 * tip.depth + EXACT * tip.radius
     tip.law, tip.slope = law, max((law - force_at(s, tip, tip.depth - step)) / step, 0.0)
     of_material = s.laws[s.materials[tip.facet]]
     stick, friction = STICK * law / tip.depth, float(of_material[FRICTION])
@@ -378,7 +377,7 @@ def press(a: Around, tip: Tip, centre: Floats, seconds: float = 0.0) -> None:
         left *= tip.stick / stick
     left, tip.stick = min(left, most), stick
     tip.slides = left / most if most > 0 else 1.0
-    if left < (1 - 1e-9) * far:  # the anchor comes nearer
+    if left < (1 - EXACT) * far:  # the anchor comes nearer
         aside *= left / far
         tip.anchor = tip.foot.copy()
         march(s, tip, tip.anchor, aside)
@@ -400,7 +399,7 @@ def press(a: Around, tip: Tip, centre: Floats, seconds: float = 0.0) -> None:
 def count_anew(tip: Tip, tick: float, *, others: bool) -> None:
     """Let the depth be counted from the surface at rest again, where what had moved the skin has gone."""
     if tip.in_contact and tip.beside and not others:
-        tip.zero *= math.exp(-tick / BACK_TIME)
+        tip.zero *= math.exp(-tick / REST_TIME)
 
 
 def push_on(s: RestSurface, pose: Pose, tip: Tip, to: FingertipMotion, tick: float) -> None:
@@ -409,7 +408,7 @@ def push_on(s: RestSurface, pose: Pose, tip: Tip, to: FingertipMotion, tick: flo
         return
     straight = max(-float(np.array(to.inward) @ pose[0] @ tip.outward), 0.5)
     way = (depth_of(s, tip, to.force) - tip.depth) * (1 - math.exp(-tick / PUSH_TIME)) / straight
-    tip.way += min(max(way, -MARCH * tip.radius), MARCH * tip.radius)
+    tip.way += min(max(way, -TRAVEL * tip.radius), TRAVEL * tip.radius)
 
 
 def lift(tip: Tip) -> None:
@@ -425,7 +424,7 @@ def is_inside(s: RestSurface, x: Floats) -> bool:
     p, q, r = (np.sqrt((each**2).sum(axis=0)) for each in (a, b, c))
     beside = p * q * r + (a * b).sum(axis=0) * r + (b * c).sum(axis=0) * p + (c * a).sum(axis=0) * q
     seen = np.arctan2((a * np.cross(b, c, axis=0)).sum(axis=0), beside).sum()
-    return bool(seen > INSIDE * 2 * math.pi)
+    return bool(seen > 1.5 * math.pi)
 
 
 def put_down(a: Around, tip: Tip) -> None:

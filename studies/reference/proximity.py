@@ -17,7 +17,7 @@ import numpy.typing as npt
 from core.base import Bools, Floats, Ints
 from core.mesh.nearest import weights_on_face
 
-from .constants import BOUND, FLAT, LEAST_SHARE, ROUNDING, SHARP, SLOW, SOFT_SHARE
+from .constants import BOUND, FLAT, LEAST_SHARE, REST_TIME, ROUNDING, SHARP, SOFT_SHARE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -209,7 +209,7 @@ def planes_between(x: Floats, v: Floats, at: Ints, ones: Ints, closest: Floats, 
     point = np.einsum("mk,mkc->mc", np.where(side, w, 0), x[at])
     other = point - between
     along = -np.einsum("mkc,mc->mk", v[at], normal) * w
-    u, back = (np.maximum((along * here).sum(axis=1), 0) + SLOW for here in (side, ~side))
+    u, back = (np.maximum((along * here).sum(axis=1), 0) + gap / REST_TIME for here in (side, ~side))
     least = np.where(soft.all(axis=1), SOFT_SHARE, LEAST_SHARE)
     one = np.where(gap > closest, np.clip(u / (u + back), least, 1 - least), 0.5)
     whole = np.stack([one, 1 - one], axis=1) * gap[:, None]

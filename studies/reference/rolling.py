@@ -18,7 +18,7 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 
-from .constants import ROLL_ARM, ROLL_PART
+from .constants import BACK, ROLL_ARM
 
 
 @dataclass(slots=True)
@@ -73,8 +73,8 @@ def resist(bodies: Sequence[Turning | None], surfaces: Ints, pushes: Floats, dt:
             continue
         stop = body.inertia @ (body.spin - beside[i] / load[i]) / dt
         most = ROLL_ARM * body.size * load[i] / dt
-        resisting[i] = _limited(body.kept + ROLL_PART * stop, most)
-        body.kept = _limited(body.kept + ROLL_PART**2 / 4 * stop, most)
+        resisting[i] = _limited(body.kept + BACK * stop, most)
+        body.kept = _limited(body.kept + BACK**2 / 4 * stop, most)
     for i, moment in resisting.items():
         bodies[i].moment += moment  # type: ignore[union-attr]
     for (i, j), push in zip(surfaces.tolist(), pushes.tolist(), strict=True):

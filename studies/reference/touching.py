@@ -19,7 +19,7 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 
-from .constants import BACK, FLAT, ON_BORDER, PART, ROUNDING
+from .constants import BACK, EXACT, FLAT, PART, ROUNDING
 from .proximity import Pairs, Surfaces, measure
 
 
@@ -82,7 +82,7 @@ def look(
     may = (gap < touch + approach) & (gap > 0) & (give > 0)
     may &= np.where(pairs.ones == 1, True, (np.abs(w) > 0).all(axis=1))
     share = pairs.weight.copy()
-    for row in np.flatnonzero(may & (pairs.ones == 1) & (w[:, 1:] > -ON_BORDER).any(axis=1)):
+    for row in np.flatnonzero(may & (pairs.ones == 1) & (w[:, 1:] > -EXACT).any(axis=1)):
         vertex = int(pairs.at[row, 0])
         if _is_nearest(s, x, int(pairs.part[row, 0]), w[row], x[vertex], between[row]):
             share[row] = _share_of_border(s, x, vertex, between[row] / gap[row])
@@ -152,7 +152,7 @@ def _push(m: Meetings, k: int, least: float, back: Floats, passed: Floats, v: Fl
 
 def _is_nearest(s: Surfaces, x: Floats, triangle: int, w: Floats, vertex: Floats, between: Floats) -> bool:
     """Tell whether the nearest point of a face is that of the surface round it: else a face beside it has a pair."""
-    point, on = vertex - between, np.flatnonzero(w[1:] < -ON_BORDER)
+    point, on = vertex - between, np.flatnonzero(w[1:] < -EXACT)
     corners = s.corners[triangle]
     if len(on) == 2:
         off = 3 - int(on.sum())

@@ -16,7 +16,7 @@ from core.material import law_force
 from core.native.motion import FingertipMotion, Frame, Motion, PinMotion, Touch
 
 from . import fingertip, semi_implicit
-from .constants import BACK_TIME, LARGEST_GROWTH, TRAVEL
+from .constants import LARGEST_GROWTH, REST_TIME, TRAVEL
 from .contact import Step
 from .contact import Touch as Near
 from .fingertip import Around, RestSurface, Tip, rest_surface
@@ -292,7 +292,7 @@ class Twin:
         if not self.model.free or self._rest.asleep:
             self._press_held(call)
         back = self._comes_back - call.motion.tick
-        self._comes_back = BACK_TIME if self._is_beside_others(None) else back
+        self._comes_back = REST_TIME if self._is_beside_others(None) else back
         if self._rest.asleep:
             return
         state, tick, path = self._state, call.motion.tick, call.path

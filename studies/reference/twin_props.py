@@ -10,7 +10,7 @@ from core.base import Floats, Ints
 from core.native.scene import Collider, ColliderMotion, Fall, Way
 
 from .bounds import Bounds, is_allowed
-from .constants import HALVINGS
+from .constants import TRIES
 from .falling import NOBODY, Prop, Support, ground_supports, resolve_supports
 from .proximity import Surfaces
 from .touching import Meetings
@@ -133,8 +133,8 @@ def move(prop: Prop, bounds: Bounds, part: slice, dt: float) -> tuple[float, Flo
     """
     least, most, held = 0.0, 1.0, list[int]()
     centre, turn = prop.state.centre, prop.state.turn
-    for k in range(HALVINGS + 1):
-        share = 1.0 if k == 0 else (least + most) / 2 if k < HALVINGS else least
+    for k in range(TRIES + 1):
+        share = 1.0 if k == 0 else (least + most) / 2 if k < TRIES else least
         if share:
             centre, turn = prop.pose(dt, share)
         else:

@@ -12,7 +12,7 @@ from core.native.scene import Collider, ColliderMotion, Crossings, SceneFrame, W
 
 from . import touching
 from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed
-from .constants import LEAST_REACH, OFFSET, REACH_EDGE, REACH_TIME, ROAM, STALE, TOO_NEAR
+from .constants import OFFSET, QUERY_REACH, ROAM, STALE, TOO_NEAR
 from .crossing import crossing_vertices, find_crossings
 from .islands import let_sleep, woken
 from .proximity import Pairs, find_pairs, join_surfaces, touching_distance
@@ -202,15 +202,9 @@ class TwinScene:
         if not least <= self._approach <= 4 * least:
             self._approach, self._looks = self._touch + 6 * self._fastest * self._dt, True
 
-    def _reach(self) -> float:
-        """Return how far a query looks [m]: so far that it lasts some ticks at the speeds there are."""
-        least = LEAST_REACH * self._touch
-        wanted = self._touch + 2 * REACH_TIME * self._fastest * self._tick
-        return float(min(max(wanted, least), max(REACH_EDGE * self._edge, least)))
-
     def _query(self) -> None:
         s, x, count = self._surfaces, self._positions(), len(self._part)
-        reach, bodies = self._reach(), len(self._bodies)
+        reach, bodies = QUERY_REACH * max(self._touch, 2 * OFFSET * self._edge), len(self._bodies)
         lows, highs = (np.array([pick(x[part], axis=0) for part in self._part]) for pick in (np.min, np.max))
         slack, stale, found = np.full(len(x), np.inf), np.full(len(x), np.inf), []
         for i in range(count):
@@ -230,7 +224,8 @@ class TwinScene:
                         out = self._left_out[found[-1].at].sum(axis=1)
                         found[-1] = _picked(found[-1], np.flatnonzero(out == 0))
                     way = free_behind(s, x, i, j, found[-1], reach)
-                    slack, stale = np.minimum(slack, ROAM * way / 2), np.minimum(stale, STALE * (way - self._touch) / 2)
+                    slack = np.minimum(slack, ROAM * way / 2)
+                    stale = np.minimum(stale, STALE * (way - self._touch) / 2)
         pairs = _joined(found)
         self._bounds: Bounds = bounds_of(x, slack, pairs)
         self._stale = stale

@@ -27,15 +27,15 @@ from studies.reference import create
 from tests.parity.cases import CASES, build
 
 GOLDEN = {
-    ("liquid", 32, "SSE2"): "b78c3b87a4e7a7988d361e68ef0eb0c061c02c8a971c17639f67f42d45e3a3e3",
-    ("liquid", 32, "AVX2"): "788ea3ddfd9b0bc252836bb182a834687a3b14a261d58ffceb69372fcae818b3",
-    ("liquid", 64, ""): "c6af458bdab071f979532f609001884fe10101373c050171bf05ded62e215a4b",
+    ("liquid", 32, "SSE2"): "dcbe888cbd8d777d35cf05904e1b48a1bcc507fb063795d2e9ee8fcba9aec047",
+    ("liquid", 32, "AVX2"): "11fc31c2096e83e8ab381a60eecea332f0fd58cffa9654b7c9b3710f9a278127",
+    ("liquid", 64, ""): "e900e76883e307e4a56588ebb820add4b2fb5b11b60949675194244e58476cb1",
     ("free on the ground", 32, "SSE2"): "51f9c1a49e7f1799da29e681aba6f57767388a67ba7a9e9c8ecfbe32854eae4f",
     ("free on the ground", 32, "AVX2"): "dbe9b7d146535e42dbac5d82e16b1ab5fe5c62dc614001d81840ed939defca79",
     ("free on the ground", 64, ""): "f249680cc2394960fdf51dcbaee3e256f479284c5fe98292c76812fefe90522d",
 }
 NUMPY = {
-    "liquid": "0f3a7d3df11d6fc67708aab536301f614c72050019deb413f995663b958c0329",
+    "liquid": "9b92e2a270a8d19ca8fe44dce6c88b8cc9c71bac8c2bb7794b11b6917ee4dbbc",
 }
 
 

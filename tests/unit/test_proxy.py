@@ -16,7 +16,7 @@ from core.mesh.edges import edges_of
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.reduction.binding import WHOLE, carry
 from core.reduction.cells import grow_cells, spread_seeds, vertex_normals
-from core.reduction.proxy import NORMAL_SHARE, Proxy, build_proxy, mean_spacing, painted
+from core.reduction.proxy import Proxy, build_proxy, mean_spacing, painted
 from core.session import Finger, Session
 from studies import bodies
 from studies.primitives import box
@@ -158,7 +158,7 @@ def test_the_native_core_grows_and_follows_cells_as_numpy_does(make: Callable[[]
     mesh = make()
     library, spacing = native.library(), mean_spacing(mesh, 150)
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
-    place = np.concatenate([mesh.rest_positions, NORMAL_SHARE * spacing * normals], axis=1)
+    place = np.concatenate([mesh.rest_positions, spacing / 2 * normals], axis=1)
     seeds, rng = spread_seeds(mesh, place, np.flatnonzero(~mesh.loose), 150, spacing), np.random.default_rng(0)
     for taken, least in ((1, 0.0), (40, 0.0), (1, spacing**2)):
         chosen = native.farthest_first(library, place, taken, least, 300)
@@ -261,7 +261,7 @@ def test_cells_are_in_one_piece_so_a_closed_mesh_has_a_closed_proxy(vertices: in
     bent = bodies.build(bodies.BODIES[29])
     mesh, spacing = bent.mesh, mean_spacing(bent.mesh, vertices)
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
-    place = np.concatenate([mesh.rest_positions, NORMAL_SHARE * spacing * normals], axis=1)
+    place = np.concatenate([mesh.rest_positions, spacing / 2 * normals], axis=1)
     seeds = spread_seeds(mesh, place, np.arange(len(place)), vertices, spacing)
     cells = grow_cells(mesh, place, seeds)
     own = mesh.springs[cells[mesh.springs[:, 0]] == cells[mesh.springs[:, 1]]]
