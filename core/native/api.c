@@ -1,7 +1,7 @@
 /* The door: every argument is checked, and the best instruction set chosen. */
 #include "many.h"
 #include "methods.h"
-#include "motions.h"
+#include "carriers.h"
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
  * towards it, and beyond the friction the anchor is drawn along.
  * The force depends on depth and anchor alone, and neither gives more than it took: a spring that becomes stiffer under
  * load keeps its force and gives up its way (Thornton and Yin 1991). The skin is kept out of the fingertip elsewhere, in
- * contact.c; its impulses shape the dent and are not felt. */
+ * skin_contact.c; its impulses shape the dent and are not felt. */
 #include "foot.h"
 
 /* How many times as stiff an elastic layer that keeps its volume is under a contact of a radius as one without an end.

@@ -3,26 +3,10 @@
 #include "body.h"
 #include "profile.h"
 
-static double dm_pressure_at(const dm_state *b) {
-    if (b->fill == DM_FILL_LIQUID)
-        return DM_LIQUID_BULK_MODULUS * (b->rest_volume - b->volume) / b->rest_volume + b->rest_pressure;
-    double least = 0.01 * b->rest_volume; /* a body turned inside out has no volume left */
-    double squeeze = pow(b->rest_volume / (b->volume > least ? b->volume : least), DM_AIR_EXPONENT);
-    return DM_AIR_PRESSURE * (squeeze - 1) + b->rest_pressure * squeeze;
-}
-
 static void dm_fit_body(dm_state *b) {
     double sums[DM_MOMENTS];
     dm_sum_moments(b, sums);
     dm_fit_pose(b, sums), dm_fit_motion(b, sums);
-}
-
-/* What the rings leave out, and then the pressure. */
-static void dm_apply_fill(dm_state *b) {
-    dm_add_irregular_forces(b);
-    if (b->fill == DM_FILL_NONE) return;
-    b->volume += dm_add_fans(b) + dm_add_caps(b);
-    b->pressure = dm_pressure_at(b);
 }
 
 /* Take out the moment with which what it touches resists its turning: with the drift, as it is no motion. */

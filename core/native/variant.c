@@ -10,9 +10,9 @@ DM_SMALL
 DM_FAST
 #include "pose.c"
 #include "rings.c"
-#include "motion.c"
+#include "integrate.c"
 #include "facets.c"
-#include "contact.c"
+#include "skin_contact.c"
 #include "surface.c"
 #include "foot.c"
 #include "fingertip.c"
@@ -21,8 +21,9 @@ DM_SMALL
 #include "matter.c"
 #include "body.c"
 #include "moved_rest.c"
-#include "rest.c"
+#include "sleep.c"
 DM_FAST
+#include "fill.c"
 #include "step.c"
 DM_SMALL
 #include "tree.c"
@@ -37,7 +38,7 @@ DM_FAST
 DM_SMALL
 #include "props.c"
 #include "touching.c"
-#include "rolling.c"
+#include "body_rolling.c"
 #include "near.c"
 #include "query.c"
 #include "crossings.c"

@@ -21,7 +21,7 @@ from .contact import Step
 from .contact import Touch as Near
 from .fingertip import Around, RestSurface, Tip, rest_surface
 from .path import FingerPath
-from .rest import Rest, reaches
+from .sleep import Rest, reaches
 from .rolling import Turning
 from .ticks import each_tick, meet, moved_back, slow_down
 

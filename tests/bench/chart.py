@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-# of one step of one vertex with six neighbours, single precision, counted in core/native/rings.c and motion.c
+# of one step of one vertex with six neighbours, single precision, counted in core/native/rings.c and integrate.c
 FLOPS = 318
 BYTES = 290  # slots 98, state 48, matter 32, next 48, records 64
 PEAK = 94.5e9  # [flop/s] of the reference machine, one core, AVX2 without fused multiply-add counted as one each

@@ -1,6 +1,6 @@
 /* How the vertices of a proxy carry what follows them. Source: core/reduction/binding.py.
  * Compiled once: it is short work, in double precision. */
-#include "motions.h"
+#include "carriers.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Bodies at rest: they are not stepped until something wakes them, and go on from the very state they were in.
- * Source: studies/reference/rest.py. */
+ * Source: studies/reference/sleep.py. */
 #include "body.h"
 
 /* How far a fingertip is from the box round what is asleep, less what it may reach in the tick [m]. */
