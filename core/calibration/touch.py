@@ -183,7 +183,7 @@ def _gain(one: Fit, other: Fit, x: Floats, f: Floats) -> float:
         return max(float(((f - fit.tare - fit.law(x - fit.contact.value)) ** 2).sum()), 1e-300)
 
     rows = independent_rows(len(x), one.correlation)
-    more = 1 + len(one.parameters.values) - len(other.parameters.values)
+    more = 1 + len(one.fitted.free) - len(other.fitted.free)
     return rows * math.log(squares(other) / squares(one)) - more * math.log(rows)
 
 
