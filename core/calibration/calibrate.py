@@ -11,12 +11,11 @@ import numpy as np
 from ..base import DimpleError
 from ..material import POINT, Indenter, law_force, law_power
 from ..messages import Message
-from .columns import Measurement
 from .doubts import Miss, doubts, largest_miss
 from .fit import Fit
+from .measurement import Measurement, read_measurement
 from .press import LoadingCurve, check_loss, prepare
 from .question import Answers
-from .reader import read_measurement
 from .surface import Surface, surface_constants
 from .touch import settle
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message
-from .columns import Measurement
+from .measurement import Measurement
 from .question import Answers, Candidate, Question, Undecided, WrongColumns
 from .strokes import turns
 from .table import MIN_ROWS

@@ -174,11 +174,11 @@ def fit_law(depth: Floats, force: Floats, *, free: tuple[str, ...] = ()) -> Fit:
     # without rows before the touch the first piece need not begin at 0, 0: either may be off, not both
     left = "line" if len(free) == 1 and inside.sum() > len(x) - MIN_PIECE else "origin"
     u, v = x[inside], f[inside]
-    slope, offset = np.polyfit(u, v, 1) if left == "line" else (u @ v / (u @ u), 0.0)
+    through = float(u @ v / (u @ u))
+    slope, offset = np.polyfit(u, v, 1).tolist() if left == "line" else (through, 0.0)
     start = _start((slope, slope, math.inf), offset, free)
     if not _has_rows(start, x) or (free == ("contact",) and slope <= 0):  # no line through the curve begins at a touch
-        slope = u @ v / (u @ u)
-        start = _start((slope, slope, math.inf), 0.0, free)
+        start = _start((through, through, math.inf), 0.0, free)
     if not _has_rows(start, x):
         raise _too_few(int((x > start.contact).sum()))
     one = _settled(start, x, f)

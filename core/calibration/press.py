@@ -9,8 +9,8 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message
-from .columns import Measurement
 from .direction import oriented, which_order
+from .measurement import Measurement
 from .question import Answers, Candidate, Question, Undecided
 from .strokes import Cycle, dip, find_cycles, spikes, still, tear
 from .table import MIN_ROWS
