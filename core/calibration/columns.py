@@ -155,8 +155,7 @@ def _which_column(table: Table, role: str, options: Sequence[int], beside: int |
         text=Message("Which column is the {role}?", role=role),
         candidates=tuple(
             Candidate(
-                value=str(i + 1),
-                label=Message("{label}: {error}", label=table.title(i), error=_preview(table.numbers[:, i])),
+                str(i + 1), Message("{label}: {error}", label=table.title(i), error=_preview(table.numbers[:, i]))
             )
             for i in options
         ),

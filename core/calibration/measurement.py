@@ -136,7 +136,7 @@ def _which_unit(table: Table, role: str, at: int) -> Question:
     for unit in _CHOICES[role]:
         _, factor = unit_of(unit) or ("", 1.0)
         value = reach * factor * (1 if role == "force" else 1e3)
-        candidates.append(Candidate(value=unit, label=Message(then, value=value)))
+        candidates.append(Candidate(unit, Message(then, value=value)))
     return Question(
         name=f"{role}_unit",
         text=Message("In what unit is {title}? It reaches {reach:g}.", title=table.title(at), reach=reach),

@@ -9,10 +9,9 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message
-from .direction import oriented, which_order
 from .measurement import Measurement
 from .question import Answers, Candidate, Question, Undecided
-from .strokes import Cycle, dip, find_cycles, spikes, still, tear
+from .strokes import Cycle, dip, find_cycles, oriented, spikes, still, tear, which_order
 from .table import MIN_ROWS
 
 _AGREE = 0.10  # of full scale, RMS: presses of one object that differ more have changed it
@@ -226,8 +225,8 @@ def _torn(stroke: _Stroke, at: int, inward: int) -> Question:
             at=tear_mm,
         ),
         candidates=(
-            Candidate(value=f"{tear_mm:.7g}", label="where the force begins to fall"),
-            Candidate(value=f"{depth[-1]:.7g}", label="the deepest row: no tear, it answers like this"),
+            Candidate(f"{tear_mm:.7g}", "where the force begins to fall"),
+            Candidate(f"{depth[-1]:.7g}", "the deepest row: no tear, it answers like this"),
         ),
         default=f"{tear_mm:.7g}",
     )
@@ -264,10 +263,8 @@ def _choose(strokes: list[_Stroke], answers: Answers, notes: list[str]) -> int:
             ),
             candidates=tuple(
                 Candidate(
-                    value=str(i + 1),
-                    label=Message(
-                        "{depth:.4g} mm deep, up to {force:.4g} N", depth=1e3 * s.depth.max(), force=s.force.max()
-                    ),
+                    str(i + 1),
+                    Message("{depth:.4g} mm deep, up to {force:.4g} N", depth=1e3 * s.depth.max(), force=s.force.max()),
                 )
                 for i, s in enumerate(strokes)
             ),

@@ -263,8 +263,8 @@ def _ask_decimal(rows: Sequence[Sequence[str]], best: Dialect) -> None:
                         name="decimal",
                         text=Message("In “{cell}”, does the mark separate thousands or decimals?", cell=cell),
                         candidates=(
-                            Candidate(value=".", label=f"{cell} = {points:g}"),
-                            Candidate(value=",", label=f"{cell} = {commas:g}"),
+                            Candidate(".", f"{cell} = {points:g}"),
+                            Candidate(",", f"{cell} = {commas:g}"),
                         ),
                     )
                 )

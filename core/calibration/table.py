@@ -141,7 +141,7 @@ def _which_table(lines: Sequence[str], runs: Sequence[_Run]) -> Question:
     return Question(
         name="table",
         text=Message("The file holds {tables} tables. Which one is the measurement?", tables=len(runs)),
-        candidates=tuple(Candidate(value=str(i + 1), label=label(run)) for i, run in enumerate(runs)),
+        candidates=tuple(Candidate(str(i + 1), label(run)) for i, run in enumerate(runs)),
     )
 
 

@@ -19,7 +19,8 @@ from .fit import Fit, fit_law, independent_rows
 from .press import LoadingCurve
 from .question import Answers, Candidate, Question, Undecided
 from .segments import MIN_PIECE
-from .strokes import SLIGHT, roughness
+from .strokes import roughness
+from .table import SLIGHT
 
 _WITHIN = 1.5  # times the noise: residuals of a law that follows its rows
 _HARMLESS = 0.02  # of the range of depth: touches nearer to each other give the same constants
@@ -196,7 +197,7 @@ def _differs(one: Fit, other: Fit, span: float) -> bool:
 
 def _which_touch(curve: LoadingCurve, text: str, *answers: tuple[float, str]) -> Question:
     """Ask for the touch, with the likeliest depth [m] first."""
-    candidates = tuple(Candidate(value=f"{curve.reading(at):.6g}", label=label) for at, label in answers)
+    candidates = tuple(Candidate(f"{curve.reading(at):.6g}", label) for at, label in answers)
     return Question(name="contact_mm", text=text, candidates=candidates, default=candidates[0].value)
 
 

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
-from core.calibration.calibrate import Calibration, calibrate
+from core.calibration.calibrate import Calibration, calibrate, to_record
 from core.calibration.measurement import read_measurement
 from core.calibration.question import Answers, Undecided
 from core.calibration.reader import load_lines
-from core.calibration.record import to_record
 from studies.__main__ import main
 from studies.calibrate import to_lines
 from tests.calibration import specimens
