@@ -153,18 +153,14 @@ def _which_column(table: Table, role: str, options: Sequence[int], beside: int |
     return Question(
         name=f"{role}_column",
         text=Message("Which column is the {role}?", role=role),
-        candidates=tuple(
-            Candidate(
-                str(i + 1), Message("{label}: {error}", label=table.title(i), error=_preview(table.numbers[:, i]))
-            )
-            for i in options
-        ),
+        candidates=tuple(Candidate(str(i + 1), _preview(table, i)) for i in options),
         default=near,
     )
 
 
-def _preview(values: Floats) -> str:
-    """Show a column: its first numbers and its range."""
-    values = values[np.isfinite(values)]
+def _preview(table: Table, at: int) -> str:
+    """Show a column: its title, its first numbers and its range."""
+    values = table.numbers[np.isfinite(table.numbers[:, at]), at]
     first = ", ".join(f"{value:g}" for value in values[:3])
-    return Message("{first}, ... from {least:g} to {most:g}", first=first, least=values.min(), most=values.max())
+    span = Message("{first}, ... from {least:g} to {most:g}", first=first, least=values.min(), most=values.max())
+    return Message("{label}: {error}", label=table.title(at), error=span)

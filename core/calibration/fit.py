@@ -9,12 +9,12 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from .segments import MIN_PIECE, two_pieces
+from .table import MIN_ROWS
 
 PARAMETERS = ("K1", "K2", "x0", "contact", "tare")
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
-_ROWS = 7  # beyond the touch: with that, as many as a table has at least
+_ROWS = MIN_ROWS - 1  # beyond the touch: with that, as many as a table has at least
 _LEAST = 20.0  # rows: what even the smoothest systematic misfit is allowed to count as
-_STRAY = 4.0  # standard errors that the joint fit may move the contact
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -223,10 +223,7 @@ def _too_few(rows: int) -> DimpleError:
 
 
 def _settled(start: Law, x: Floats, f: Floats) -> Law:
-    """Move contact, tare and constants together to the least squares of all rows (Gauss-Newton).
-
-    The start is kept where that would lead the contact away from it: then the law does not hold near the touch.
-    """
+    """Move contact, tare and constants together to the least squares of all rows (Gauss-Newton)."""
     if not {"contact", "tare"} & set(start.free):
         return start
     best, least = start, start.squares(x, f)
@@ -241,10 +238,7 @@ def _settled(start: Law, x: Floats, f: Floats) -> Law:
         best, least = law, least - gained
         if gained < 1e-14 * (least + gained):
             break
-    if "contact" not in best.free:
-        return best
-    error = _errors(_covariance(best, x, f), best.free)["contact"]
-    return best if abs(best.contact - start.contact) <= _STRAY * error else start
+    return best
 
 
 def _variance(law: Law, x: Floats, f: Floats) -> float:
@@ -258,11 +252,6 @@ def _covariance(law: Law, x: Floats, f: Floats) -> Floats:
     scale = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
     inverse = np.linalg.pinv(slopes / scale) / scale[:, None]
     return np.asarray(_variance(law, x, f) * inverse @ inverse.T)
-
-
-def _errors(covariance: Floats, free: tuple[str, ...]) -> dict[str, float]:
-    """Return the standard error of each parameter, 0 of those that are not fitted."""
-    return dict.fromkeys(PARAMETERS, 0.0) | dict(zip(free, np.sqrt(np.diag(covariance)).tolist(), strict=True))
 
 
 def _correlation(residual: Floats) -> float:
@@ -306,10 +295,11 @@ def _result(law: Law, x: Floats, f: Floats, bic: float) -> Fit:
     covariance = _covariance(law, x, f)
     values = dict(zip(PARAMETERS, law.values.tolist(), strict=True))
     values["x0"] = min(values["x0"], float(x.max()) - law.contact)
-    errors = _errors(covariance, law.free)
-    errors["K2"] = errors["K2"] if law.knee else errors["K1"]
+    errors = dict(zip(law.free, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+    errors.setdefault("K2", errors["K1"])  # one slope
     K1, K2, x0, contact, _ = (
-        Constant(value=values[name], error=errors[name], half_width=reach * errors[name]) for name in PARAMETERS
+        Constant(value=value, error=errors.get(name, 0.0), half_width=reach * errors.get(name, 0.0))
+        for name, value in values.items()
     )
     return Fit(
         model="two" if law.knee else "one", K1=K1, K2=K2, x0=x0, contact=contact, tare=values["tare"],

@@ -19,7 +19,6 @@ from .vocabulary import role_of, split_unit
 MAX_BYTES = 64 * 2**20  # a million rows: far more than an instrument writes
 MAX_LINE = 20_000  # characters
 _NARROW = dict.fromkeys(map(ord, "\u2009\u202f\u2007"), "\u00a0")  # spaces between groups of thousands
-_SNIFFED = 64 * 2**10  # bytes looked at to tell encodings apart
 # how other files begin: what they are
 _MAGIC = {
     b"PK\x03\x04": "a ZIP archive (an Excel or LibreOffice sheet is one too)",
@@ -101,10 +100,9 @@ def decode(data: bytes) -> tuple[str, str]:
     for mark, encoding in _MARKS:
         if data.startswith(mark):
             return data.decode(encoding, errors="replace"), encoding
-    sample = data[:_SNIFFED]
-    if b"\x00" in sample:
-        zeros = (sample[0::2].count(0), sample[1::2].count(0))
-        if max(zeros) > 0.6 * len(sample) / 2 and min(zeros) < 0.1 * len(sample) / 2:
+    if b"\x00" in data:
+        zeros = (data[0::2].count(0), data[1::2].count(0))
+        if max(zeros) > 0.6 * len(data) / 2 and min(zeros) < 0.1 * len(data) / 2:
             encoding = "utf-16-be" if zeros[0] > zeros[1] else "utf-16-le"
             return data.decode(encoding, errors="replace"), encoding
     try:
@@ -145,14 +143,8 @@ def _looks_cut(lines: list[str]) -> bool:
 
 def _names(text: str) -> int:
     """Return how many cells near the beginning of a text are the names of columns."""
-    near = text[:_SNIFFED].split("\n")[:200]
-    return sum(role_of(split_unit(cell)[0]) is not None for line in near for cell in _cells(line))
-
-
-def _cells(line: str) -> list[str]:
-    for delimiter in ";\t,=":
-        line = line.replace(delimiter, "\n")
-    return [cell.strip(' "') for cell in line.split("\n") if any(c.isalpha() for c in cell)]
+    cells = (cell.strip(' "') for line in text.split("\n", 200)[:200] for cell in re.split(r"[;\t,=]", line))
+    return sum(role_of(split_unit(cell)[0]) is not None for cell in cells if any(c.isalpha() for c in cell))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -69,8 +69,8 @@ def which_order(why: str) -> Question:
 
 def _pressing_sign(force: Floats, answers: Answers, notes: list[str]) -> Floats:
     """Return the force with pressing positive."""
-    start = float(np.median(force[:5]))
-    up, down = float(force.max()) - start, start - float(force.min())
+    start, low, high = float(np.median(force[:5])), float(force.min()), float(force.max())
+    up, down = high - start, start - low
     negative = down > up
     unsure = min(up, down) > 0.5 * max(up, down) or negative != (force[np.abs(force).argmax()] < 0)
     if answers.press is None and unsure:
@@ -79,12 +79,8 @@ def _pressing_sign(force: Floats, answers: Answers, notes: list[str]) -> Floats:
                 name="press",
                 text="The force goes both ways from where it begins. Which sign is a press?",
                 candidates=(
-                    Candidate(
-                        "positive", Message("from {start:.4g} N up to {force:.4g} N", start=start, force=force.max())
-                    ),
-                    Candidate(
-                        "negative", Message("from {start:.4g} N down to {force:.4g} N", start=start, force=force.min())
-                    ),
+                    Candidate("positive", Message("from {start:.4g} N up to {force:.4g} N", start=start, force=high)),
+                    Candidate("negative", Message("from {start:.4g} N down to {force:.4g} N", start=start, force=low)),
                 ),
             )
         )
@@ -144,8 +140,7 @@ def _scatter(values: Floats) -> float:
     return float(steps.std() / steps.mean()) if len(steps) > 3 else 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Cycle:
+class Cycle(NamedTuple):
     """The rows of one press: loading is start:peak + 1, unloading peak:end + 1 (empty where end == peak)."""
 
     start: int

@@ -18,7 +18,6 @@ from .vocabulary import is_known, role_of, split_unit, unit_of
 MAX_ROWS = 100_000  # rows kept of a table, far more than a fit needs; of more, every n-th
 MIN_ROWS = 8  # of a table: two for each piece of the law, with touch, tare and two to spare
 SLIGHT = 0.01  # of a range: what instruments are off by
-_PREAMBLE = 2000  # lines in which a table must have begun
 _HEADER = 6  # lines above a table that may name its columns
 _UNIT = r"units?|einheit|単位"  # announces units
 _NOTHING = frozenset(("", "-", "--", "---", "----", "nan", "n/a", "na", "null", "none"))  # cells left empty
@@ -101,8 +100,6 @@ def _find_runs(lines: Sequence[str], dialect: Dialect) -> list[_Run]:
     header: list[str] = []
     open_run: _Run | None = None
     for i, line in enumerate(lines):
-        if i > _PREAMBLE and not runs:
-            break
         if open_run and line[:1].isdigit() and open_run.end == i and len(lines) > MAX_ROWS:
             open_run.end = i + 1  # a huge file: what begins like a row is one until its numbers are read
         elif is_row(cells := split(line, dialect.delimiter), dialect):
