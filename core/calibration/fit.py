@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
-from .segments import MIN_PIECE, two_pieces
+from .segments import MIN_PIECE, PARAMETERS, Law, two_pieces
 from .table import MIN_ROWS
 
-PARAMETERS = ("K1", "K2", "x0", "contact", "tare")
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
 _ROWS = MIN_ROWS - 1  # beyond the touch: with that, as many as a table has at least
 _LEAST = 20.0  # rows: what even the smoothest systematic misfit is allowed to count as
@@ -39,62 +38,6 @@ def plus_minus(value: float, half_width: float) -> str:
         return f"{value:.4g} ± 0"
     digits = max(1 - math.floor(math.log10(half_width)), 0)
     return f"{value:.{digits}f} ± {half_width:.{digits}f}"
-
-
-@dataclass(frozen=True, slots=True)
-class Law:
-    """Eq. (1) with a touch and a tare, and which of its parameters are fitted.
-
-    values: K1 [N/m], K2 [N/m], x0 [m], contact [m], tare [N]; with one slope K2 is K1, and x0 is infinite.
-    free: the names of those that are fitted.
-    """
-
-    values: Floats
-    free: tuple[str, ...]
-
-    @property
-    def knee(self) -> bool:
-        """Return whether there are two slopes."""
-        return "x0" in self.free
-
-    @property
-    def contact(self) -> float:
-        """Return the depth of the first touch [m]."""
-        return float(self.values[3])
-
-    def moved(self, step: Floats) -> Law:
-        """Return the law with a step (p,) of its free parameters added."""
-        values = self.values.copy()
-        values[[PARAMETERS.index(name) for name in self.free]] += step
-        if not self.knee:
-            values[1] = values[0]
-        return replace(self, values=values)
-
-    def force(self, x: Floats) -> Floats:
-        """Return K(x) of Eq. (1), (n,) [N], at depths (n,) below the contact [m]."""
-        K1, K2, x0 = self.values[:3]
-        x = np.maximum(x, 0)
-        return np.asarray(K1 * np.minimum(x, x0) + K2 * np.maximum(x - x0, 0))
-
-    def slopes(self, x: Floats) -> Floats:
-        """Return the slopes (n, p) of the force in each free parameter at depths (n,) below the contact [m]."""
-        K1, K2, x0 = self.values[:3]
-        y, beyond = np.maximum(x, 0), x > x0
-        contact = -np.where(beyond, K2, K1) * (x > 0)
-        columns = (np.minimum(y, x0), np.maximum(y - x0, 0), (K1 - K2) * beyond, contact, np.ones_like(x))
-        return np.stack([columns[PARAMETERS.index(name)] for name in self.free], axis=1)
-
-    def residual(self, x: Floats, f: Floats) -> Floats:
-        """Return how far forces (n,) [N] at depths (n,) [m] are above the law and the tare, (n,) [N]."""
-        return np.asarray(f - self.values[4] - self.force(x - self.contact))
-
-    def pressed_residual(self, x: Floats, f: Floats) -> Floats:
-        """Return the residuals of the rows in contact: those before it may be many, and quieter."""
-        return self.residual(x, f)[x > self.contact]
-
-    def squares(self, x: Floats, f: Floats) -> float:
-        """Return the sum of the squared residuals [N2]."""
-        return float((self.residual(x, f) ** 2).sum())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Least squares of two straight pieces that meet, exactly: no start, no grid, no iteration.
+"""The law of Eq. (1), and least squares of two straight pieces that meet, exactly: no start, no grid, no iteration.
 
 For each parting of the rows into left and right both pieces are free lines in closed form. Where they meet between
 the two rows at the parting, that is the optimum of the parting; where they do not, its optimum has the join at a row.
@@ -8,14 +8,71 @@ estimated, J. Am. Stat. Assoc. 61 (1966).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..base import Floats
 
+PARAMETERS = ("K1", "K2", "x0", "contact", "tare")
 MIN_PIECE = 3  # rows and distinct depths in a piece
 _FINALISTS = 8  # running sums leave rounding: the best few are computed again row by row
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """Eq. (1) with a touch and a tare, and which of its parameters are fitted.
+
+    values: K1 [N/m], K2 [N/m], x0 [m], contact [m], tare [N]; with one slope K2 is K1, and x0 is infinite.
+    free: the names of those that are fitted.
+    """
+
+    values: Floats
+    free: tuple[str, ...]
+
+    @property
+    def knee(self) -> bool:
+        """Return whether there are two slopes."""
+        return "x0" in self.free
+
+    @property
+    def contact(self) -> float:
+        """Return the depth of the first touch [m]."""
+        return float(self.values[3])
+
+    def moved(self, step: Floats) -> Law:
+        """Return the law with a step (p,) of its free parameters added."""
+        values = self.values.copy()
+        values[[PARAMETERS.index(name) for name in self.free]] += step
+        if not self.knee:
+            values[1] = values[0]
+        return replace(self, values=values)
+
+    def force(self, x: Floats) -> Floats:
+        """Return K(x) of Eq. (1), (n,) [N], at depths (n,) below the contact [m]."""
+        K1, K2, x0 = self.values[:3]
+        x = np.maximum(x, 0)
+        return np.asarray(K1 * np.minimum(x, x0) + K2 * np.maximum(x - x0, 0))
+
+    def slopes(self, x: Floats) -> Floats:
+        """Return the slopes (n, p) of the force in each free parameter at depths (n,) below the contact [m]."""
+        K1, K2, x0 = self.values[:3]
+        y, beyond = np.maximum(x, 0), x > x0
+        contact = -np.where(beyond, K2, K1) * (x > 0)
+        columns = (np.minimum(y, x0), np.maximum(y - x0, 0), (K1 - K2) * beyond, contact, np.ones_like(x))
+        return np.stack([columns[PARAMETERS.index(name)] for name in self.free], axis=1)
+
+    def residual(self, x: Floats, f: Floats) -> Floats:
+        """Return how far forces (n,) [N] at depths (n,) [m] are above the law and the tare, (n,) [N]."""
+        return np.asarray(f - self.values[4] - self.force(x - self.contact))
+
+    def pressed_residual(self, x: Floats, f: Floats) -> Floats:
+        """Return the residuals of the rows in contact: those before it may be many, and quieter."""
+        return self.residual(x, f)[x > self.contact]
+
+    def squares(self, x: Floats, f: Floats) -> float:
+        """Return the sum of the squared residuals [N2]."""
+        return float((self.residual(x, f) ** 2).sum())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
