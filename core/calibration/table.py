@@ -18,7 +18,6 @@ from .vocabulary import is_known, role_of, split_unit, unit_of
 MAX_ROWS = 100_000  # rows kept of a table, far more than a fit needs; of more, every n-th
 MIN_ROWS = 8  # of a table: two for each piece of the law, with touch, tare and two to spare
 SLIGHT = 0.01  # of a range: what instruments are off by
-_HEADER = 6  # lines above a table that may name its columns
 _UNIT = r"units?|einheit|単位"  # announces units
 _NOTHING = frozenset(("", "-", "--", "---", "----", "nan", "n/a", "na", "null", "none"))  # cells left empty
 
@@ -245,7 +244,7 @@ def _header(
         if found:
             values[found[1].strip().strip('"').lower()] = found[2].strip().strip(';,"\t ')
     names, units = [""] * width, [""] * width
-    near = [line for line in above if line.strip() and "=" not in line][-_HEADER:]
+    near = [line for line in above if line.strip() and "=" not in line]
     for line in reversed(near):
         cells = _fitted(line, width, dialect)
         filled = [cell for cell in cells if cell]

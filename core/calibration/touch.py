@@ -46,8 +46,9 @@ def settle(curve: LoadingCurve, answers: Answers | None = None) -> tuple[Loading
 def _likeliest(curve: LoadingCurve) -> Fit:
     x, f = curve.depth, curve.force
     first, span = float(x[0]), float(np.ptp(x))
-    pressed, fit, found = _readings(x, f)
-    if found is not None:
+    pressed = beginning(x, f)
+    fit = _from_the_first_row(x, f, pressed)
+    if (found := _after_air(x, f, pressed, fit)) is not None:
         after, gain = found
         least = _POSITIVE if fit.K1.value > fit.K1.half_width else 0.0  # else nothing is pressed at the first row
         if 0 < least < gain < _VERY_STRONG and _differs(fit, after, span):
@@ -60,13 +61,6 @@ def _likeliest(curve: LoadingCurve) -> Fit:
     if before > 0 and not nearly:
         raise Undecided(_begun(curve, fit.contact.value, pressed.force))
     return fit
-
-
-def _readings(x: Floats, f: Floats) -> tuple[Beginning, Fit, tuple[Fit, float] | None]:
-    """Return how a stroke begins, its fit from the first row, and that after air with its gain over the other."""
-    pressed = beginning(x, f)
-    fit = _from_the_first_row(x, f, pressed)
-    return pressed, fit, _after_air(x, f, pressed, fit)
 
 
 def _after_air(x: Floats, f: Floats, pressed: Beginning, rival: Fit) -> tuple[Fit, float] | None:
