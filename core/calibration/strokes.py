@@ -13,8 +13,7 @@ from .question import Answers, Candidate, Question, Undecided, WrongColumns
 from .table import MIN_ROWS, SLIGHT
 
 _TURN = 0.1  # of the range of depth: a reversal smaller than this is a tremor
-_SPIKE = 12.0  # times the usual difference from the neighbours
-_CLEAR = 8.0  # times the noise: a force that is pulled, in any of 100,000 rows
+_CLEAR = 10.0  # times the noise: by chance in none of 100,000 rows, even with tails twice as long as a Gaussian's
 _EVEN, _UNEVEN = 0.05, 0.35  # scatter of the steps of a driven axis, and of what cannot be one
 
 
@@ -193,7 +192,7 @@ def spikes(values: Floats) -> Bools:
         return found
     middle = values[1:-1] - (values[2:] + values[:-2]) / 2
     usual = 1.4826 * float(np.median(np.abs(middle - np.median(middle))))
-    least = _SPIKE * max(usual, 0.002 * float(np.ptp(np.sort(values)[2:-2])))
+    least = _CLEAR * max(usual, 0.002 * float(np.ptp(np.sort(values)[2:-2])))
     found[1:-1] = np.abs(middle) > np.maximum(least, 2 * np.abs(values[2:] - values[:-2]))
     # the ends have one neighbour: go on from the next two
     found[0] = abs(values[0] - 2 * values[1] + values[2]) > 2 * least and not found[1:3].any()
