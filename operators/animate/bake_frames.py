@@ -146,6 +146,11 @@ def _check(plan: BakePlan) -> None:
         raise DimpleError(
             "The last frame ({last}) must come after the first ({first}).", last=plan.last, first=plan.first
         )
+    if (render := bpy.context.scene.render).frame_map_old != render.frame_map_new:
+        raise DimpleError(
+            "Time Stretching is on, and a bake plays by frames that are not stretched. Make Old and New alike in "
+            "Output > Frame Range > Time Stretching, and change the frame rate instead."
+        )
     for obj in plan.objects:
         scene_objects.check(obj)
         if obj.library:

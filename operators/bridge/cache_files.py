@@ -21,7 +21,7 @@ from . import force_curves, offset, rendered_mesh
 from .stack import is_cache
 
 LONGEST_NAME = 91  # bytes; a name has two, a number and endings, and a disk takes 255
-_PACKAGE = (__package__ or "").rpartition(".")[0]
+_PACKAGE = (__package__ or "").partition(".operators")[0]
 
 
 def take_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
@@ -99,7 +99,7 @@ def _shortened(clean: str, name: str) -> str:
 
 def version() -> str:
     """Return the version of the extension."""
-    manifest = Path(__file__).parent.parent / "blender_manifest.toml"
+    manifest = Path(__file__).parents[2] / "blender_manifest.toml"
     return str(tomllib.loads(manifest.read_text(encoding="utf-8"))["version"])
 
 

@@ -32,6 +32,8 @@ from .formats import FORMATS, Size
 SIMULATED = 0.5  # share of the progress bar that a simulation gets
 SPARE = 1.05  # of the estimate: room that must be free on the disk
 
+SHEAR = 1e-4  # cosine between two axes: less is not seen on the whole object
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExportPlan:
@@ -147,11 +149,24 @@ def check(plan: ExportPlan) -> None:
             raise DimpleError(
                 '"{name}" is linked from another file. Make it local first: Object > Relations.', name=obj.name
             )
+        if sheared := [FORMATS[each].label for each in plan.formats if each in formats.UNSHEARED and _is_sheared(obj)]:
+            raise DimpleError(
+                '"{name}" is sheared by the scale of its parents, which {label} cannot hold. Apply that scale, or '
+                "choose Alembic or USD.",
+                name=obj.name, label=sheared[0],
+            )  # fmt: skip
     there = [path.name for path in finals(plan) if os.path.lexists(path)]
     if there and not plan.overwrite:
         which = "{path} is there already." if len(there) == 1 else "{path} and {count} more are there already."
         said = Message(which, path=there[0], count=len(there) - 1)
         raise DimpleError(in_a_row([said, "Choose another folder, or switch Overwrite on."]))
+
+
+def _is_sheared(obj: bpy.types.Object) -> bool:
+    """Tell whether the axes of an object are not at right angles now."""
+    axes = np.array(obj.matrix_world)[:3, :3]
+    axes = axes / np.linalg.norm(axes, axis=0)
+    return bool(np.abs(axes.T @ axes - np.eye(3)).max() > SHEAR)
 
 
 def check_choice(plan: ExportPlan) -> None:

@@ -299,3 +299,4 @@ FORMATS = {
         exporter="export_scene.gltf",
     ),
 }  # fmt: skip
+UNSHEARED = ("GLB", "FBX", "VAT")  # there an object has a place, a rotation and a scale
