@@ -13,7 +13,7 @@ from .question import Answers, Candidate, Question, Undecided, WrongColumns
 from .table import MIN_ROWS, SLIGHT
 
 _TURN = 0.1  # of the range of depth: a reversal smaller than this is a tremor
-_CLEAR = 10.0  # times the noise: by chance in none of 100,000 rows, even with tails twice as long as a Gaussian's
+_CLEAR = 8.0  # times the noise: far beyond chance in 100,000 rows, which a Gaussian passes at 4.4
 _EVEN, _UNEVEN = 0.05, 0.35  # scatter of the steps of a driven axis, and of what cannot be one
 
 
