@@ -23,6 +23,7 @@ from .strokes import roughness
 from .table import SLIGHT
 
 _WITHIN = 1.5  # times the noise: residuals of a law that follows its rows
+_HARMLESS = 0.02  # of the range of depth: touches nearer to each other give the same constants
 # of the criterion: positive and very strong evidence (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
 _POSITIVE, _VERY_STRONG = 2.0, 10.0
 
@@ -55,7 +56,7 @@ def _likeliest(curve: LoadingCurve) -> Fit:
         fit = after if gain > least else fit
     if fit.model == "two" and fit.K1.value * fit.x0.value < SLIGHT * fit.full_scale and fit.x0.value > FIRST * span:
         raise Undecided(_soft_or_air(curve, fit))
-    if min(first - fit.contact.value, abs(fit.contact.value)) > SLIGHT * span:  # before the rows and off the file's 0
+    if min(first - fit.contact.value, abs(fit.contact.value)) > _HARMLESS * span:  # and off the file's 0
         raise Undecided(_begun(curve, fit.contact.value, pressed.force))
     return fit
 
@@ -86,7 +87,7 @@ def _from_the_first_row(x: Floats, f: Floats, begins: Beginning) -> Fit:
     pull the load cell is off, for what is pressed does not pull.
     """
     first, span = float(x[0]), float(np.ptp(x))
-    at = 0.0 if abs(first) < SLIGHT * span else first
+    at = 0.0 if abs(first) < _HARMLESS * span else first
     force, error = _force_at_first(x, f, begins)
     if abs(force) <= max(SURE * error, SLIGHT * float(np.ptp(f))):
         return _fit_at(x, f, at)
@@ -146,7 +147,7 @@ def _as_given(curve: LoadingCurve, touch: float) -> Fit:
         return _fit_at(x, f, touch, free=("tare",))
     force, error = _force_at_first(x, f, pressed)
     pulls = force < -max(SURE * error, SLIGHT * float(np.ptp(f)))
-    late = touch > first - SLIGHT * span  # a force there was on the load cell before
+    late = touch > first - _HARMLESS * span  # a force there was on the load cell before
     return _follow(x, f, pressed, ("tare",), touch, force) if late or pulls else _fit_at(x, f, touch)
 
 
@@ -183,7 +184,7 @@ def _differs(one: Fit, other: Fit, span: float) -> bool:
     """Return whether touches differ, and with them the constants by more than their intervals."""
     pairs = [(getattr(one, name), getattr(other, name)) for name in ("K1", "K2", "x0")]
     apart = any(abs(a.value - b.value) > max(a.half_width, b.half_width) for a, b in pairs)
-    return apart and abs(one.contact.value - other.contact.value) > SLIGHT * span
+    return apart and abs(one.contact.value - other.contact.value) > _HARMLESS * span
 
 
 def _which_touch(curve: LoadingCurve, text: str, *answers: tuple[float, str]) -> Question:
