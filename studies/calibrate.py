@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from core.base import DimpleError
-from core.calibration.calibrate import Calibration, calibrate
+from core.calibration.calibrate import Calibration, calibrate, to_record
 from core.calibration.doubts import Miss
 from core.calibration.question import Answers, Undecided, WrongColumns
-from core.calibration.record import to_record
 from core.calibration.surface import BALANCE_ASSUMES, PAPER_ASSUMES
 from core.material import POINT, TIPS, Indenter
 

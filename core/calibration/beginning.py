@@ -15,7 +15,6 @@ from .table import MIN_ROWS
 
 SURE = 3.0  # standard errors: by chance once in 400 files
 FIRST = 0.1  # of the range of force: what a press begins with, far from any knee
-_DRIFT = 0.1  # of the slope of the press: what a load cell may drift in the air
 _TOUCHES = 80  # that are tried along the depth, and then between
 _ENOUGH = 1000  # rows to compare touches by
 
@@ -75,12 +74,10 @@ def touch_after_air(x: Floats, f: Floats, noise: float, squares: Callable[..., f
     """Return the touch [m] with level rows before it that leaves the least squares, None where there is none."""
     step = -(-len(x) // _ENOUGH)
     u, v = x[::step], f[::step]
-    rows = _first_rows(f)
-    end, level = float(x[rows - 1]), float(np.median(f[max(rows - 3, 0) : rows]))
 
     def loss(touch: float) -> float:
         before = u < touch
-        if len(np.unique(u[before])) < MIN_PIECE or not _is_air(u[before], v[before], noise, level, end):
+        if len(np.unique(u[before])) < MIN_PIECE or not _is_air(u[before], v[before], noise):
             return math.inf
         return squares(u, v, touch)
 
@@ -100,11 +97,7 @@ def squares_of_law(x: Floats, f: Floats, touch: float) -> float:
     return float(((f[before] - tare) ** 2).sum()) + (pieces.residual if pieces else math.inf)
 
 
-def _is_air(x: Floats, f: Floats, noise: float, level: float, end: float) -> bool:
-    """Return whether a force does not rise by more than chance, by more than its noise, or steeply beside the press.
-
-    The press reaches a level [N] at its end [m].
-    """
+def _is_air(x: Floats, f: Floats, noise: float) -> bool:
+    """Return whether a force does not rise by more than chance, or by more than its noise."""
     slope, error = slope_of(x, f)
-    steep = (level - float(f.mean())) / max(end - float(x[-1]), 1e-300)
-    return slope < _DRIFT * steep or slope < SURE * error or slope * float(np.ptp(x)) < noise
+    return slope < SURE * error or slope * float(np.ptp(x)) < noise

@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
-from .parameters import Free, Parameters, jacobian_of, law, pressed_residual, residual_of, sum_of_squares
-from .segments import MIN_PIECE, two_pieces
+from .segments import MIN_PIECE, PARAMETERS, Law, two_pieces
+from .table import MIN_ROWS
 
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
-_ROWS = 7  # beyond the touch: with that, as many as a table has at least
+_ROWS = MIN_ROWS - 1  # beyond the touch: with that, as many as a table has at least
 _LEAST = 20.0  # rows: what even the smoothest systematic misfit is allowed to count as
-_STRAY = 4.0  # standard errors that the joint fit may move the contact
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,9 +55,8 @@ class Fit:
     full_scale: largest force [N].
     knee_bic: by how much a knee lowers the Bayesian information criterion.
     rows: number of rows in contact.
-    parameters: constants, contact and tare as they were fitted.
-    spread: (p, p) covariance of the parameters, stretched to 95 %.
-    widened: how many times wider the intervals are because neighbouring residuals agree.
+    fitted: the law with its free parameters.
+    spread: (p, p) covariance of the free parameters, stretched to 95 %.
     falls: the best two pieces would fall, and the constants are the best of those that rise.
     """
 
@@ -73,9 +71,8 @@ class Fit:
     full_scale: float
     knee_bic: float
     rows: int
-    parameters: Parameters
+    fitted: Law
     spread: Floats
-    widened: float
     falls: bool = False
 
     @property
@@ -83,17 +80,22 @@ class Fit:
         """Return the residuals' RMS as a share of full scale."""
         return self.noise / self.full_scale
 
+    @property
+    def widened(self) -> float:
+        """Return how many times wider the intervals are because neighbouring residuals agree."""
+        return math.sqrt(self.rows / independent_rows(self.rows, self.correlation))
+
     def law(self, x: Floats) -> Floats:
         """Return K(x) [N] at depths [m] below the contact."""
-        return law(np.asarray(x, np.float64), self.K1.value, self.K2.value, self.x0.value)
+        return self.fitted.force(np.asarray(x, np.float64))
 
     def band(self, x: Floats) -> Floats:
         """Return half the width [N] of the law's 95 % interval at depths [m] below the contact."""
-        slopes = jacobian_of(self.parameters, np.asarray(x, np.float64) + self.parameters.parts(x)[3])
+        slopes = self.fitted.slopes(np.asarray(x, np.float64))
         return np.sqrt(np.maximum(((slopes @ self.spread) * slopes).sum(axis=1), 0))
 
 
-def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
+def fit_law(depth: Floats, force: Floats, *, free: tuple[str, ...] = ()) -> Fit:
     """Fit F = K1 x up to x0, then K1 x0 + K2 (x - x0).
 
     Args:
@@ -115,18 +117,19 @@ def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
     # without rows before the touch the first piece need not begin at 0, 0: either may be off, not both
     left = "line" if len(free) == 1 and inside.sum() > len(x) - MIN_PIECE else "origin"
     u, v = x[inside], f[inside]
-    slope, offset = np.polyfit(u, v, 1) if left == "line" else (u @ v / (u @ u), 0.0)
-    start = _start([float(slope)], float(offset), free)
+    through = float(u @ v / (u @ u))
+    slope, offset = np.polyfit(u, v, 1).tolist() if left == "line" else (through, 0.0)
+    start = _start((slope, slope, math.inf), offset, free)
     if not _has_rows(start, x) or (free == ("contact",) and slope <= 0):  # no line through the curve begins at a touch
-        start = _start([float(u @ v / (u @ u))], 0.0, free)
+        start = _start((through, through, math.inf), 0.0, free)
     if not _has_rows(start, x):
-        raise _too_few(int((x > start.parts(x)[3]).sum()))
+        raise _too_few(int((x > start.contact).sum()))
     one = _settled(start, x, f)
     pieces, falls = two_pieces(u, v, left=left), False
     if pieces is not None and min(pieces.slope1, pieces.slope2) <= 0:  # no body of the model falls: take the best rise
         pieces, falls = two_pieces(u, v, left=left, rising=True), True
     if pieces is not None:
-        start = _start([pieces.slope1, pieces.slope2, pieces.join], pieces.offset, free)
+        start = _start((pieces.slope1, pieces.slope2, pieces.join), pieces.offset, free)
     if pieces is None or not _has_rows(start, x):
         return _result(one, x, f, 0.0)
     two = _settled(start, x, f)
@@ -134,27 +137,26 @@ def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
     return replace(_result(two if bic > 0 else one, x, f, bic), falls=falls and bic > 0)
 
 
-def _start(values: list[float], offset: float, free: Free) -> Parameters:
-    """Return parameters whose first piece begins with an offset [N] at depth 0."""
-    contact = -offset / values[0] if free == ("contact",) and values[0] > 0 else 0.0
-    if len(values) > 1:
-        values = [*values[:2], values[2] - contact]
-    known = {"contact": contact, "tare": offset}
-    return Parameters(knee=len(values) > 1, free=free, values=np.array([*values, *(known[name] for name in free)]))
+def _start(constants: tuple[float, float, float], offset: float, free: tuple[str, ...]) -> Law:
+    """Return the law whose first piece begins with an offset [N] at depth 0."""
+    K1, K2, join = constants
+    contact = -offset / K1 if free == ("contact",) and K1 > 0 else 0.0
+    tare = offset if "tare" in free else 0.0
+    fitted = ("K1",) if math.isinf(join) else ("K1", "K2", "x0")
+    return Law(np.array([K1, K2, join - contact, contact, tare]), (*fitted, *free))
 
 
-def _has_rows(parameters: Parameters, x: Floats) -> bool:
+def _has_rows(law: Law, x: Floats) -> bool:
     """Return whether enough rows lie on each piece; a touch or a knee may come to lie beyond them."""
-    _, _, x0, contact, _ = parameters.parts(x)
-    pressed, beyond = int((x > contact).sum()), int((x > contact + x0).sum())
-    return min(pressed - beyond, beyond) >= 2 if parameters.knee else pressed >= _ROWS
+    pressed, beyond = int((x > law.contact).sum()), int((x > law.contact + law.values[2]).sum())
+    return min(pressed - beyond, beyond) >= 2 if law.knee else pressed >= _ROWS
 
 
-def _holds(parameters: Parameters, start: Parameters, x: Floats) -> bool:
+def _holds(law: Law, start: Law, x: Floats) -> bool:
     """Return whether slopes that rose at the start still do, and contact and tare can still be told apart."""
-    slopes, before = slice(2 if start.knee else 1), x[x <= parameters.parts(x)[3]]
-    rises = parameters.values[slopes].min() > 0 or start.values[slopes].min() <= 0
-    return bool(rises and (len(start.free) < 2 or len(np.unique(before)) >= MIN_PIECE))
+    rises = law.values[:2].min() > 0 or start.values[:2].min() <= 0
+    both = {"contact", "tare"} <= set(law.free)
+    return bool(rises and (not both or len(np.unique(x[x <= law.contact])) >= MIN_PIECE))
 
 
 def _too_few(rows: int) -> DimpleError:
@@ -163,45 +165,36 @@ def _too_few(rows: int) -> DimpleError:
     )
 
 
-def _settled(start: Parameters, x: Floats, f: Floats) -> Parameters:
-    """Move contact, tare and constants together to the least squares of all rows (Gauss-Newton).
-
-    The start is kept where that would lead the contact away from it: then the law does not hold near the touch.
-    """
-    if not start.free:
+def _settled(start: Law, x: Floats, f: Floats) -> Law:
+    """Move contact, tare and constants together to the least squares of all rows (Gauss-Newton)."""
+    if not {"contact", "tare"} & set(start.free):
         return start
-    best, least = start, sum_of_squares(start, x, f)
+    best, least = start, start.squares(x, f)
     for _ in range(20):
-        jacobian = jacobian_of(best, x)
-        scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
-        step = np.linalg.lstsq(jacobian / scale, residual_of(best, x, f), rcond=None)[0] / scale
-        candidates = [replace(best, values=best.values + share * step) for share in (1.0, 0.5, 0.2, 0.05)]
-        candidate = min(candidates, key=lambda each: sum_of_squares(each, x, f))
-        total = sum_of_squares(candidate, x, f)
-        if not total < least or not _has_rows(candidate, x) or not _holds(candidate, start, x):
+        slopes = best.slopes(x - best.contact)
+        scale = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
+        step = np.linalg.lstsq(slopes / scale, best.residual(x, f), rcond=None)[0] / scale
+        law = min((best.moved(share * step) for share in (1.0, 0.5, 0.2, 0.05)), key=lambda each: each.squares(x, f))
+        gained = least - law.squares(x, f)
+        if not gained > 0 or not _has_rows(law, x) or not _holds(law, start, x):
             break
-        settled = least - total < 1e-14 * least
-        best, least = candidate, total
-        if settled:
+        best, least = law, least - gained
+        if gained < 1e-14 * (least + gained):
             break
-    at = best.index("contact")
-    if at is None:
-        return best
-    moved, error = best.values[at] - start.values[at], math.sqrt(_covariance(best, x, f)[at, at])
-    return best if abs(moved) <= _STRAY * error else start
+    return best
 
 
-def _variance(parameters: Parameters, x: Floats, f: Floats) -> float:
-    residual = pressed_residual(parameters, x, f)
-    return float((residual**2).sum()) / max(len(residual) - len(parameters.values), 1)
+def _variance(law: Law, x: Floats, f: Floats) -> float:
+    residual = law.pressed_residual(x, f)
+    return float((residual**2).sum()) / max(len(residual) - len(law.free), 1)
 
 
-def _covariance(parameters: Parameters, x: Floats, f: Floats) -> Floats:
-    """Return the covariance (p, p) of the parameters: s^2 (J^T J)^-1."""
-    jacobian = jacobian_of(parameters, x)
-    scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
-    inverse = np.linalg.pinv(jacobian / scale) / scale[:, None]
-    return np.asarray(_variance(parameters, x, f) * inverse @ inverse.T)
+def _covariance(law: Law, x: Floats, f: Floats) -> Floats:
+    """Return the covariance (p, p) of the free parameters: s^2 (J^T J)^-1."""
+    slopes = law.slopes(x - law.contact)
+    scale = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
+    inverse = np.linalg.pinv(slopes / scale) / scale[:, None]
+    return np.asarray(_variance(law, x, f) * inverse @ inverse.T)
 
 
 def _correlation(residual: Floats) -> float:
@@ -216,13 +209,13 @@ def independent_rows(n: int, correlation: float) -> float:
     return min(float(n), max(n * (1 - correlation) / (1 + correlation), _LEAST))
 
 
-def _knee_gain(one: Parameters, two: Parameters, x: Floats, f: Floats) -> float:
+def _knee_gain(one: Law, two: Law, x: Floats, f: Floats) -> float:
     """Return by how much two slopes lower the Bayesian information criterion against one.
 
     A knee costs 3 log n: a slope, and a place that is searched for, which weighs as two (Zhang and Siegmund,
     Biometrics 63, 2007).
     """
-    before, after = pressed_residual(one, x, f), pressed_residual(two, x, f)
+    before, after = one.pressed_residual(x, f), two.pressed_residual(x, f)
     n = independent_rows(len(after), _correlation(after))
     floor = (_EXACT * float(np.abs(f).max())) ** 2
     s1, s2 = max(float((before**2).mean()), floor), max(float((after**2).mean()), floor)
@@ -237,34 +230,22 @@ def t_95(freedom: float) -> float:
     return 1.960 + 2.372 / freedom + 2.823 / freedom**2 + 2.556 / freedom**3
 
 
-def _result(parameters: Parameters, x: Floats, f: Floats, bic: float) -> Fit:
-    K1, K2, x0, contact, tare = parameters.parts(x)
-    residual = pressed_residual(parameters, x, f)
-    r = _correlation(residual)
-    count = independent_rows(len(residual), r)
-    covariance = _covariance(parameters, x, f)
-    errors = np.sqrt(np.diag(covariance))
-    wider = math.sqrt(len(residual) / count)
-    reach = t_95(max(count - len(parameters.values), 1.0)) * wider
-
-    def constant(value: float, at: int | None) -> Constant:
-        error = 0.0 if at is None else float(errors[at])
-        return Constant(value=value, error=error, half_width=reach * error)
-
-    knee = parameters.knee
-    return Fit(
-        model="two" if knee else "one",
-        K1=constant(K1, 0),
-        K2=constant(K2, 1 if knee else 0),
-        x0=constant(x0, 2 if knee else None),
-        contact=constant(contact, parameters.index("contact")),
-        tare=tare,
-        noise=math.sqrt(_variance(parameters, x, f)),
-        correlation=r,
-        full_scale=float(np.abs(f - tare).max()),
-        knee_bic=bic,
-        rows=len(residual),
-        parameters=parameters,
-        spread=reach**2 * covariance,
-        widened=wider,
+def _result(law: Law, x: Floats, f: Floats, bic: float) -> Fit:
+    residual = law.pressed_residual(x, f)
+    rows, r = len(residual), _correlation(residual)
+    count = independent_rows(rows, r)
+    reach = t_95(max(count - len(law.free), 1.0)) * math.sqrt(rows / count)
+    covariance = _covariance(law, x, f)
+    values = dict(zip(PARAMETERS, law.values.tolist(), strict=True))
+    values["x0"] = min(values["x0"], float(x.max()) - law.contact)
+    errors = dict(zip(law.free, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+    errors.setdefault("K2", errors["K1"])  # one slope
+    K1, K2, x0, contact, _ = (
+        Constant(value=value, error=errors.get(name, 0.0), half_width=reach * errors.get(name, 0.0))
+        for name, value in values.items()
     )
+    return Fit(
+        model="two" if law.knee else "one", K1=K1, K2=K2, x0=x0, contact=contact, tare=values["tare"],
+        noise=math.sqrt(_variance(law, x, f)), correlation=r, full_scale=float(np.abs(f - values["tare"]).max()),
+        knee_bic=bic, rows=rows, fitted=law, spread=reach**2 * covariance,
+    )  # fmt: skip

@@ -16,12 +16,10 @@ from ..base import DimpleError, Floats
 from ..material import Material
 from ..mesh.surface import Mesh
 from ..messages import Message
-from .dialect import find_dialect
 from .question import Answers
-from .reader import load_lines
+from .reader import find_dialect, load_lines
 from .table import Table, find_table
-from .units import KIND, kind_of, written_units
-from .vocabulary import role_of, unit_of
+from .vocabulary import KIND, unit_of
 
 _NEAREST = 4  # places that are averaged: the corners of the cell round a vertex
 _FEWEST = 2 * _NEAREST  # places of a map
@@ -81,15 +79,14 @@ def read_pokes(path: str | Path) -> Pokes:
         Undecided: the file can be read in several ways.
         DimpleError: it cannot be read, or lacks a column; the message says which.
     """
-    lines, _, _ = load_lines(path)
+    lines, _ = load_lines(path)
     table = find_table(lines, find_dialect(lines), Answers())
     columns = _columns(table)
     if missing := [name for name in (*_AXES, "depth", "force") if name not in columns]:
         raise DimpleError(
             "{name} is no table of pokes: there is no column {missing}.", name=Path(path).name, missing=tuple(missing)
         )
-    units = written_units(table)
-    found = np.stack([_in_si(table, units[at], at, name) for name, at in columns.items()], axis=1)
+    found = np.stack([_in_si(table, at, name) for name, at in columns.items()], axis=1)
     by = dict(zip(columns, found[np.isfinite(found).all(axis=1)].T, strict=True))
     hard = np.abs(by["force"]) >= np.abs(by["force"]).max() / 2  # these tell the signs of both
     depth, force = (by[name] * (-1 if by[name][hard].sum() < 0 else 1) for name in ("depth", "force"))
@@ -142,19 +139,17 @@ def _columns(table: Table) -> dict[str, int]:
     found: dict[str, int] = {}
     for at, name in enumerate(table.names):
         word = name.strip().lower()
-        what = word if word in _AXES else role_of(name)
-        if what in (*_AXES, "depth", "force") and table.numeric[at]:
+        what = word if word in _AXES else table.role(at)
+        if what in (*_AXES, "depth", "force") and at in table.numeric:
             found.setdefault(what, at)
     return found
 
 
-def _in_si(table: Table, unit: str | tuple[str, ...], at: int, name: str) -> Floats:
-    usual = "N" if name == "force" else "mm"
-    kind = "force" if name == "force" else KIND["depth"]
-    cell = unit if isinstance(unit, str) else unit[0]
-    known = unit_of(cell if kind_of(unit) == kind else usual)
+def _in_si(table: Table, at: int, name: str) -> Floats:
+    usual, kind = ("N", "force") if name == "force" else ("mm", KIND["depth"])
+    known = unit_of(table.units[at] if table.kind(at) == kind else usual)
     assert known is not None
-    return np.asarray(table.numbers[:, at] * known[1], np.float64)
+    return np.asarray(table.numbers[:, at] * known[1])
 
 
 def _near_means(points: Floats, places: Floats, logs: Floats, count: int) -> Floats:

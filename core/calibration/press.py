@@ -9,10 +9,9 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message
-from .columns import Measurement
-from .direction import oriented, which_order
+from .measurement import Measurement
 from .question import Answers, Candidate, Question, Undecided
-from .strokes import Cycle, dip, find_cycles, spikes, still, tear
+from .strokes import Cycle, dip, find_cycles, oriented, spikes, still, tear, which_order
 from .table import MIN_ROWS
 
 _AGREE = 0.10  # of full scale, RMS: presses of one object that differ more have changed it
@@ -27,11 +26,11 @@ class LoadingCurve:
     force: (n,) without the tare [N].
     unloading_depth: (m,) from the first touch [m], empty where there is no unloading.
     unloading_force: (m,) without the tare [N].
+    inward: sign of the file's own depth where it grows inward.
     cycle: which press it is, counted from 1.
     cycles: how many there are.
     touch: of the first touch, in the file's own depth but growing inward [m].
     tare: force at the first touch [N].
-    inward: sign of the file's own depth where it grows inward.
     notes: messages about how the press was prepared.
     warnings: messages about what may be wrong.
     """
@@ -40,13 +39,13 @@ class LoadingCurve:
     force: Floats
     unloading_depth: Floats
     unloading_force: Floats
-    cycle: int
-    cycles: int
-    touch: float
-    tare: float
     inward: int
-    notes: tuple[str, ...]
-    warnings: tuple[str, ...]
+    cycle: int = 1
+    cycles: int = 1
+    touch: float = 0.0
+    tare: float = 0.0
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     def begun_at(self, touch: float, tare: float) -> LoadingCurve:
         """Return the curve from a touch [m] and without a tare [N] of its own."""
@@ -109,16 +108,13 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
             cycles=len(cycles),
             rows=len(depth),
         )
-    strokes = [_stroke(depth, force, cycle) for cycle in cycles]
-    chosen = _choose(strokes, answers, notes)
-    stroke = strokes[chosen]
-    if (at := tear(stroke.force)) is not None and answers.until_mm is None:
-        raise Undecided(_torn(stroke, at, inward))
-    back = slice(cycles[chosen].peak, cycles[chosen].end + 1)
-    return LoadingCurve(
-        depth=stroke.depth, force=stroke.force, unloading_depth=depth[back], unloading_force=force[back],
-        cycle=chosen + 1, cycles=len(cycles), touch=0.0, tare=0.0, inward=inward,
-        notes=(*notes, *stroke.notes), warnings=tuple(warnings),
+    curves = [_curve(depth, force, cycle, inward) for cycle in cycles]
+    chosen = _choose(curves, answers, notes)
+    curve = curves[chosen]
+    if (at := tear(curve.force)) is not None and answers.until_mm is None:
+        raise Undecided(_torn(curve, at))
+    return replace(
+        curve, cycle=chosen + 1, cycles=len(cycles), notes=(*notes, *curve.notes), warnings=tuple(warnings)
     )  # fmt: skip
 
 
@@ -134,15 +130,6 @@ def check_loss(curve: LoadingCurve, ordered: bool) -> tuple[str, ...]:
     if not ordered:
         raise Undecided(which_order(Message("{why}, which no object does", why=why)))
     return (Message("{why}.\nNo object does that: force and depth may not be of one press.", why=why),)
-
-
-@dataclass(frozen=True, slots=True)
-class _Stroke:
-    """One loading stroke: depth (n,) [m] and force (n,) [N] in the file's own zero, and notes on how it was read."""
-
-    depth: Floats
-    force: Floats
-    notes: tuple[str, ...]
 
 
 def _without_spikes(measurement: Measurement, warnings: list[str]) -> tuple[Floats, Floats]:
@@ -192,7 +179,8 @@ def _long_enough(cycles: list[Cycle], depth: Floats, notes: list[str]) -> list[C
     return whole
 
 
-def _stroke(depth: Floats, force: Floats, cycle: Cycle) -> _Stroke:
+def _curve(depth: Floats, force: Floats, cycle: Cycle, inward: int) -> LoadingCurve:
+    """Return one press in the file's own zero, without the rows that are no part of it."""
     notes = []
     x, f = depth[cycle.start : cycle.peak + 1], force[cycle.start : cycle.peak + 1]
     stands = still(x)
@@ -211,44 +199,47 @@ def _stroke(depth: Floats, force: Floats, cycle: Cycle) -> _Stroke:
                 rows=int(pulled.sum()),
             )
         )
-    return _Stroke(x[~pulled], f[~pulled], tuple(notes))
+    back = slice(cycle.peak, cycle.end + 1)
+    return LoadingCurve(
+        depth=x[~pulled], force=f[~pulled], unloading_depth=depth[back], unloading_force=force[back], inward=inward,
+        notes=tuple(notes),
+    )  # fmt: skip
 
 
-def _torn(stroke: _Stroke, at: int, inward: int) -> Question:
-    depth, force = 1e3 * inward * stroke.depth, stroke.force
-    tear_mm = float(depth[at] + depth[at + 1]) / 2
+def _torn(curve: LoadingCurve, at: int) -> Question:
+    tear_mm = curve.reading(float(curve.depth[at] + curve.depth[at + 1]) / 2)
     return Question(
         name="until_mm",
         text=Message(
             "The force falls for good from {force:.4g} N at {at:.4g} mm: was the specimen torn? Down to which depth "
             "should it be fitted?",
-            force=force[at],
+            force=curve.force[at],
             at=tear_mm,
         ),
         candidates=(
-            Candidate(value=f"{tear_mm:.7g}", label="where the force begins to fall"),
-            Candidate(value=f"{depth[-1]:.7g}", label="the deepest row: no tear, it answers like this"),
+            Candidate(f"{tear_mm:.7g}", "where the force begins to fall"),
+            Candidate(f"{curve.reading(float(curve.depth[-1])):.7g}", "the deepest row: no tear, it answers like this"),
         ),
         default=f"{tear_mm:.7g}",
     )
 
 
-def _choose(strokes: list[_Stroke], answers: Answers, notes: list[str]) -> int:
+def _choose(curves: list[LoadingCurve], answers: Answers, notes: list[str]) -> int:
     """Return which cycle to fit: the one that was given, else the first where the others agree with it."""
     if answers.cycle is not None:
-        if not 1 <= answers.cycle <= len(strokes):
+        if not 1 <= answers.cycle <= len(curves):
             raise DimpleError(
-                "There is no cycle {cycle}: the file holds {presses}.", cycle=answers.cycle, presses=len(strokes)
+                "There is no cycle {cycle}: the file holds {presses}.", cycle=answers.cycle, presses=len(curves)
             )
         return answers.cycle - 1
-    if len(strokes) == 1:
+    if len(curves) == 1:
         return 0
-    apart = [_difference(strokes[0], other) for other in strokes[1:]]
+    apart = [_difference(curves[0], other) for other in curves[1:]]
     if max(apart) <= _AGREE:
         notes.append(
             Message(
                 "{presses} presses agree within {apart:.1f} % of full scale; the first is fitted.",
-                presses=len(strokes),
+                presses=len(curves),
                 apart=100 * max(apart),
             )
         )
@@ -259,24 +250,22 @@ def _choose(strokes: list[_Stroke], answers: Answers, notes: list[str]) -> int:
             text=Message(
                 "The file holds {presses} presses that differ by up to {apart:.0f} % of full scale. Which one is "
                 "fitted?",
-                presses=len(strokes),
+                presses=len(curves),
                 apart=100 * max(apart),
             ),
             candidates=tuple(
                 Candidate(
-                    value=str(i + 1),
-                    label=Message(
-                        "{depth:.4g} mm deep, up to {force:.4g} N", depth=1e3 * s.depth.max(), force=s.force.max()
-                    ),
+                    str(i + 1),
+                    Message("{depth:.4g} mm deep, up to {force:.4g} N", depth=1e3 * s.depth.max(), force=s.force.max()),
                 )
-                for i, s in enumerate(strokes)
+                for i, s in enumerate(curves)
             ),
         )
     )
 
 
-def _difference(first: _Stroke, other: _Stroke) -> float:
-    """Return how far two strokes are apart where both were: RMS as a share of full scale."""
+def _difference(first: LoadingCurve, other: LoadingCurve) -> float:
+    """Return how far two presses are apart where both were: RMS as a share of full scale."""
     shallowest = max(first.depth.min(), other.depth.min())
     grid = np.linspace(shallowest, min(first.depth.max(), other.depth.max()), 100)
     a, b = (np.interp(grid, np.maximum.accumulate(s.depth), s.force) for s in (first, other))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..base import DimpleError
 
@@ -68,8 +68,7 @@ class Answers:
                 raise DimpleError("The answer to “{name}” is a depth in mm (it is {depth}).", name=name, depth=depth)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Candidate:
+class Candidate(NamedTuple):
     """A possible answer: its value, and what it means, with a preview of the data."""
 
     value: str
@@ -113,7 +112,7 @@ class Undecided(DimpleError):
             "questions": [
                 {
                     "name": question.name, "text": question.text, "default": question.default,
-                    "candidates": [{"value": c.value, "label": c.label} for c in question.candidates],
+                    "candidates": [c._asdict() for c in question.candidates],
                 }
                 for question in self.questions
             ]

@@ -1,4 +1,4 @@
-"""Find the table among the lines: what stands above it, what names its columns, and its numbers."""
+"""Find the table among the lines: what stands above it, what its columns are called, their units and numbers."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message
-from .dialect import Dialect, is_row, number, number_and_unit, split
 from .question import Answers, Candidate, Question, Undecided
+from .reader import Dialect, is_row, number, number_and_unit, split
 from .vocabulary import is_known, role_of, split_unit, unit_of
 
 MAX_ROWS = 100_000  # rows kept of a table, far more than a fit needs; of more, every n-th
 MIN_ROWS = 8  # of a table: two for each piece of the law, with touch, tare and two to spare
-_PREAMBLE = 2000  # lines in which a table must have begun
-_HEADER = 6  # lines above a table that may name its columns
+SLIGHT = 0.01  # of a range: what instruments are off by
+_UNIT = r"units?|einheit|単位"  # announces units
 _NOTHING = frozenset(("", "-", "--", "---", "----", "nan", "n/a", "na", "null", "none"))  # cells left empty
 
 
@@ -28,9 +28,8 @@ class Table:
 
     names: (c,) header of each column, "" where there is none.
     units: (c,) unit of each column as written, "" where there is none.
-    cells: (c,) columns of text.
     numbers: (n, c) values, NaN where a cell is no number.
-    numeric: (c,) whether a column holds numbers.
+    numeric: the columns that hold numbers.
     values: of the "KEY = value" lines above the table.
     notes: messages about how it was read.
     warnings: messages about what may be wrong.
@@ -38,12 +37,29 @@ class Table:
 
     names: tuple[str, ...]
     units: tuple[str, ...]
-    cells: tuple[tuple[str, ...], ...]
     numbers: Floats
-    numeric: tuple[bool, ...]
+    numeric: tuple[int, ...]
     values: dict[str, str]
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
+
+    def title(self, at: int) -> str:
+        """Return what a column is called in a question: its name and unit, or its number."""
+        return title_of(self.names[at], self.units[at], at)
+
+    def role(self, at: int) -> str | None:
+        """Return what a column is by its name, see `role_of`."""
+        return role_of(self.names[at])
+
+    def kind(self, at: int) -> str | None:
+        """Return the kind of the unit of a column, see `unit_of`."""
+        found = unit_of(self.units[at])
+        return found[0] if found else None
+
+
+def title_of(name: str, unit: str, at: int) -> str:
+    """Return the title of a column with a name and a unit, of which either may be empty."""
+    return (name + (f" ({unit})" if unit else "")) if name else Message("column {number}", number=at + 1)
 
 
 def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers) -> Table:
@@ -83,8 +99,6 @@ def _find_runs(lines: Sequence[str], dialect: Dialect) -> list[_Run]:
     header: list[str] = []
     open_run: _Run | None = None
     for i, line in enumerate(lines):
-        if i > _PREAMBLE and not runs:
-            break
         if open_run and line[:1].isdigit() and open_run.end == i and len(lines) > MAX_ROWS:
             open_run.end = i + 1  # a huge file: what begins like a row is one until its numbers are read
         elif is_row(cells := split(line, dialect.delimiter), dialect):
@@ -123,7 +137,7 @@ def _which_table(lines: Sequence[str], runs: Sequence[_Run]) -> Question:
     return Question(
         name="table",
         text=Message("The file holds {tables} tables. Which one is the measurement?", tables=len(runs)),
-        candidates=tuple(Candidate(value=str(i + 1), label=label(run)) for i, run in enumerate(runs)),
+        candidates=tuple(Candidate(str(i + 1), label(run)) for i, run in enumerate(runs)),
     )
 
 
@@ -149,18 +163,50 @@ def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect) -> Tabl
     columns = list(zip(*whole, strict=True))
     while columns and not any(columns[-1]):  # a delimiter at the end of every row
         columns.pop()
-    numbers, units = zip(*(_column(column, dialect.decimal) for column in columns), strict=True)
+    numbers, cell_units = zip(*(_column(column, dialect.decimal) for column in columns), strict=True)
     names, header_units, values = _header(above, len(columns), dialect)
+    units = [in_cell or in_header for in_cell, in_header in zip(cell_units, header_units, strict=True)]
+    numeric = [i for i, column in enumerate(columns) if _is_numeric(column, numbers[i])]
+    for i in numeric:
+        beside = columns[i + 1] if i + 1 < len(columns) and i + 1 not in numeric and not units[i] else ()
+        kinds = {found and found[0] for found in map(unit_of, set(beside))}
+        if len(kinds) != 1 or None in kinds:
+            continue
+        units[i] = beside[0]
+        if len(set(beside)) > 1:
+            _to_one_unit(numbers[i], beside)
+            notes.append(
+                Message(
+                    "The unit of {title} changes within the file; each row was converted by its own.",
+                    title=title_of(names[i], "", i),
+                )
+            )
+    _take_listed(values, names, units, numeric)
     return Table(
-        names=names,
-        units=tuple(in_cell or in_header for in_cell, in_header in zip(units, header_units, strict=True)),
-        cells=tuple(columns),
-        numbers=np.stack(numbers, axis=1),
-        numeric=tuple(_is_numeric(*pair) for pair in zip(columns, numbers, strict=True)),
-        values=values,
-        notes=tuple(notes),
-        warnings=tuple(warnings),
-    )
+        names=names, units=tuple(units), numbers=np.stack(numbers, axis=1), numeric=tuple(numeric), values=values,
+        notes=tuple(notes), warnings=tuple(warnings),
+    )  # fmt: skip
+
+
+def _to_one_unit(numbers: Floats, units: Sequence[str]) -> None:
+    """Convert the numbers of a column with a unit for each row to the first of these units."""
+    factor = {unit: found[1] for unit in set(units) if (found := unit_of(unit))}
+    numbers *= [factor[unit] / factor[units[0]] for unit in units]
+
+
+def _take_listed(values: dict[str, str], names: Sequence[str], units: list[str], numeric: Sequence[int]) -> None:
+    """Take the units that are listed above a table: of all columns, or of those with one role."""
+    for key, value in values.items():
+        if not re.search(_UNIT, key):
+            continue
+        listed = [word for word in re.split(r"[,;\s]+", value) if word]
+        known = [word for word in listed if unit_of(word)]
+        if len(known) == len(listed) == len(numeric) and not any(units[i] for i in numeric):
+            for i, unit in zip(numeric, known, strict=True):
+                units[i] = unit
+        elif len(known) == 1 and (role := role_of(re.sub(_UNIT, "", key))) in ("force", "depth"):
+            for i in numeric:
+                units[i] = units[i] or (known[0] if role_of(names[i]) == role else "")
 
 
 def _filled(rows: list[list[str]]) -> list[list[str]]:
@@ -198,7 +244,7 @@ def _header(
         if found:
             values[found[1].strip().strip('"').lower()] = found[2].strip().strip(';,"\t ')
     names, units = [""] * width, [""] * width
-    near = [line for line in above if line.strip() and "=" not in line][-_HEADER:]
+    near = [line for line in above if line.strip() and "=" not in line]
     for line in reversed(near):
         cells = _fitted(line, width, dialect)
         filled = [cell for cell in cells if cell]

@@ -19,7 +19,8 @@ from .fit import Fit, fit_law, independent_rows
 from .press import LoadingCurve
 from .question import Answers, Candidate, Question, Undecided
 from .segments import MIN_PIECE
-from .strokes import SLIGHT, roughness
+from .strokes import roughness
+from .table import SLIGHT
 
 _WITHIN = 1.5  # times the noise: residuals of a law that follows its rows
 _HARMLESS = 0.02  # of the range of depth: touches nearer to each other give the same constants
@@ -45,8 +46,9 @@ def settle(curve: LoadingCurve, answers: Answers | None = None) -> tuple[Loading
 def _likeliest(curve: LoadingCurve) -> Fit:
     x, f = curve.depth, curve.force
     first, span = float(x[0]), float(np.ptp(x))
-    pressed, fit, found = _readings(x, f)
-    if found is not None:
+    pressed = beginning(x, f)
+    fit = _from_the_first_row(x, f, pressed)
+    if (found := _after_air(x, f, pressed, fit)) is not None:
         after, gain = found
         least = _POSITIVE if fit.K1.value > fit.K1.half_width else 0.0  # else nothing is pressed at the first row
         if 0 < least < gain < _VERY_STRONG and _differs(fit, after, span):
@@ -54,18 +56,9 @@ def _likeliest(curve: LoadingCurve) -> Fit:
         fit = after if gain > least else fit
     if fit.model == "two" and fit.K1.value * fit.x0.value < SLIGHT * fit.full_scale and fit.x0.value > FIRST * span:
         raise Undecided(_soft_or_air(curve, fit))
-    before = first - fit.contact.value
-    nearly = before <= _HARMLESS * span or abs(fit.contact.value) < _HARMLESS * span  # or the file's own 0
-    if before > 0 and not nearly:
+    if min(first - fit.contact.value, abs(fit.contact.value)) > _HARMLESS * span:  # and off the file's 0
         raise Undecided(_begun(curve, fit.contact.value, pressed.force))
     return fit
-
-
-def _readings(x: Floats, f: Floats) -> tuple[Beginning, Fit, tuple[Fit, float] | None]:
-    """Return how a stroke begins, its fit from the first row, and that after air with its gain over the other."""
-    pressed = beginning(x, f)
-    fit = _from_the_first_row(x, f, pressed)
-    return pressed, fit, _after_air(x, f, pressed, fit)
 
 
 def _after_air(x: Floats, f: Floats, pressed: Beginning, rival: Fit) -> tuple[Fit, float] | None:
@@ -183,7 +176,7 @@ def _gain(one: Fit, other: Fit, x: Floats, f: Floats) -> float:
         return max(float(((f - fit.tare - fit.law(x - fit.contact.value)) ** 2).sum()), 1e-300)
 
     rows = independent_rows(len(x), one.correlation)
-    more = 1 + len(one.parameters.values) - len(other.parameters.values)
+    more = 1 + len(one.fitted.free) - len(other.fitted.free)
     return rows * math.log(squares(other) / squares(one)) - more * math.log(rows)
 
 
@@ -196,7 +189,7 @@ def _differs(one: Fit, other: Fit, span: float) -> bool:
 
 def _which_touch(curve: LoadingCurve, text: str, *answers: tuple[float, str]) -> Question:
     """Ask for the touch, with the likeliest depth [m] first."""
-    candidates = tuple(Candidate(value=f"{curve.reading(at):.6g}", label=label) for at, label in answers)
+    candidates = tuple(Candidate(f"{curve.reading(at):.6g}", label) for at, label in answers)
     return Question(name="contact_mm", text=text, candidates=candidates, default=candidates[0].value)
 
 

@@ -31,6 +31,8 @@ UNITS: dict[str, tuple[str, float]] = {
 _LOWER = {name.lower(): unit for name, unit in UNITS.items() if name not in ("mN", "MPa", "mJ", "p")}
 _AMBIGUOUS = {"M", "MN", "NM", "P", "G", "MS"}  # capitals that may mean two things
 
+KIND = {"force": "force", "depth": "length", "time": "time"}  # of the unit of a column with a role
+
 # a word of a header: its role; those of "other" win over the rest
 _ROLES = {
     "force": "force load kraft standardkraft prüfkraft last druckkraft fz fx fy fn scale weight gewicht f "

@@ -34,8 +34,8 @@ def load(text: str) -> dict[str, Any]:
 
 def to_text(calibration: Calibration) -> str:
     """Return the text that keeps a calibration: the core's record, and what a chart and a material need of it."""
+    from ...core.calibration.calibrate import to_record
     from ...core.calibration.doubts import NOTICEABLE_FORCE
-    from ...core.calibration.record import to_record
 
     record = to_record(calibration)
     loading, surface = calibration.loading, calibration.surface

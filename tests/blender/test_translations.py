@@ -164,7 +164,7 @@ def test_every_word_that_the_panels_write_is_there_in_japanese(bpy: ModuleType, 
 
 def test_words_that_fill_messages_are_there_in_japanese(bpy: ModuleType, japanese: dict) -> None:
     from bl_ext.user_default.dimple.core.calibration.reader import _MAGIC
-    from bl_ext.user_default.dimple.core.calibration.units import KIND
+    from bl_ext.user_default.dimple.core.calibration.vocabulary import KIND
     from bl_ext.user_default.dimple.core.material import FILLS, TIPS
 
     words = {*FILLS, *TIPS, *KIND, *KIND.values(), *_MAGIC.values(), "softness", "knee", "spread", "thickness", "pins"}

@@ -12,10 +12,9 @@ import pytest
 import trimesh
 
 from core.base import DimpleError
-from core.calibration.calibrate import calibrate, provenance, source_of_k
+from core.calibration.calibrate import calibrate, provenance, source_of_k, to_record
 from core.calibration.export import text_cell, write_press
 from core.calibration.question import Answers
-from core.calibration.record import to_record
 from core.calibration.surface import surface_constants
 from core.material import PRESETS
 from studies.__main__ import main

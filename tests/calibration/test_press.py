@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
-from core.calibration.columns import Measurement
+from core.calibration.measurement import Measurement
 from core.calibration.press import LoadingCurve, prepare
 from core.calibration.question import Answers, Undecided, WrongColumns
 from core.calibration.touch import settle

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
+from core.calibration.measurement import read_measurement
 from core.calibration.question import Answers, Undecided
-from core.calibration.reader import read_measurement
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "calibration"
 

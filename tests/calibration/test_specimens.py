@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
-from core.calibration.calibrate import Calibration, calibrate
+from core.calibration.calibrate import Calibration, calibrate, to_record
+from core.calibration.measurement import read_measurement
 from core.calibration.question import Answers, Undecided
-from core.calibration.reader import load_lines, read_measurement
-from core.calibration.record import to_record
+from core.calibration.reader import load_lines
 from studies.__main__ import main
 from studies.calibrate import to_lines
 from tests.calibration import specimens
@@ -274,7 +274,7 @@ def test_a_japanese_word_for_date_does_not_make_a_file_west_european(words, writ
     depth = np.linspace(0, 22, 100)
     body = table(depth, law(depth)).replace("Depth (mm),Force (N)", "変位(mm),荷重(N)")
     path = write((f"{words}\n" + body).encode("cp932"))
-    assert load_lines(path)[1] == "cp932"
+    assert load_lines(path)[1] == ["The text was read as cp932."]
     assert read_measurement(path).force_header == "荷重 (N)"
 
 

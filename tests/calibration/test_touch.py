@@ -5,10 +5,9 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from core.calibration.calibrate import calibrate
+from core.calibration.calibrate import calibrate, to_record
 from core.calibration.export import write_press
 from core.calibration.question import Answers, Undecided
-from core.calibration.record import to_record
 from core.calibration.surface import surface_constants
 from core.material import PRESETS
 from studies.reconstruct import DEEPEST
