@@ -21,8 +21,8 @@ from .contact import Step
 from .contact import Touch as Near
 from .fingertip import Around, RestSurface, Tip, rest_surface
 from .path import FingerPath
-from .sleep import Rest, reaches
 from .rolling import Turning
+from .sleep import Rest, reaches
 from .ticks import each_tick, meet, moved_back, slow_down
 
 
