@@ -4,10 +4,10 @@ from .. import operators
 from . import (
     fingertip_gizmo,
     material_choice,
+    my_materials,
     overlay,
     panels,
     preferences,
-    presets,
     properties,
     still_warning,
     surface_colours,
@@ -18,7 +18,7 @@ from . import (
 # in order of dependence: operators read the properties, panels name the operators and the presets' popover,
 # the preferences move the panels
 PARTS = (
-    translations, material_choice, properties, operators, presets, panels, preferences, surface_colours,
+    translations, material_choice, properties, operators, my_materials, panels, preferences, surface_colours,
     overlay, fingertip_gizmo, tool, still_warning,
 )  # fmt: skip
 

@@ -10,7 +10,7 @@ from bpy.props import EnumProperty
 from bpy.utils import previews
 
 from ..core.errors import DimpleError
-from ..operators.press.apply_preset import give
+from ..operators.calibrate.apply_preset import give
 from .object_settings import FIXED
 from .readout import iface_
 
@@ -23,7 +23,7 @@ _pictures: list[previews.ImagePreviewCollection] = []
 
 def choices(_settings: bpy.types.PropertyGroup | None, _context: bpy.types.Context | None) -> list[Item]:
     """Return the known materials: identifier, name, source, picture and number; 0 is a custom material."""
-    from ..core.everyday import OBJECTS  # not at import: it needs numpy, and enabling must be quick
+    from ..core.everyday_presets import OBJECTS  # not at import: it needs numpy, and enabling must be quick
 
     if not _pictures:
         _pictures.append(previews.new())
@@ -41,7 +41,7 @@ def choices(_settings: bpy.types.PropertyGroup | None, _context: bpy.types.Conte
 
 
 def _in_use(settings: bpy.types.PropertyGroup) -> int:
-    from ..core.everyday import OBJECTS, found
+    from ..core.everyday_presets import OBJECTS, found
     from ..core.material import DEFAULT_MATERIAL, Material
 
     material = settings.id_data.active_material
@@ -53,7 +53,7 @@ def _in_use(settings: bpy.types.PropertyGroup) -> int:
 
 
 def _use(settings: bpy.types.PropertyGroup, number: int) -> None:
-    from ..core.everyday import OBJECTS
+    from ..core.everyday_presets import OBJECTS
 
     if number:
         give(settings.id_data, OBJECTS[number - 1])

@@ -5,7 +5,7 @@ glTF and FBX write no Mesh Cache, and FBX no shape keys where it has NLA Strips 
 
 import bpy
 
-from ..operators.bridge.stack import is_cache
+from ..operators.bridge.modifiers import is_cache
 from ..operators.names import BAKED_KEY
 from .drawing import draw_notes
 

@@ -52,7 +52,7 @@ LOOKS = {
 
 def pictures() -> None:
     """Press and render a ball of every preset."""
-    from bl_ext.user_default.dimple.core.everyday import OBJECTS
+    from bl_ext.user_default.dimple.core.everyday_presets import OBJECTS
 
     PICTURES.mkdir(exist_ok=True)
     for old in PICTURES.glob("*.webp"):

@@ -14,7 +14,7 @@ from core.base import DimpleError
 from core.calibration.calibrate import Calibration, calibrate, to_record
 from core.calibration.doubts import Miss
 from core.calibration.question import Answers, Undecided, WrongColumns
-from core.calibration.surface import BALANCE_ASSUMES, PAPER_ASSUMES
+from core.calibration.surface_constant import BALANCE_ASSUMES, PAPER_ASSUMES
 from core.material import POINT, TIPS, Indenter
 
 from .calibration_plot import save_plot

@@ -22,8 +22,8 @@ from core.body.estimate import estimate
 from core.body.model import Model, build_model
 from core.material import DEFAULT_MATERIAL, PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices
-from core.reduction.planner import plan
 from core.reduction.proxy import build_proxy, mean_spacing
+from core.reduction.proxy_rule import plan
 from core.session import Finger, Session
 
 from .dent_picture import draw_dents, draw_profiles

@@ -15,9 +15,9 @@ import numpy as np
 
 from core.base import DimpleError
 from core.body.model import build_model
+from core.device.force_guard import Arming
 from core.device.limits import LEASE
 from core.device.orders import LinkState, ServoReport
-from core.device.safety import Arming
 from core.device.servo import Servo
 from core.device.workspace import Workspace, fingers, surfaces_of
 from core.material import PRESETS

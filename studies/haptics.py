@@ -20,8 +20,8 @@ import numpy as np
 
 from core.base import DimpleError
 from core.body.model import build_model
+from core.device.force_guard import Arming
 from core.device.orders import LinkState, ServoReport
-from core.device.safety import Arming
 from core.device.workspace import fingers, surfaces_of
 from core.mesh.surface import base_vertices
 from core.session import Session

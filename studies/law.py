@@ -24,7 +24,7 @@ from core.material import PRESETS, Material, law_force
 from core.mesh.ray import ray_hit
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.native.motion import Touch
-from core.reduction.planner import plan
+from core.reduction.proxy_rule import plan
 from core.session import Finger, Session
 
 from .primitives import SIZE, Shape, makers

@@ -16,7 +16,7 @@ import numpy as np
 from core.base import Floats
 from core.body.model import build_model
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
-from core.reduction.planner import BUDGET, Plan, plan, plan_full_mesh
+from core.reduction.proxy_rule import BUDGET, Plan, plan, plan_full_mesh
 from core.session import Session
 from core.world import Collider, World
 from core.world.props import PropWorld
@@ -24,7 +24,7 @@ from core.world.props import PropWorld
 from . import bodies, contact_cost
 from .primitives import icosphere, sized
 
-CONTACT = 2.0  # as in operators/press/proxy_choice.py
+CONTACT = 2.0  # as in operators/press/object_plan.py
 DEPTH, GAP, RADIUS, FRAME, TIP = 0.015, 0.003, 0.02, 1 / 60, 0.01
 SIDES, WEIGHT, DOWN_S, HOLD_S, REST_S = (0.06, 0.06, 0.03), 0.5, 0.3, 0.15, 1.5
 MESHES = {

@@ -21,8 +21,8 @@ from core.body.model import build_model as build
 from core.material import PRESETS
 from core.mesh.surface import Mesh, base_vertices
 from core.reduction.binding import carry
-from core.reduction.planner import BUDGET, plan
 from core.reduction.proxy import Proxy, build_proxy
+from core.reduction.proxy_rule import BUDGET, plan
 
 from .methods import native as native_method
 from .methods.registry import METHODS, Run

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import Floats
-from .segments import MIN_PIECE, slope_of, two_pieces
 from .strokes import roughness
 from .table import MIN_ROWS
+from .two_pieces import MIN_PIECE, slope_of, two_pieces
 
 SURE = 3.0  # standard errors: by chance once in 400 files
 FIRST = 0.1  # of the range of force: what a press begins with, far from any knee

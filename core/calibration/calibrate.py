@@ -17,7 +17,7 @@ from .fit import Constant, Fit
 from .measurement import Measurement, read_measurement
 from .press import LoadingCurve, check_loss, prepare
 from .question import Answers
-from .surface import BALANCE_ASSUMES, PAPER_ASSUMES, Surface, surface_constants
+from .surface_constant import BALANCE_ASSUMES, PAPER_ASSUMES, Surface, surface_constants
 from .touch import settle
 
 

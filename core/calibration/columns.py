@@ -10,9 +10,9 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message, in_a_row
+from .known_words_and_units import KIND
 from .question import Answers, Candidate, Question, Undecided
 from .table import MIN_ROWS, SLIGHT, Table
-from .vocabulary import KIND
 
 _COUNT = re.compile(r"(no|nr|number|index|sample|row|point|#|番号|no\.|nr\.)", re.IGNORECASE)
 _OTHER = {"depth": "force", "force": "depth"}

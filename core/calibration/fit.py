@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
-from .segments import MIN_PIECE, PARAMETERS, Law, two_pieces
 from .table import MIN_ROWS
+from .two_pieces import MIN_PIECE, PARAMETERS, Law, two_pieces
 
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
 _ROWS = MIN_ROWS - 1  # beyond the touch: with that, as many as a table has at least

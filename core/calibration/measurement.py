@@ -11,10 +11,10 @@ import numpy as np
 from ..base import DimpleError, Floats
 from ..messages import Message
 from .columns import check_clock, choose, in_time
+from .known_words_and_units import KIND, unit_of
 from .question import Answers, Candidate, Question, Undecided
 from .reader import find_dialect, load_lines, number
 from .table import MIN_ROWS, Table, find_table
-from .vocabulary import KIND, unit_of
 
 _CHOICES = {"force": ("N", "gf", "kgf", "mN", "kN", "lbf"), "depth": ("mm", "m", "um", "in")}
 _MASSES = ("g", "gr", "gram", "grams", "kg", "lb", "lbs", "oz")

@@ -16,10 +16,10 @@ from ..base import DimpleError, Floats
 from ..material import Material
 from ..mesh.surface import Mesh
 from ..messages import Message
+from .known_words_and_units import KIND, unit_of
 from .question import Answers
 from .reader import find_dialect, load_lines
 from .table import Table, find_table
-from .vocabulary import KIND, unit_of
 
 _NEAREST = 4  # places that are averaged: the corners of the cell round a vertex
 _FEWEST = 2 * _NEAREST  # places of a map

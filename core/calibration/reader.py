@@ -13,8 +13,8 @@ from pathlib import Path
 
 from ..base import DimpleError
 from ..messages import Message
+from .known_words_and_units import role_of, split_unit
 from .question import Candidate, Question, Undecided
-from .vocabulary import role_of, split_unit
 
 MAX_BYTES = 64 * 2**20  # a million rows: far more than an instrument writes
 MAX_LINE = 20_000  # characters

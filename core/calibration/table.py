@@ -11,9 +11,9 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message
+from .known_words_and_units import is_known, role_of, split_unit, unit_of
 from .question import Answers, Candidate, Question, Undecided
 from .reader import Dialect, is_row, number, number_and_unit, split
-from .vocabulary import is_known, role_of, split_unit, unit_of
 
 MAX_ROWS = 100_000  # rows kept of a table, far more than a fit needs; of more, every n-th
 MIN_ROWS = 8  # of a table: two for each piece of the law, with touch, tare and two to spare

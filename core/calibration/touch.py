@@ -18,9 +18,9 @@ from .beginning import FIRST, SURE, Beginning, beginning, rising_from, squares_o
 from .fit import Fit, fit_law, independent_rows
 from .press import LoadingCurve
 from .question import Answers, Candidate, Question, Undecided
-from .segments import MIN_PIECE
 from .strokes import roughness
 from .table import SLIGHT
+from .two_pieces import MIN_PIECE
 
 _WITHIN = 1.5  # times the noise: residuals of a law that follows its rows
 _HARMLESS = 0.02  # of the range of depth: touches nearer to each other give the same constants

@@ -12,12 +12,12 @@ from typing import IO, Protocol
 
 from ..errors import DimpleError
 from ..messages import Message
+from .force_guard import Arming
 from .limits import ANSWER_TIME, LEASE
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .orders import LinkState, Order, ServoReport, pack_order, unpack_report
 from .process import end, start
-from .safety import Arming
-from .surface import Surface
+from .rendered_surface import Surface
 
 
 class Device(Protocol):

@@ -9,9 +9,9 @@ from typing import Any, Final, NamedTuple
 
 from ..messages import kept, read
 from ..vectors import ZERO, Vector
+from .force_guard import Arming
 from .limits import LEASE, STATE_GAP
-from .safety import Arming
-from .surface import Law, Surface
+from .rendered_surface import Law, Surface
 from .wire import FINGERS as TIPS
 
 LONGEST_NOTE: Final = 1000  # characters, with the values: longer than any sentence that an artist reads

@@ -12,14 +12,14 @@ from ..errors import DimpleError
 from ..messages import Message
 from ..vectors import ZERO, Vector, is_finite, length
 from . import kinematics, limits, wire
+from .force_guard import Arming, BadNumbers, Guard, Switch
 from .notes import BAD_FORCE, FAULTS, LOSSY, NO_ANSWER, NO_STATES, SILENT, STOOD_STILL, TOO_FAST, WAS_SILENT
 from .orders import LinkState, Order, ServoReport, TipState
 from .passivity import SentForces
 from .received import Received
-from .safety import Arming, BadNumbers, Guard, Switch
+from .rendered_surface import Surface, is_sane, stiffness_cap
 from .servo_finger import ServoFinger
 from .spec import Spec, check_info
-from .surface import Surface, is_sane, stiffness_cap
 
 UNCONNECTED = (LinkState.OPENING, LinkState.LOST)
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 
 from ..vectors import ZERO, Vector
 from . import kinematics
+from .force_guard import Guard
 from .kinematics import Block
 from .limits import JUMP, RAIL
-from .safety import Guard
+from .rendered_surface import Contact
 from .spec import Spec
-from .surface import Contact
 
 
 @dataclass(slots=True, kw_only=True)

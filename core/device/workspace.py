@@ -14,7 +14,7 @@ from ..session import Finger, Session
 from ..vectors import ZERO, Vector, along, dot, scaled
 from .limits import SIDEWAYS
 from .orders import ServoReport
-from .surface import Law, Surface
+from .rendered_surface import Law, Surface
 
 LawAt = Callable[[Sequence[float]], Sequence[float]]
 OtherTip = tuple[float, LawAt]  # its radius [m], and its forces [N] at depths [m] where it is

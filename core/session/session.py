@@ -25,7 +25,7 @@ from .clock import Clock, step_all
 from .fingertip import Finger as Finger
 from .fingertip import FingerOnItsWay, is_possible, sent
 from .frame import Frame as Frame
-from .rest import Rest
+from .rest_shape import Rest
 from .skin import Pins, Skin
 from .sway import Push, push_of
 

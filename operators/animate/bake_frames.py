@@ -19,8 +19,8 @@ from ...core.messages import Message, about
 from ...core.recording import PointCache
 from ...core.session import step_all
 from ...core.steps import Parts, as_share, beside
-from ..bridge import cache_files, final_mesh, scene_objects, stack, timeline, write_back
-from ..press import contact, live_settings, live_step, props, recorder
+from ..bridge import cache_files, final_mesh, modifiers, scene_objects, timeline, write_back
+from ..press import changed_settings, colliders, live_step, props, recorder
 from ..press.object_body import ObjectBody
 from ..press.progress import READY
 from . import shape_keys  # fmt: skip
@@ -99,7 +99,7 @@ def simulate(
             opening = beside(_opening(context, plan, obj, messages, files))
             bodies.append((yield from as_share(opening, done * each, each)))
         together = {body.link.uid: (body.obj, body.session, body.link.scale) for body in bodies}
-        worlds = contact.worlds_of(context, together)
+        worlds = colliders.worlds_of(context, together)
         for body in bodies:
             if note := body.session.contact_note:
                 messages.append(about(body.name, note))
@@ -157,7 +157,7 @@ def _check_keys(obj: bpy.types.Object) -> None:
         raise DimpleError('"{name}" has absolute shape keys. Switch its shape keys to Relative first.', name=obj.name)
     if keys and obj.show_only_shape_key:
         raise DimpleError('"{name}" shows one shape key only. Switch Solo Active Shape Key off first.', name=obj.name)
-    if others := [each.name for each in obj.modifiers if each.show_viewport and not stack.is_cache(each)]:
+    if others := [each.name for each in obj.modifiers if each.show_viewport and not modifiers.is_cache(each)]:
         raise DimpleError(
             '"{name}" shows what its modifier "{others}" makes of its mesh, and shape keys move the mesh before '
             "that. Bake to a Mesh Cache, or export.",
@@ -194,16 +194,18 @@ def _opening(
     return body
 
 
-def _step(context: bpy.types.Context, bodies: Sequence[Baked], worlds: Sequence[contact.LiveWorld], frame: int) -> None:
+def _step(
+    context: bpy.types.Context, bodies: Sequence[Baked], worlds: Sequence[colliders.LiveWorld], frame: int
+) -> None:
     scene = context.scene
     for look_s in timeline.looks(scene, frame):
         for body in bodies:
             obj = body.obj
-            live_settings.follow_keyframes(scene, obj, body)
+            changed_settings.follow_keyframes(scene, obj, body)
             body.session.set_fingers(live_step.fingertips(scene, body.link.scale))
             body.follow(context, obj)
         for world in worlds:
-            contact.lead_colliders(context, world)
+            colliders.lead_colliders(context, world)
             world.world.step(look_s)
         met = {uid for world in worlds for uid in world.uids}
         alone = [body.session for body in bodies if body.link.uid not in met]
@@ -215,7 +217,7 @@ def _step(context: bpy.types.Context, bodies: Sequence[Baked], worlds: Sequence[
                 )
 
 
-def _show_props(worlds: Sequence[contact.LiveWorld], frame: int, poses: props.Poses) -> None:
+def _show_props(worlds: Sequence[colliders.LiveWorld], frame: int, poses: props.Poses) -> None:
     for world in worlds:
         props.show(world)
         props.note(world, frame, poses)

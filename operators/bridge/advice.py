@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.messages import Message
 from ..messages import Note
-from . import offset, sizing, stack
+from . import modifiers, offset, sizing
 
 if TYPE_CHECKING:
     from ...core.body.model import Model
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: ObjectLink) -> tuple[str, ...]:
     """Return sentences of advice on a body: its rig, what of the scene does not act, its size, and how fine it is."""
     notes, size = [], mesh.size
-    if stack.is_carried(body):
+    if modifiers.is_carried(body):
         notes.append(Note("A rig holds the body: its shape at rest follows the rig."))
     if any(each.field and each.field.type != "NONE" for each in scene.objects):
         notes.append(Note("Wind and other force fields of the scene do not act on the body."))
-    for bake in filter(stack.is_cache, body.modifiers):
+    for bake in filter(modifiers.is_cache, body.modifiers):
         if not all(path.exists() for path, _ in offset.files(bake)):
             notes.append(Message('The file that "{name}" plays is gone: bake again.', name=bake.name))
     for tip in sizing.fingertips(scene):

@@ -18,7 +18,7 @@ from ...core.messages import Message
 from ...core.recording import PointCache, open_point_cache
 from ..names import BAKED_PRESS, CACHE
 from . import keyframes, offset, rendered_mesh
-from .stack import is_cache
+from .modifiers import is_cache
 
 LONGEST_NAME = 91  # bytes; a name has two, a number and endings, and a disk takes 255
 _PACKAGE = (__package__ or "").partition(".operators")[0]

@@ -16,8 +16,8 @@ import numpy.typing as npt
 from ...core.base import DimpleError
 from ..names import BAKED_KEY, CACHES_OFF, PRESS, REST
 from . import offset
+from .modifiers import is_cache
 from .object_link import find, get_points, scale_of_body
-from .stack import is_cache
 
 if TYPE_CHECKING:
     from .object_link import Floats, ObjectLink, Singles

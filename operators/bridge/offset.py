@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import bpy
 
 from ..names import CARRIER, OURS, PRESS, REST
-from .stack import shows
+from .modifiers import shows
 
 
 class Shown(NamedTuple):

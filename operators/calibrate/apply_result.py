@@ -9,8 +9,8 @@ from ...core.messages import kept
 from ..bridge import sizing
 from ..names import Op
 from ..press import polls
-from ..press.apply_preset import material_of
 from . import results
+from .apply_preset import material_of
 
 
 class DIMPLE_OT_apply_calibration(bpy.types.Operator):

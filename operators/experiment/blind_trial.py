@@ -77,7 +77,7 @@ def source_of(name: str) -> object:
     Raises:
         DimpleError: there is none.
     """
-    from ...core.everyday import OBJECTS
+    from ...core.everyday_presets import OBJECTS
 
     preset = next((each for each in OBJECTS if name in (each.name, each.label)), None)
     if preset is None and (bpy.data.materials.get(name) is None or name.startswith(MATERIAL)):
@@ -87,7 +87,7 @@ def source_of(name: str) -> object:
 
 def dress(obj: bpy.types.Object, name: str, level: float) -> None:
     """Give an object the material of a task, with its stiffness scaled."""
-    from ..press.apply_preset import apply
+    from ..calibrate.apply_preset import apply
 
     source = source_of(name)
     material = bpy.data.materials.get(MATERIAL) or bpy.data.materials.new(MATERIAL)

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...core.recording import PointCache, open_point_cache
-from ..bridge import cache_files, final_mesh, keyframes, offset, stack
+from ..bridge import cache_files, final_mesh, keyframes, modifiers, offset
 
 Singles = npt.NDArray[np.float32]
 UV_MAP = "dimple_vertex"
@@ -157,7 +157,7 @@ def playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
         with selected(context, obj):
             yield
         return
-    ours = [modifier for modifier in obj.modifiers if stack.is_cache(modifier)]
+    ours = [modifier for modifier in obj.modifiers if modifiers.is_cache(modifier)]
     before = [(modifier, modifier.show_viewport, modifier.show_render) for modifier in ours]
     with selected(context, obj):
         try:
@@ -166,7 +166,7 @@ def playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
             cache_files.play(context, obj, *clip.plays)
             yield
         finally:
-            for modifier in [each for each in obj.modifiers if stack.is_cache(each) and each not in ours]:
+            for modifier in [each for each in obj.modifiers if modifiers.is_cache(each) and each not in ours]:
                 obj.modifiers.remove(modifier)
             offset.sweep_data()
             for modifier, viewport, render in before:

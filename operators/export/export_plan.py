@@ -21,7 +21,7 @@ from ...core.messages import Message, in_a_row
 from ...core.recording import open_point_cache
 from ...core.steps import as_share
 from ..animate import bake_frames
-from ..bridge import cache_files, offset, scene_objects, stack
+from ..bridge import cache_files, modifiers, offset, scene_objects
 from ..messages import megabytes
 from . import clips, formats, sidecar
 from .clips import Clip, ExportPlan
@@ -54,7 +54,7 @@ def estimate(context: bpy.types.Context, plan: ExportPlan) -> float:
 def played(obj: bpy.types.Object, plan: ExportPlan) -> Clip | None:
     """Return the bake or recording that an object plays, None where it plays none."""
     for modifier in obj.modifiers:
-        if not (stack.is_cache(modifier) and modifier.show_viewport):
+        if not (modifiers.is_cache(modifier) and modifier.show_viewport):
             continue
         for path, _ in offset.files(modifier)[:1]:
             try:

@@ -95,8 +95,8 @@ def hold(seconds: float) -> None:
 
 def read() -> list[str]:
     """Read the device; return sentences for the artist."""
+    from ...core.device.force_guard import Arming
     from ...core.device.orders import LinkState
-    from ...core.device.safety import Arming
 
     connection = get()
     if connection is None:

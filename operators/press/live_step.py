@@ -16,7 +16,17 @@ from ...core.session.clock import step_all
 from ...core.steps import Parts, at_once
 from ..bridge import scene_objects, sizing
 from ..messages import Note, gathered
-from . import contact, fingertip_objects, haptic_fingertips, last_press, live_settings, props, sessions, showing, twins
+from . import (
+    changed_settings,
+    colliders,
+    compare_materials,
+    fingertip_objects,
+    haptic_fingertips,
+    last_press,
+    props,
+    sessions,
+    showing,
+)
 from .modal_runs import ModalRun
 from .sessions import LiveBody
 
@@ -64,7 +74,7 @@ def starting_all(context: bpy.types.Context) -> Parts:
     """Start a session on every candidate, in parts; see `start_all`. Closed, nothing was started."""
     bodies, messages, wrong, before = [], [], [], set(sessions.sessions)
     try:
-        for obj in twins.joined(candidates(context), context.scene):
+        for obj in compare_materials.joined(candidates(context), context.scene):
             try:
                 body, notes = yield from sessions.starting(obj, context)
             except DimpleError as error:
@@ -101,7 +111,7 @@ def advance(
         Sentences for the artist: sessions that ended, or were put back to rest.
     """
     messages = [*haptic_fingertips.read(), *showing.end_changed(context.view_layer)]
-    pressed = twins.shared(pressed or {}, context.scene)
+    pressed = compare_materials.shared(pressed or {}, context.scene)
     began = time.perf_counter()
     for uid, body in list(sessions.sessions.items()):
         messages += _trying(uid, prepare, context, body, pressed.get(uid, ()))
@@ -137,7 +147,7 @@ def _trying(uid: int, do: Callable[..., list[str]], *arguments: Any) -> list[str
 
 def _meet(context: bpy.types.Context) -> list[str]:
     """Bring up to date which bodies are stepped together, and where their colliders go; end all that cannot be."""
-    if not contact.is_on(context.scene):
+    if not colliders.is_on(context.scene):
         sessions.set_worlds(())
         return []
     bodies = {
@@ -146,9 +156,9 @@ def _meet(context: bpy.types.Context) -> list[str]:
         if (obj := scene_objects.find(uid, body.name))  # else its session is about to end
     }
     try:
-        sessions.set_worlds(contact.worlds_of(context, bodies, sessions.worlds))
+        sessions.set_worlds(colliders.worlds_of(context, bodies, sessions.worlds))
         for world in sessions.worlds:
-            contact.lead_colliders(context, world)
+            colliders.lead_colliders(context, world)
     except DimpleError as error:
         return [str(error), *(each for uid in list(sessions.sessions) for each in sessions.stop(uid))]
     return []
@@ -179,7 +189,7 @@ def _run(group: tuple[list[LiveBody], World | None], dt: float, budget: float | 
 def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger | None]) -> list[str]:
     """Bring settings, pins and fingertips of a session up to date; return sentences for the artist."""
     obj, link = body.obj, body.link
-    messages = live_settings.follow(context, obj, body)
+    messages = changed_settings.follow(context, obj, body)
     if body.link is not link:
         pressed = ()  # those were in metres of another size
         sessions.disarm()  # which may put it under a fingertip of the haptic device at once
@@ -211,8 +221,8 @@ def finish(body: LiveBody) -> list[str]:
 
 def pressing(scene: bpy.types.Scene, body: LiveBody) -> Sequence[Finger | None]:
     """Return the fingertip objects that press a body, or its twin."""
-    if original := twins.source(body):
-        return twins.moved(fingertips(scene, original.link.scale), original, body)
+    if original := compare_materials.source(body):
+        return compare_materials.moved(fingertips(scene, original.link.scale), original, body)
     return fingertips(scene, body.link.scale)
 
 

@@ -34,7 +34,7 @@ class Faults(NamedTuple):
 
 def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[Item]:
     """Return the known objects, from soft to hard: identifier, name, source and number."""
-    from ...core.everyday import OBJECTS
+    from ...core.everyday_presets import OBJECTS
 
     if not _items:
         numbers = {name: i for i, name in enumerate([FIRST, *(each.name for each in OBJECTS if each.name != FIRST)])}

@@ -60,10 +60,10 @@ class ObjectBody:
         from ...core.session import Session
         from ..bridge import scene_objects, timeline
         from ..bridge.body_model import settings_of
-        from . import proxy_choice
+        from . import object_plan
 
         link, model = yield from scene_objects.reading_body(context, obj)
-        proxy = yield from proxy_choice.planning_for(context.scene, obj, model)
+        proxy = yield from object_plan.planning_for(context.scene, obj, model)
         session = yield 0.9, partial(Session, model, proxy=proxy, tick=timeline.tick_s(context.scene))
         body = cls(
             link=link, session=session, settings=settings_of(context.scene, obj), matrix=link.matrix, rest=link.rest,

@@ -11,7 +11,7 @@ from ..bridge import scene_objects
 from ..bridge.keyframes import curve_bags
 
 if TYPE_CHECKING:
-    from .contact import LiveWorld
+    from .colliders import LiveWorld
 
 Poses = dict[int, list[tuple[int, Matrix]]]  # by session_uid: frame and matrix in the scene
 fallen: dict[int, tuple[str, Matrix]] = {}  # what has fallen, by session_uid: its name and what to put back

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from ...core.session import Finger
     from ...core.steps import Parts
     from ..bridge.body_model import Settings
-    from .contact import LiveWorld
-    from .proxy_choice import Around
+    from .colliders import LiveWorld
+    from .object_plan import Around
     from .recorder import Recorder
 
 

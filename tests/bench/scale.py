@@ -25,7 +25,7 @@ from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.native.body import step_many
 from core.native.motion import Motion
 from core.reduction.binding import carry
-from core.reduction.planner import plan
+from core.reduction.proxy_rule import plan
 from core.session import Finger, Session
 from core.session.clock import step_all
 from studies import bodies, scenes

@@ -104,7 +104,7 @@ def drawn_texts() -> Iterator[str]:
 
 def measured(bpy: ModuleType) -> Iterator[str]:
     """Yield what the presets are called and where they come from, what an experiment says."""
-    from bl_ext.user_default.dimple.core.everyday import OBJECTS
+    from bl_ext.user_default.dimple.core.everyday_presets import OBJECTS
     from bl_ext.user_default.dimple.core.experiment.plan import CONSENT, STEPS
 
     yield from (CONSENT, *STEPS)
@@ -163,8 +163,8 @@ def test_every_word_that_the_panels_write_is_there_in_japanese(bpy: ModuleType, 
 
 
 def test_words_that_fill_messages_are_there_in_japanese(bpy: ModuleType, japanese: dict) -> None:
+    from bl_ext.user_default.dimple.core.calibration.known_words_and_units import KIND
     from bl_ext.user_default.dimple.core.calibration.reader import _MAGIC
-    from bl_ext.user_default.dimple.core.calibration.vocabulary import KIND
     from bl_ext.user_default.dimple.core.material import FILLS, TIPS
 
     words = {*FILLS, *TIPS, *KIND, *KIND.values(), *_MAGIC.values(), "softness", "knee", "spread", "thickness", "pins"}

@@ -11,7 +11,7 @@ from core.base import DimpleError
 from core.calibration.calibrate import calibrate
 from core.calibration.export import write_press
 from core.calibration.fit import fit_law, t_95
-from core.calibration.segments import two_pieces
+from core.calibration.two_pieces import two_pieces
 from core.material import PRESETS
 from studies.reconstruct import reconstruct
 

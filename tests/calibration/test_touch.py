@@ -8,7 +8,7 @@ import pytest
 from core.calibration.calibrate import calibrate, to_record
 from core.calibration.export import write_press
 from core.calibration.question import Answers, Undecided
-from core.calibration.surface import surface_constants
+from core.calibration.surface_constant import surface_constants
 from core.material import PRESETS
 from studies.reconstruct import DEEPEST
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 from core.device import kinematics, wire
 from core.device.limits import LEASE
 from core.device.orders import pack_order, unpack_order
+from core.device.rendered_surface import Law, Surface
 from core.device.servo import Servo
 from core.device.spec import Spec, info, load_spec
-from core.device.surface import Law, Surface
 from core.vectors import ZERO, Vector, length
 from studies.bench import linkage
 from tests.haptics.converters import adc_words

@@ -18,9 +18,9 @@ import numpy as np
 
 from core.device import wire
 from core.device.device import HapticMaster
+from core.device.force_guard import Arming
 from core.device.orders import LinkState, ServoReport
 from core.device.process import end
-from core.device.safety import Arming
 from core.vectors import length
 from studies.bench.processes import start_emulator
 from tests.haptics.bench_device import wall

@@ -15,9 +15,9 @@ import pytest
 from core.device import wire
 from core.device.limits import LEASE, QUIET_TIME
 from core.device.orders import LinkState
+from core.device.rendered_surface import Law, Surface, stiffness_cap
 from core.device.servo import Servo
 from core.device.spec import Spec
-from core.device.surface import Law, Surface, stiffness_cap
 from core.vectors import length
 from studies.bench.faults import parse_fault
 from studies.bench.faulty_emulator import FaultyEmulator, TraceRow

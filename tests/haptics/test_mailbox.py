@@ -10,6 +10,7 @@ from dataclasses import replace
 import pytest
 
 from core.constants import FACTORS
+from core.device.force_guard import Arming
 from core.device.mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from core.device.orders import (
     LinkState,
@@ -21,8 +22,7 @@ from core.device.orders import (
     unpack_order,
     unpack_report,
 )
-from core.device.safety import Arming
-from core.device.surface import Law
+from core.device.rendered_surface import Law
 from core.messages import Message
 from tests.haptics.bench_device import wall
 from tools.environment import ROOT

@@ -18,9 +18,9 @@ import pytest
 from core.base import DimpleError
 from core.device import wire
 from core.device.device import HapticMaster
+from core.device.force_guard import Arming
 from core.device.notes import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS_SILENT
 from core.device.orders import LinkState, ServoReport
-from core.device.safety import Arming
 from core.vectors import length
 from studies import haptics
 from tests.haptics.machine import NEEDS_PTY, unable

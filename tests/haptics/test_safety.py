@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from core.device.safety import Arming, BadNumbers, Guard, Switch
+from core.device.force_guard import Arming, BadNumbers, Guard, Switch
 from core.vectors import ZERO, length
 
 LIMITS = 10.0, 4.0  # [N] peak, continuous

@@ -7,8 +7,8 @@ import pytest
 
 from core.device import wire
 from core.device.notes import FAULTS
+from core.device.rendered_surface import Law
 from core.device.spec import load_spec
-from core.device.surface import Law
 from tests.haptics.bench_device import SESSION, BenchDevice, disarmed, note, wall
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.device.surface import Contact, Law, Surface, is_sane, left_at, stiffness_cap
+from core.device.rendered_surface import Contact, Law, Surface, is_sane, left_at, stiffness_cap
 from core.material import PRESETS, law_force, law_slope
 from core.vectors import ZERO, Vector, length
 from tests.haptics.bench_device import wall

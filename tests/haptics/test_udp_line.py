@@ -14,8 +14,8 @@ import pytest
 
 from core.base import DimpleError
 from core.device.device import HapticMaster
+from core.device.force_guard import Arming
 from core.device.orders import LinkState, ServoReport
-from core.device.safety import Arming
 from core.device.spec import geometry_crc
 from core.device.udp_line import open_udp
 from tests.haptics.bench_device import wall

@@ -8,7 +8,7 @@ import pytest
 
 from core.body.model import build_model
 from core.device.orders import ServoReport, TipState
-from core.device.surface import Contact, Surface, is_sane
+from core.device.rendered_surface import Contact, Surface, is_sane
 from core.device.workspace import Workspace, fingers, surface_of, surfaces_of
 from core.material import PRESETS, law_force
 from core.mesh.surface import base_vertices

@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 
-from core.reduction.planner import surface_error
+from core.reduction.proxy_rule import surface_error
 from studies import bodies, proxies
 from studies.proxies import Row
 from tools.charts import KEPT

@@ -45,7 +45,7 @@ FLOORS = {
     "core.steps": 0,
     "core.vectors": 0,
     "core.material": 0,
-    "core.everyday": 1,
+    "core.everyday_presets": 1,
     "core.other_tip": 1,
 }
 BLENDER = set("addon_utils bl_ext bl_operators bl_ui blf bmesh bpy bpy_extras gpu gpu_extras mathutils".split())

@@ -24,11 +24,11 @@ UNITS = re.compile(r"\{[^}]*\}|\b(cm|kPa|kg|mm|ms|px|Hz)\b|³")
 # what no artist reads: command lines, what is written to files, names in a .blend, the columns of measured files, and
 # what only a mistake in our own code raises
 UNSEEN = (
-    "core/calibration/vocabulary.py", "core/device/servo_process.py", "core/native/body.py", "core/native/carry.py",
-    "core/native/scene.py", "operators/export/clips.py", "operators/export/command_line.py",
+    "core/calibration/known_words_and_units.py", "core/device/servo_process.py", "core/native/body.py",
+    "core/native/carry.py", "core/native/scene.py", "operators/export/clips.py", "operators/export/command_line.py",
     "operators/bridge/keyframes.py",
     "operators/export/formats.py", "operators/export/sidecar.py",
-    "core/everyday.py", "operators/names.py",  # labels and the texts of presets, which a test in Blender looks at
+    "core/everyday_presets.py", "operators/names.py",  # labels and texts, which a test in Blender looks at
 )  # fmt: skip
 UNSEEN_TEXTS = {
     "import sys, mmap, select, tomllib; print('python', *sys.version_info[:2])", "real time", "force units?",

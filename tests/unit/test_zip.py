@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from core.everyday import OBJECTS
+from core.everyday_presets import OBJECTS
 from tools import extension, native
 from tools.environment import BLENDERS, DEV_PINS, PEER_PINS, READER_PINS, ROOT, WHEEL_PINS, Stop
 

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from core.reduction.planner import BUDGET
+from core.reduction.proxy_rule import BUDGET
 from studies import conservation, cost, literal_against_consistent, space, stiff_nylon
 from studies.methods.registry import METHODS
 from studies.stiff_nylon import TOLERANCE, Outcome

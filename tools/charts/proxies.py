@@ -7,7 +7,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-from core.reduction.planner import surface_error
+from core.reduction.proxy_rule import surface_error
 from studies import bodies, proxies
 from studies.proxies import COARSEST, FINEST, Row
 

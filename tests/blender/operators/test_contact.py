@@ -239,10 +239,10 @@ def test_what_meets_something_is_planned_for_twice_the_work_and_with_every_verte
     bpy: ModuleType, sessions: Any, ball: Add, add: Add, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from bl_ext.user_default.dimple.core.messages import read
-    from bl_ext.user_default.dimple.core.reduction import planner
+    from bl_ext.user_default.dimple.core.reduction import proxy_rule
     from bl_ext.user_default.dimple.operators.press import live_step
 
-    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 25_000)
+    monkeypatch.setattr(proxy_rule, "cost_of", lambda model: len(model.mass) / 25_000)
     obj = ball("Fine", 6)
     other = add(name="Other")
     other.location = (50, 0, 0)

@@ -208,8 +208,8 @@ def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: Mo
 def test_a_blender_that_draws_too_slowly_for_the_dead_man_key_is_said_once(
     bpy: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    from bl_ext.user_default.dimple.core.device.force_guard import Arming
     from bl_ext.user_default.dimple.core.device.orders import LinkState
-    from bl_ext.user_default.dimple.core.device.safety import Arming
     from bl_ext.user_default.dimple.operators.press import haptic_fingertips
 
     report = SimpleNamespace(link=LinkState.READY, arming=Arming.ON, note="")

@@ -33,19 +33,19 @@ def keyed(bpy: ModuleType, scene: Any, ball: Callable[..., Any]) -> Any:
 @pytest.fixture
 def slow(monkeypatch: pytest.MonkeyPatch) -> Iterator[SimpleNamespace]:
     """What says that a proxy is begun, and lets it be made: until then it takes for ever."""
-    from bl_ext.user_default.dimple.operators.press import proxy_choice
+    from bl_ext.user_default.dimple.operators.press import object_plan
 
     found = SimpleNamespace(begun=threading.Event(), go_on=threading.Event())
-    build = proxy_choice._proxy
+    build = object_plan._proxy
 
     def waiting(*given: Any) -> Any:
         found.begun.set()
         assert found.go_on.wait(LONGEST_S), "nobody went on meanwhile"
         return build(*given)
 
-    proxy_choice._choices.clear()  # of another test
-    proxy_choice._moving.clear()
-    monkeypatch.setattr(proxy_choice, "_proxy", waiting)
+    object_plan._choices.clear()  # of another test
+    object_plan._moving.clear()
+    monkeypatch.setattr(object_plan, "_proxy", waiting)
     yield found
     found.go_on.set()
 

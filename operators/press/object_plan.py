@@ -16,11 +16,11 @@ import numpy as np
 from ...core.base import DimpleError
 from ...core.constants import MAX_FINGERTIPS
 from ...core.messages import about, in_a_row, kept, read
-from ...core.reduction.planner import Maker, Plan, plan, plan_full_mesh, plan_proxy
 from ...core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
+from ...core.reduction.proxy_rule import Maker, Plan, plan, plan_full_mesh, plan_proxy
 from ...core.steps import Parts
-from ..bridge import stack
-from . import contact
+from ..bridge import modifiers
+from . import colliders
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -115,7 +115,7 @@ def choosing(scene: bpy.types.Scene, obj: bpy.types.Object) -> Callable[[Model, 
 
     def by_settings(model: Model, build: Maker) -> Plan:
         # cells may bridge a fold; and what carries the skin of a proxy knows one shape at rest
-        bent = model.rigged and not (model.sway and not stack.is_shaped(obj))
+        bent = model.rigged and not (model.sway and not modifiers.is_shaped(obj))
         because = "For self contact" if itself else "For its rig" if bent else ""
         if because or wanted["simulated"] == "mesh":
             return plan_full_mesh(model, budget=budget, because=because or "As chosen")
@@ -132,7 +132,7 @@ def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
     """
     bodies = 1 + sum(each != obj and each.type == "MESH" and each.dimple.enabled for each in scene.objects)
     share = scene.dimple.frame_budget_percent / 100 / min(bodies, MAX_FINGERTIPS)
-    return share / CONTACT if contact.is_on(scene) else share
+    return share / CONTACT if colliders.is_on(scene) else share
 
 
 class Around(NamedTuple):
@@ -149,7 +149,7 @@ class Around(NamedTuple):
 def around(scene: bpy.types.Scene, obj: bpy.types.Object) -> Around:
     """Return the inputs of a plan besides the model."""
     budget = budget_of(scene, obj)
-    return Around(scene.dimple.finger_radius_mm, budget, contact.is_on(scene), obj.dimple.self_contact)
+    return Around(scene.dimple.finger_radius_mm, budget, colliders.is_on(scene), obj.dimple.self_contact)
 
 
 def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:

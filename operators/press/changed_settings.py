@@ -16,7 +16,7 @@ from ...core.steps import Parts, at_once, beside
 from ..bridge import body_model, final_mesh, scene_objects, timeline
 from ..bridge.body_model import settings_of
 from ..names import PAINTING
-from . import proxy_choice, sessions
+from . import object_plan, sessions
 
 if TYPE_CHECKING:
     from ...core.body.model import Model
@@ -36,7 +36,7 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
     A change that cannot be simulated is refused: the body keeps what it had, and `refused` says why.
     """
     if body.change is None:
-        now, around = settings_of(context.scene, obj), proxy_choice.around(context.scene, obj)
+        now, around = settings_of(context.scene, obj), object_plan.around(context.scene, obj)
         body.around = body.around or around
         if around != body.around and body.changed_at is None:
             body.changed_at = body.frame.time
@@ -125,14 +125,14 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
             return proxy if now else None  # contact may have dropped it meanwhile
         except DimpleError:  # other pins or laws: another choice is made
             pass
-    return at_once(proxy_choice.planning_for(bpy.context.scene, body.obj, model))
+    return at_once(object_plan.planning_for(bpy.context.scene, body.obj, model))
 
 
 def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
     """Plan again for constants that were tuned, once nothing presses: a proxy takes a while to make."""
     if body.changed_at is None:
         return []
-    session, before, around = body.session, body.around, proxy_choice.around(context.scene, obj)
+    session, before, around = body.session, body.around, object_plan.around(context.scene, obj)
     if not (before and around.itself > before.itself):  # then every vertex is simulated from now on
         if body.frame.time < body.changed_at + UNTOUCHED_S:
             return []
@@ -143,7 +143,7 @@ def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: Live
     finer = before and around.radius_mm < before.radius_mm
     coarse = finer and final_mesh.cuts_of(context, obj, final_mesh.evaluated(context, obj))
     try:
-        proxy = at_once(proxy_choice.planning_for(context.scene, obj, session.model, session.proxy))
+        proxy = at_once(object_plan.planning_for(context.scene, obj, session.model, session.proxy))
         if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
             session.change(session.model, proxy=proxy)
     except DimpleError as error:

@@ -10,9 +10,9 @@ from core.base import TICK, DimpleError
 from core.body.model import Model, build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices
-from core.reduction import planner
-from core.reduction.planner import BUDGET, ESTIMATED, plan
+from core.reduction import proxy_rule
 from core.reduction.proxy import LARGEST, SMALLEST, Proxy, build_proxy
+from core.reduction.proxy_rule import BUDGET, ESTIMATED, plan
 from core.session import Finger, Session
 from studies import bodies
 from studies.presses import choose_presses
@@ -36,7 +36,7 @@ def test_a_mesh_that_runs_live_is_simulated_in_full(round_model: Model) -> None:
 
 
 def test_a_mesh_too_slow_to_run_live_gets_a_proxy_that_does_with_a_reason(round_model: Model) -> None:
-    cost = planner.cost_of(round_model)
+    cost = proxy_rule.cost_of(round_model)
     chosen = plan(round_model, budget=0.2 * cost, radius=0.02)
     assert chosen.proxy is not None and chosen.cost <= ESTIMATED * 0.2 * cost
     vertices, off = len(chosen.proxy.seeds), f"{1e3 * chosen.error:.2g}"
@@ -49,7 +49,7 @@ def test_a_mesh_too_slow_to_run_live_gets_a_proxy_that_does_with_a_reason(round_
 
 @pytest.mark.parametrize("share", [0.8, 0.5, 0.2, 0.05])
 def test_what_is_simulated_runs_live_and_uses_up_most_of_the_budget(round_model: Model, share: float) -> None:
-    budget = share * planner.cost_of(round_model)
+    budget = share * proxy_rule.cost_of(round_model)
     chosen = plan(round_model, budget=budget)
     assert chosen.proxy is not None and chosen.cost <= ESTIMATED * budget
     assert chosen.cost > 0.5 * budget or len(chosen.proxy.seeds) == 1281, "a proxy has at most half of the vertices"
@@ -70,11 +70,11 @@ def test_where_no_proxy_can_be_made_the_full_mesh_runs_slowly() -> None:
 
 
 def test_a_choice_by_hand_is_taken(round_model: Model) -> None:
-    assert planner.plan_full_mesh(round_model).proxy is None
-    chosen = planner.plan_proxy(round_model, 500, radius=0.02)
+    assert proxy_rule.plan_full_mesh(round_model).proxy is None
+    chosen = proxy_rule.plan_proxy(round_model, 500, radius=0.02)
     assert chosen.proxy and chosen.asked == len(chosen.proxy.seeds) == 500 and "As chosen" in chosen.reason
     with pytest.raises(DimpleError, match="from 60"):
-        planner.plan_proxy(round_model, 2000, radius=0.02)
+        proxy_rule.plan_proxy(round_model, 2000, radius=0.02)
 
 
 def test_where_no_proxy_can_be_made_the_next_larger_one_is_taken() -> None:
@@ -82,16 +82,16 @@ def test_where_no_proxy_can_be_made_the_next_larger_one_is_taken() -> None:
     belted = bodies.build(bodies.BODIES[28])
     with pytest.raises(DimpleError, match="pins are too few"):
         build_proxy(belted, 100)
-    chosen = planner.plan_proxy(belted, 100, radius=0.02)
+    chosen = proxy_rule.plan_proxy(belted, 100, radius=0.02)
     assert 100 < chosen.asked < 2 ** (2 / 3) * 100
     with pytest.raises(DimpleError, match="not 20"):  # the number that was asked for, not the last one tried
-        planner.plan_proxy(belted, 20, radius=0.02)
+        proxy_rule.plan_proxy(belted, 20, radius=0.02)
 
 
 def test_a_plan_is_the_same_however_busy_the_computer_is(
     round_model: Model, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    budget = 0.2 * planner.cost_of(round_model)
+    budget = 0.2 * proxy_rule.cost_of(round_model)
     first = plan(round_model, budget=budget)
     for clock in ("perf_counter", "process_time", "time", "monotonic"):
         monkeypatch.setattr(time, clock, lambda: 1 / 0)
@@ -103,14 +103,14 @@ def test_a_plan_is_the_same_however_busy_the_computer_is(
 
 def test_a_mesh_is_live_where_its_cost_is_as_near_to_the_budget_as_costs_are_known(round_model: Model) -> None:
     """The default cube, cut finer, took 1.004 of it, and was said to run at 1x real time anyway."""
-    cost = planner.cost_of(round_model)
+    cost = proxy_rule.cost_of(round_model)
     for share, live in ((0.99, True), (0.93, False)):
         assert (plan(round_model, budget=share * cost).proxy is None) == live
 
 
 def test_the_cost_counts_vertices_and_steps(round_model: Model) -> None:
     steps = round_model.substeps(1e-3) / 1e-3
-    assert planner.cost_of(round_model) == pytest.approx(2562 * steps * planner.COST)
+    assert proxy_rule.cost_of(round_model) == pytest.approx(2562 * steps * proxy_rule.COST)
 
 
 def test_where_none_of_any_size_can_be_made_the_full_mesh_is_simulated_or_its_stiffness_is_said(

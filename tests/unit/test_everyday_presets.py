@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.body.model import build_model
-from core.everyday import EVERYDAY, MADE_UP, OBJECTS, found
+from core.everyday_presets import EVERYDAY, MADE_UP, OBJECTS, found
 from core.material import DEFAULT_MATERIAL, PRESETS, Material, Preset
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.other_tip import as_soft, softness

@@ -8,7 +8,7 @@ from bpy.props import StringProperty
 from ...core.errors import DimpleError
 from ..bridge import sizing
 from ..names import Op
-from . import polls
+from ..press import polls
 
 if TYPE_CHECKING:
     from ...core.material import Preset
@@ -33,7 +33,7 @@ class DIMPLE_OT_apply_preset(polls.Declared, bpy.types.Operator):
     needs = polls.needs_mesh, polls.is_own
 
     def run(self, context: bpy.types.Context) -> None:
-        from ...core.everyday import OBJECTS
+        from ...core.everyday_presets import OBJECTS
 
         preset = next((each for each in OBJECTS if each.name == self.preset), None)
         if preset is None:
