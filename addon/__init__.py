@@ -1,4 +1,6 @@
-"""What Blender shows and stores: properties, presets, panels, preferences, overlay, tool and translations."""
+"""What Blender shows and stores: properties and panels, materials in pictures, the tool and its gizmo, the overlay with
+its charts and colors, preferences, and translations.
+"""
 
 from .. import operators
 from . import (

@@ -1,3 +1,3 @@
-"""The surface of a body at rest: built and measured (surface), repaired, ordered in rings, hit by a ray, and how deep
-a fingertip is below it (depth).
+"""The surface of a body at rest: built and measured (surface), repaired, its edges and rings, hit by a ray, and the
+nearest points on it.
 """

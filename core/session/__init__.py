@@ -1,4 +1,6 @@
-"""A session: one body, its fingertips and its clock, and the loop that steps sessions."""
+"""A session: one body with its fingertips, its clock, its shape at rest and sway, and what it shows; and the loop that
+steps sessions.
+"""
 
 from .clock import step_all as step_all
 from .fingertip import Finger as Finger
