@@ -71,6 +71,7 @@ class Stepped(Protocol):
 
     body: native.Body
     most: int
+    rides: bool
 
     def begin(self, dt: float, *, alone: bool = True) -> None: ...
     @property
@@ -120,7 +121,13 @@ def step_all(
 def _side_by_side(sessions: Sequence[Stepped], at_once: int) -> _Results:
     """Run sessions that do not meet, in one native call on every core: to the bits of each alone."""
     motions = [session.next_motion(min(session.due, session.most, at_once)) for session in sessions]
-    results = native.step_many([session.body for session in sessions], motions)
+    moving = [(session.body, each) for session, each in zip(sessions, motions, strict=True) if not session.rides]
+    found = iter(native.step_many(*map(list, zip(*moving, strict=True))) if moving else ())
+    results = [
+        motion.Frame((None,) * len(each.fingertips), session.body.model.mesh.volume, 0.0, each.ticks, True, False)
+        if session.rides else next(found)
+        for session, each in zip(sessions, motions, strict=True)
+    ]  # fmt: skip
     return results, max(each.ticks for each in motions)
 
 

@@ -43,6 +43,7 @@ class Session:
     frame: what the last step showed.
     most: ticks in a motion of the step under way.
     clock: which the fingertips go by.
+    rides: nothing touches the body and it sways: it lies on its shape at rest, and is not stepped.
     """
 
     def __init__(
@@ -59,7 +60,7 @@ class Session:
         if self._rest.bent:  # made anew, so that the same motion gives the same bits again
             self.body = self._create(self._moves, self.model)
         self._rest.reset()
-        self._rides = False
+        self.rides = False
         self.body.set_state(self._moves.matching.rest)
         self._work, self._total = 0.0, 0
         self.clock.reset()
@@ -165,7 +166,7 @@ class Session:
         pushes = self._pushes() if self._rest.sway else []
         if ticks and (self._rest.moves or pushes):
             self._bend(ticks, pushes)
-        if self._rides:
+        if self.rides:
             return Motion(ticks, self.substeps, clock.tick, (None,) * len(self._tips))
         first = last = clock.share_after(ticks)
         if ticks > 1:
@@ -215,7 +216,7 @@ class Session:
     @property
     def moved(self) -> bool:
         """Tell whether anything moved in the last step; False where the body slept all the time."""
-        return self._last.moved or (self._rides and self._rest.moves)
+        return self._last.moved or (self.rides and self._rest.moves)
 
     @property
     def sway_hz(self) -> float:
@@ -325,7 +326,7 @@ class Session:
         """Let the shape at rest go on in the ticks that follow, and the body with it."""
         seconds = ticks * self.clock.tick
         share, left = self.clock.share_after(ticks), 1 - max(self.clock.share_after(0), 0.0)
-        before = None if self._rides else self._rest.of_body
+        before = None if self.rides else self._rest.of_body
         self._rest.advance(1.0 if share >= 1 else 1 - (1 - share) / left, seconds, pushes)
         if before is not None:
             self.body.set_rest(self._rest.of_body, (self._rest.of_body - before) / seconds)
@@ -336,17 +337,17 @@ class Session:
     def _ride(self, wanted: bool) -> None:
         """Leave a body that sways to its shape at rest where nothing shows that it is not on it, or step it again."""
         rest = self._rest
-        if wanted and rest.sway and not self._rides:
+        if wanted and rest.sway and not self.rides:
             off = self.body.positions() - rest.of_body
-            self._rides = float(np.abs(off).max()) <= CLOSE * self.model.mesh.size
-        elif self._rides and not wanted:
-            self._rides, self._skin.laid = False, None
+            self.rides = float(np.abs(off).max()) <= CLOSE * self.model.mesh.size
+        elif self.rides and not wanted:
+            self.rides, self._skin.laid = False, None
             self.body.set_rest(rest.of_body)
             self.body.set_state(rest.of_body, rest.rate_of_body)
 
     def _lay(self) -> None:
         """Let the skin lie on the shape at rest where the body rides on it."""
-        if self._rides and self._skin.laid is None:
+        if self.rides and self._skin.laid is None:
             self._skin.laid = self._rest.whole
 
     def skin(self) -> Floats:
@@ -356,7 +357,7 @@ class Session:
 
     def _show(self, impulses: tuple[Vector, ...], seconds: float) -> Frame:
         last, scale, rest = self._last, self._volume_scale, self.model.mesh.volume
-        if self._rest.bent and not self._rides:  # asking the body costs a call
+        if self._rest.bent and not self.rides:  # asking the body costs a call
             rest = self.body.rest_volume * scale
         return Frame(
             self.clock.time, impulses, seconds, last.touches, self.model.mesh, last.pressure, last.volume * scale, rest,
