@@ -16,7 +16,7 @@ from . import canvas, shapes
 from .drawing import draw_linked
 
 if TYPE_CHECKING:
-    from ..operators.press.pointer import View
+    from ..operators.press.poke_input import View
 
 PIXELS_PER_NEWTON = 20.0  # while a force is changed: one of 5 N is drawn as a circle that is easily dragged
 _pixels = [5.0]  # in a millimetre, where the circle was drawn last
@@ -43,7 +43,7 @@ def amount_zoom(_manager: bpy.types.PropertyGroup) -> tuple[float, float]:
 
 def draw_circle(context: bpy.types.Context, xy: tuple[int, int]) -> None:
     """Draw the circle, where the mouse at xy [px of the window] is on a body."""
-    from ..operators.press.pointer import View
+    from ..operators.press.poke_input import View
 
     region, window = context.region, context.window
     view = View(region, context.region_data, (xy[0] - region.x, xy[1] - region.y))
@@ -54,9 +54,9 @@ def draw_circle(context: bpy.types.Context, xy: tuple[int, int]) -> None:
 
 def circle(context: bpy.types.Context, view: "View") -> list[shapes.Segment]:
     """Return the sides [px of the region] of the circle, none where there is no body."""
-    from ..operators.press import pointer
+    from ..operators.press import poke_input
 
-    found = pointer.touched(context, view)
+    found = poke_input.touched(context, view)
     if found is None:
         return []
     point, normal, radius = found

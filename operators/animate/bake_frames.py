@@ -20,7 +20,7 @@ from ...core.recording import PointCache
 from ...core.session import step_all
 from ...core.steps import Parts, as_share, beside
 from ..bridge import cache_files, final_mesh, modifiers, scene_objects, timeline, write_back
-from ..press import changed_settings, colliders, live_step, props, recorder
+from ..press import colliders, follow_settings, live_step, props, recorder
 from ..press.object_body import ObjectBody
 from ..press.progress import READY
 from . import shape_keys  # fmt: skip
@@ -201,7 +201,7 @@ def _step(
     for look_s in timeline.looks(scene, frame):
         for body in bodies:
             obj = body.obj
-            changed_settings.follow_keyframes(scene, obj, body)
+            follow_settings.follow_keyframes(scene, obj, body)
             body.session.set_fingers(live_step.fingertips(scene, body.link.scale))
             body.follow(context, obj)
         for world in worlds:

@@ -17,10 +17,10 @@ from ...core.steps import Parts, at_once
 from ..bridge import scene_objects, sizing
 from ..messages import Note, gathered
 from . import (
-    changed_settings,
     colliders,
     compare_materials,
     fingertip_objects,
+    follow_settings,
     haptic_fingertips,
     last_press,
     props,
@@ -189,7 +189,7 @@ def _run(group: tuple[list[LiveBody], World | None], dt: float, budget: float | 
 def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger | None]) -> list[str]:
     """Bring settings, pins and fingertips of a session up to date; return sentences for the artist."""
     obj, link = body.obj, body.link
-    messages = changed_settings.follow(context, obj, body)
+    messages = follow_settings.follow(context, obj, body)
     if body.link is not link:
         pressed = ()  # those were in metres of another size
         sessions.disarm()  # which may put it under a fingertip of the haptic device at once

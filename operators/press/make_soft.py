@@ -67,7 +67,7 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
 
     def run(self, context: bpy.types.Context) -> None:
         """Set up every selected mesh; one that cannot be pressed is said and left as it was."""
-        from . import live_step, pointer
+        from . import live_step, poke_input
 
         done, soft, wrong, noted = [], [], [], []
         for obj in [each for each in live_step.candidates(context) if each.type in PRESSABLE]:
@@ -90,7 +90,7 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
         if not (done or soft):
             raise DimpleError(in_a_row(gathered(wrong)))
         report(self, [*wrong, *noted])
-        pointer.choose_tool(context)
+        poke_input.choose_tool(context)
         if len(soft) > 1:
             soft = [Message("{count} meshes are soft. Press them with the left mouse button.", count=len(soft))]
         say(self, {"INFO"}, *done, *soft)

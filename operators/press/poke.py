@@ -14,7 +14,7 @@ from .play import Driving
 
 if TYPE_CHECKING:
     from ...core.poke import Effect, PokeEvent, PokeState
-    from .pointer import View
+    from .poke_input import View
 
 _CONTACT = ("collider", "collider_friction", "is_prop", "prop_mass_kg", "self_contact")
 
@@ -70,13 +70,13 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
     def begin(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         from ...core.poke import PokeState
         from ..bridge import sizing
-        from . import live_step, pointer
+        from . import live_step, poke_input
 
-        view = pointer.view_under(context, event)
-        clicked = view if event.type == "LEFTMOUSE" and event.value in pointer.DOWN else None  # with the tool
+        view = poke_input.view_under(context, event)
+        clicked = view if event.type == "LEFTMOUSE" and event.value in poke_input.DOWN else None  # with the tool
         if clicked and self._chosen(context, clicked):
             return {"CANCELLED"}
-        found = pointer.under(context, clicked) if clicked else None
+        found = poke_input.under(context, clicked) if clicked else None
         if clicked and found is None:
             return {"PASS_THROUGH"}  # it selects
         if found and not found.obj.select_get():
@@ -93,24 +93,24 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         self._contacts, self._typed = _contacts(context), {}
         modal_runs.show_status(context, self._run, self._help(context))
         if clicked:
-            self._take(context, pointer.poke_event(event, clicked, sessions.sessions, {}, pressing=False))
+            self._take(context, poke_input.poke_event(event, clicked, sessions.sessions, {}, pressing=False))
         else:
-            pointer.choose_tool(context)  # its keys and its circle
+            poke_input.choose_tool(context)  # its keys and its circle
         return result
 
     def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         from ...core.poke import Kind
-        from . import pointer
+        from . import poke_input
 
         if event.type == "TIMER":
             return self._tick(context)
         if context.mode != "OBJECT" and event.type != "ESC":
             return {"PASS_THROUGH"}  # weights are painted while fingertips rest
-        view = pointer.view_under(context, event)
+        view = poke_input.view_under(context, event)
         pressing = self._state.pressing
-        meant = pointer.poke_event(event, view, sessions.sessions, self._shapes, pressing=pressing)
+        meant = poke_input.poke_event(event, view, sessions.sessions, self._shapes, pressing=pressing)
         if meant is None:
-            passes = pointer.passes(event, view, pressing=pressing, undo=self._tuned(context))
+            passes = poke_input.passes(event, view, pressing=pressing, undo=self._tuned(context))
             return {"PASS_THROUGH"} if passes else {"RUNNING_MODAL"}
         if view and meant.kind is Kind.PRESS and self._chosen(context, view):
             return {"CANCELLED"}
@@ -123,9 +123,9 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
     def _chosen(self, context: bpy.types.Context, view: "View") -> bool:
         """Select the fingertip object that is clicked, and leave the poke: Blender's own tools move it."""
         from ..bridge import write_back
-        from . import pointer
+        from . import poke_input
 
-        tip = pointer.fingertip_under(context, view)
+        tip = poke_input.fingertip_under(context, view)
         if tip is None:
             return False
         report(self, fingertip_objects.leave_poke())
@@ -197,9 +197,9 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
 
     def _joined(self, context: bpy.types.Context, event: bpy.types.Event, view: "View") -> "PokeEvent | None":
         """Let a soft body that was not selected join when it is pressed; return the press, None where there is none."""
-        from . import pointer
+        from . import poke_input
 
-        found = pointer.under(context, view)
+        found = poke_input.under(context, view)
         if found is None or not found.obj.dimple.enabled or sessions.get(found.obj):
             return None
         try:
@@ -209,7 +209,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
             return None
         self._settings[body.link.uid] = body.settings
         report(self, messages)
-        return pointer.poke_event(event, view, sessions.sessions, {}, pressing=False)
+        return poke_input.poke_event(event, view, sessions.sessions, {}, pressing=False)
 
     def _tuned(self, context: bpy.types.Context) -> bool:
         """Tell whether a setting was changed in a panel since the poke began, which undo may take back."""

@@ -16,7 +16,7 @@ from ...core.poke import Hit, Kind, PokeEvent, PokeState, fingers, on_event
 from ...core.vectors import Vector, along
 from ..bridge import scene_objects, timeline
 from ..messages import report, say
-from . import live_step, pointer, polls, record, sessions
+from . import live_step, poke_input, polls, record, sessions
 from .object_body import ObjectBody
 
 FORCE_N = 5.0  # of a press by force where none is given
@@ -88,7 +88,7 @@ def aimed(bodies: Mapping[int, ObjectBody], place: Vector | None, direction: Vec
         away = 2 * size + math.dist(place, body.to_world(tuple(map(float, body.session.positions().mean(axis=0)))))
         # from outside the body, and from close by: a place inside a hollow means the wall beside it
         starts = [along(place, inward, -share * away) for share in (1.0, 1e-3, 1e-5)]
-        found += [pointer.nearest(start, inward, {uid: body}, {}) for start in starts]
+        found += [poke_input.nearest(start, inward, {uid: body}, {}) for start in starts]
     hits = [(math.dist(bodies[hit.body].to_world(hit.point), place), i, hit) for i, hit in enumerate(found) if hit]
     if not hits:
         at = ", ".join(f"{c:.3g}" for c in place)

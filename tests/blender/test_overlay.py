@@ -256,14 +256,14 @@ def test_the_chart_draws_what_acts_here_and_calls_another_tips_curve_a_predictio
     bpy: ModuleType, overlay: ModuleType, halves: Any
 ) -> None:
     from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators.press import changed_settings, sessions
+    from bl_ext.user_default.dimple.operators.press import follow_settings, sessions
 
     (entry,) = sessions.sessions.values()
     halves.vertex_groups.new(name="Hard").add(range(8), 0.0, "REPLACE")
     for radius, painted, name, times in ((0.010, False, "", 1), (0.020, False, "Predicted for 20 mm", None),
                                          (0.010, True, "As Painted", 4)):  # fmt: skip
         halves.dimple.softness_group = "Hard" if painted else ""
-        changed_settings.follow(bpy.context, halves, entry)
+        follow_settings.follow(bpy.context, halves, entry)
         entry.session.set_fingers([])
         entry.session.step(1.0)  # for the dent of the one before to come back
         entry.session.set_fingers([Finger((0.0, 0.0, 0.0825 + radius - 0.002), radius)])

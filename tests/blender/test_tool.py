@@ -55,7 +55,7 @@ def test_the_circle_under_the_mouse_is_as_large_as_the_fingertip_and_lies_on_the
     bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from bl_ext.user_default.dimple.addon import tool
-    from bl_ext.user_default.dimple.operators.press import pointer
+    from bl_ext.user_default.dimple.operators.press import poke_input
     from mathutils import Quaternion, Vector
 
     bpy.ops.mesh.primitive_cube_add(size=2.0)
@@ -65,20 +65,20 @@ def test_the_circle_under_the_mouse_is_as_large_as_the_fingertip_and_lies_on_the
         region_2d_to_origin_3d=lambda _r, _v, at: (at[0] / scale, at[1] / scale, 10.0),
         region_2d_to_vector_3d=lambda *_: Vector((0.0, 0.0, -1.0)),
     )
-    monkeypatch.setattr(pointer, "view3d_utils", views)
+    monkeypatch.setattr(poke_input, "view3d_utils", views)
     monkeypatch.setattr(tool, "location_3d_to_region_2d", lambda _r, _v, at: scale * Vector(at[:2]))
     look = SimpleNamespace(view_rotation=Quaternion())
-    sides = tool.circle(bpy.context, pointer.View(None, look, (30, 40)))
+    sides = tool.circle(bpy.context, poke_input.View(None, look, (30, 40)))
     per_mm = scale * 2 / 165
     assert all(math.dist(a, (30, 40)) == pytest.approx(10 * per_mm) for a, _ in sides) and len(sides) > 8
     assert tool.radius_zoom(None) == pytest.approx((per_mm, per_mm)) == tool.amount_zoom(None)
     bpy.context.scene.dimple.press_by = "FORCE"
     assert tool.amount_zoom(None) != tool.radius_zoom(None)
-    assert not tool.circle(bpy.context, pointer.View(None, look, (130, 0))), "beside it"
+    assert not tool.circle(bpy.context, poke_input.View(None, look, (130, 0))), "beside it"
     cube.select_set(False)
-    assert not tool.circle(bpy.context, pointer.View(None, look, (30, 40))), "a click would select it"
+    assert not tool.circle(bpy.context, poke_input.View(None, look, (30, 40))), "a click would select it"
     cube.dimple.enabled = True
-    assert tool.circle(bpy.context, pointer.View(None, look, (30, 40)))
+    assert tool.circle(bpy.context, poke_input.View(None, look, (30, 40)))
 
 
 def test_a_press_is_given_in_grams_as_well_as_in_newtons(bpy: ModuleType, empty_file: ModuleType) -> None:

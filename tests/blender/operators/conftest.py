@@ -258,8 +258,8 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
         live_step,
         modal_runs,
         play,
-        pointer,
         poke,
+        poke_input,
         progress,
         sessions,
     )
@@ -267,14 +267,14 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
     hands: list[Hand] = []
 
     def view_under(_context: Any, event: Any) -> Any:
-        return None if event.at is None else pointer.View(None, None, event.at)  # type: ignore[arg-type]
+        return None if event.at is None else poke_input.View(None, None, event.at)  # type: ignore[arg-type]
 
     views = SimpleNamespace(
         region_2d_to_origin_3d=lambda _r, _v, at: ((at[0] - 500) / RADIUS_PX, (at[1] - 500) / RADIUS_PX, 10.0),
         region_2d_to_vector_3d=lambda _r, _v, _at: SimpleNamespace(normalized=lambda: (0.0, 0.0, -1.0)),
     )
-    monkeypatch.setattr(pointer, "view_under", view_under)
-    monkeypatch.setattr(pointer, "view3d_utils", views)
+    monkeypatch.setattr(poke_input, "view_under", view_under)
+    monkeypatch.setattr(poke_input, "view3d_utils", views)
     clock = SimpleNamespace(perf_counter=lambda: max(each.time for each in hands))
     monkeypatch.setattr(play, "time", clock)
     # however slow this computer is, it keeps up

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from tests.blender.operators.test_changed_settings import step
+from tests.blender.operators.test_follow_settings import step
 
 
 @pytest.fixture

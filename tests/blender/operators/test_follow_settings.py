@@ -142,7 +142,7 @@ def test_a_constant_that_cannot_be_is_refused_in_words_and_the_old_one_goes_on(
 def windowed(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> threading.Event:
     """A Blender that has a window, where every body is large; models are made once the event is set."""
     from bl_ext.user_default.dimple.core.body import model
-    from bl_ext.user_default.dimple.operators.press import changed_settings
+    from bl_ext.user_default.dimple.operators.press import follow_settings
 
     real, may_go_on = model.build_model, threading.Event()
 
@@ -160,8 +160,8 @@ def windowed(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> threading.Even
         return real(*given, **named)
 
     monkeypatch.setattr(model, "build_model", waits)
-    monkeypatch.setattr(changed_settings, "bpy", Window())
-    monkeypatch.setattr(changed_settings, "LARGE", 0)
+    monkeypatch.setattr(follow_settings, "bpy", Window())
+    monkeypatch.setattr(follow_settings, "LARGE", 0)
     return may_go_on
 
 
