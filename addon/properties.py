@@ -121,8 +121,8 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
     )  # fmt: skip
 
     def to_params(self) -> dict[str, float | str | tuple[float, float, float] | None]:
-        """Return pinned, pin_group, the groups of the maps, size: the largest [m], None as modelled; and sway: amount,
-        frequency [Hz] and damping, None where it does not.
+        """Return pinned, pin_group, the groups of the maps, size: the longest side [m], None as modelled; and sway:
+        amount, frequency [Hz] and damping, None of an object that does not sway.
         """
         return {
             "pinned": self.pinned.lower(),

@@ -1,4 +1,4 @@
-"""The interface in other languages: a file of locale/ holds what every English text of ours is in one of them."""
+"""The interface in other languages: each file in locale/ translates every English text of the add-on."""
 
 import inspect
 import json

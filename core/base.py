@@ -30,7 +30,7 @@ ROWS = 1 << 15  # of an array at a time: what is worked out of them stays in the
 
 
 def row_parts(count: int, wide: int = 1) -> Iterator[slice]:
-    """Yield the slices of `count` rows, so many times as wide as others, that are worked through one by one."""
+    """Yield slices of `count` rows to work through one by one; a row is `wide` times as wide as usual."""
     return (slice(at, at + ROWS // wide) for at in range(0, count, ROWS // wide))
 
 

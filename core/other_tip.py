@@ -21,7 +21,7 @@ from .constants import FACTORS
 from .fills import FILLS
 from .material import FINGERTIP, Indenter, Material
 
-FORCE = 5.0  # [N] of the fingertip that softness is told by: that of a firm press with a finger
+FORCE = 5.0  # [N] at which softness is compared: a firm press with a finger
 BODY = 0.1  # [m] the size of what it presses, on which only a spread that is not typed and a point depend
 FARTHEST = 4.0  # radii, and times x0: the deepest of them
 

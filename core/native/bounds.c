@@ -2,7 +2,7 @@
  * Source: studies/reference/bounds.py. */
 #include "scene.h"
 
-/* Room for so many things, where there is less. */
+/* Grow an array to hold some things, where it holds fewer. */
 static void *dm_roomy(dm_scene_state *s, void *array, uint32_t count, uint32_t *size, size_t each) {
     if (count <= *size) return array;
     dm_free(array);
@@ -154,8 +154,8 @@ static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
     dm_set_bound(s, f, n->vertex, x, dm_room_of(s, n->vertex, x, &spent));
 }
 
-/* Set the planes anew that what was held back, or has come near to them, has used up, where things are now: it may go on
- * from there in the next substep. What is stiff goes far in a substep: its planes are all set anew. */
+/* Renew the planes that what was held back, or has come near to them, has used up, where things are now: it may go on
+ * from there in the next substep. What is stiff goes far in a substep: all its planes are renewed. */
 static void dm_renew_planes(dm_scene_state *s) {
     s->renewal = s->renewal < UINT32_MAX ? s->renewal + 1 : 2; /* 0: as at the query */
     uint32_t count;
@@ -177,8 +177,8 @@ static void dm_renew_planes(dm_scene_state *s) {
         dm_renew_bound(s, s->near + s->held[h]);
         for (uint32_t k = 0; k < count; k++) {
             const dm_pair *p = s->pairs + mine[k] / 4;
-            int anew = s->planes[mine[k] / 4].renewed == s->renewal;
-            for (int j = 0; anew && j < 4; j++) dm_renew_bound(s, s->near + p->at[j]);
+            int renewed = s->planes[mine[k] / 4].renewed == s->renewal;
+            for (int j = 0; renewed && j < 4; j++) dm_renew_bound(s, s->near + p->at[j]);
         }
     }
     s->held_count = 0;

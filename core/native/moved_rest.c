@@ -1,7 +1,7 @@
 /* A shape at rest that changes while the body lives, as a rig bends it. Source: core/body/moved_rest.py with_rest. */
 #include "body.h"
 
-/* Let the places at rest go on at their rate for so many ticks; over a tick they stand where its substeps begin on
+/* Let the places at rest go on at their rate for some ticks; over a tick they stand where its substeps begin on
  * average, so that the body neither leads nor lags. */
 static void dm_move_places(dm_state *b, double ticks, double tick) {
     dm_lanes by = dm_splat((dm_real)(ticks * tick));

@@ -1,7 +1,7 @@
 /* The planes between pairs: neither of two goes beyond its side of theirs. Source: studies/reference/bounds.py.
  *
  * A plane holds until it is replaced, wherever the two have gone meanwhile on their sides of it. So what has moved along
- * its planes, or together with what is beyond them, keeps them, and they are only measured anew; a plane is replaced when
+ * its planes, or together with what is beyond them, keeps them, and they are only measured again; a plane is replaced when
  * a vertex is nearer to it than a quarter of the distance of the two. That is done when all are where they may be: they are
  * apart then, the new plane stands between their nearest points, and each is on its side of that too.
  */

@@ -56,7 +56,7 @@ typedef struct { /* what is nearer than `reach` at the query */
 typedef struct { /* between the two of a pair: each side keeps at least so far from normal . x = level; a line of the cache */
     double normal[3], level, keep[2];
     double way;             /* [m] that each side could go at the query */
-    uint32_t renewed;       /* when it was set anew: 0 where it is that of the query */
+    uint32_t renewed;       /* when it was last renewed: 0 where it is that of the query */
     uint16_t ones, stiff;   /* stiff: one of the two gives nothing */
 } dm_plane;
 
@@ -131,7 +131,7 @@ typedef struct dm_scene_state {
     uint32_t renewal, held_count, held_room, *held; /* near ones that were held back in this substep */
     uint32_t met_count, met_room, *met; /* near ones that meet something since the last look */
     uint32_t *number;                    /* of vertices, in the order of the caller */
-    int looks;                           /* normals are to be set anew */
+    int looks;                           /* normals must be computed again */
     int backwards;                       /* bodies are stepped from the last to the first: it is still in the cache */
     int wakes;                           /* what is awake may have come near what sleeps */
     int due;       /* a query is */

@@ -200,7 +200,7 @@ static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
 }
 
 DM_FAST
-/* Run a substep after which so many come in the tick. */
+/* Run a substep; `left` more follow in the tick. */
 static void dm_run_substep(dm_state *b, int64_t left, dm_frame *frame) {
     dm_substep(b, left, frame);
     DM_TIMED(DM_CONTACT, dm_resolve_contact(b, (double)left * b->dt));

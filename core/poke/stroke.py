@@ -67,7 +67,7 @@ class Hand:
         if begins:
             self.ways = {}
         for i, (finger, touch) in held.items():
-            if i not in self._down or finger.anew:
+            if i not in self._down or finger.fresh_contact:
                 self.ways[i] = Way(touch.outward, [Sample(before, _touching(touch), finger.radius)])
             self.ways[i].samples.append(Sample(time, touch.centre, finger.radius))
             self._down[i] = touch

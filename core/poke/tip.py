@@ -41,7 +41,7 @@ class PokeTip:
     reached: of what is wanted, so far.
     depth: of one that no force pushes [m].
     via: where it touched at even times of the last step, before its end.
-    anew: it has come down in the last step.
+    fresh_contact: it has come down in the last step.
     leaving: it moves out of the body.
     """
 
@@ -55,15 +55,15 @@ class PokeTip:
     reached: float = 0.0
     depth: float = 0.0
     via: tuple[Vector, ...] = ()
-    anew: bool = False
+    fresh_contact: bool = False
     leaving: bool = False
 
     @property
     def finger(self) -> Finger:
         """Return where the fingertip is, for a session."""
         if not self.by_force:
-            return Finger(self.place, self.radius, via=self.via, anew=self.anew)
-        return Finger(self.place, self.radius, self.reached, self.aim.inward, self.via, self.anew)
+            return Finger(self.place, self.radius, via=self.via, fresh_contact=self.fresh_contact)
+        return Finger(self.place, self.radius, self.reached, self.aim.inward, self.via, self.fresh_contact)
 
     @property
     def place(self) -> Vector:
@@ -90,14 +90,14 @@ def stepped(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s
     """Return a fingertip a step dt [s] later, and where it was on its way; see `moved`."""
     far = _share(dt) * sum(length(along(b, a, -1.0)) for a, b in itertools.pairwise(_places(tip)))
     parts = max(1, min(round(dt / TICK), math.ceil(far / (TRAVEL * tip.radius))))
-    via, now, anew = [], tip, tip.reached == 0
+    via, now, fresh_contact = [], tip, tip.reached == 0
     for _ in range(parts):
         part = moved(now, dt / parts, amount=amount, press_s=press_s, release_s=release_s)
         if part is None:
             return None
         via.append(part.place)
         now = part
-    return replace(now, via=tuple(via[:-1]), anew=anew)
+    return replace(now, via=tuple(via[:-1]), fresh_contact=fresh_contact)
 
 
 def moved(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s: float) -> PokeTip | None:

@@ -20,7 +20,7 @@ BUDGET = 0.6  # [s] per second for the simulation; Blender needs the rest to dra
 COST = 1.4e-8  # [s] a vertex and step: measured once (tests/bench), and kept
 ESTIMATED = 1.05  # times the budget may what runs live be expected to cost: no cost is known better than that
 
-Maker = Callable[[Model, int], Proxy]  # of a proxy of so many vertices
+Maker = Callable[[Model, int], Proxy]  # of a proxy with a number of vertices
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -22,7 +22,7 @@ class Finger(NamedTuple):
     force: that pushes it from there [N], None where its place is prescribed.
     inward: unit vector (3,) of that force.
     via: where it is at even times of the next step before its end, (3,) each [m]; in between it goes straight.
-    anew: it comes down there from elsewhere, not over the surface.
+    fresh_contact: it comes down there from elsewhere, not over the surface.
     """
 
     position: Vector
@@ -30,7 +30,7 @@ class Finger(NamedTuple):
     force: float | None = None
     inward: Vector = (0.0, 0.0, -1.0)
     via: tuple[Vector, ...] = ()
-    anew: bool = False
+    fresh_contact: bool = False
 
 
 @dataclass(slots=True)
@@ -97,7 +97,7 @@ def sent(tip: FingerOnItsWay | None, finger: Finger | None) -> FingerOnItsWay | 
     """Return a fingertip on its way to another place, one that has just come down there, or None for a lifted one."""
     if finger is None:
         return None
-    if tip is None or finger.anew:
+    if tip is None or finger.fresh_contact:
         place = vector(finger.position)
         tip = FingerOnItsWay(finger, place, place)
     tip.target = finger

@@ -57,7 +57,7 @@ class Session:
 
     def reset(self) -> None:
         """Put the body back to rest, in the shape of its model, and let go of it."""
-        if self._rest.bent:  # made anew, so that the same motion gives the same bits again
+        if self._rest.bent:  # rebuilt, so that the same motion gives the same bits again
             self.body = self._create(self._moves, self.model)
         self._rest.reset()
         self.rides = False
@@ -302,7 +302,7 @@ class Session:
     def _move_origins(self, share: float) -> None:
         for tip in self._tips:
             if tip:
-                tip.origin, tip.target = tip.place(share), tip.target._replace(via=(), anew=False)
+                tip.origin, tip.target = tip.place(share), tip.target._replace(via=(), fresh_contact=False)
         if self._pins.move(share):
             self._skin.reset()
 

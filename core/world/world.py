@@ -85,7 +85,7 @@ class World:
             where = _where(found)
             if min(found.surfaces) >= len(self.sessions):
                 raise DimpleError(
-                    'What falls must be clear of other colliders: "{first}" and "{second}" intersect at ({where}) '
+                    'A falling object must not touch other colliders: "{first}" and "{second}" intersect at ({where}) '
                     "mm, {pairs} pairs of faces in all. Move them apart.",
                     first=first, second=second, where=where, pairs=found.pairs
                 )  # fmt: skip

@@ -32,7 +32,7 @@ def modifier_of(body: bpy.types.Object) -> bpy.types.Modifier | None:
 
 
 def new_carrier(count: int = 0) -> bpy.types.Object:
-    """Return a carrier of so many offsets of 0."""
+    """Return a carrier of a number of zero offsets."""
     carrier = bpy.data.objects.new(CARRIER, bpy.data.meshes.new(CARRIER))
     carrier.hide_render = carrier.hide_viewport = True
     carrier.data.vertices.add(count)
@@ -75,10 +75,10 @@ def sweep_data() -> None:
 def show(body: bpy.types.Object, offsets: Any) -> None:
     """Show offsets (N, 3) of a running press from the shape at rest, in the object's own space."""
     modifier = modifier_of(body)
-    if modifier is None:  # its session is about to end, or to show itself anew
+    if modifier is None:  # its session is about to end, or to show itself again
         return
     info = next(each for each in modifier.node_group.nodes if each.type == "OBJECT_INFO")
-    if info.inputs["Object"].default_value is None:  # somebody has deleted it
+    if info.inputs["Object"].default_value is None:  # the user deleted it
         info.inputs["Object"].default_value = new_carrier()
     set_offsets(info.inputs["Object"].default_value, offsets)
 

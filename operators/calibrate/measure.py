@@ -51,7 +51,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Measure at once; behind the file browser start anew, for this one cannot go on between events."""
+        """Measure at once; after the file browser start again, for this one cannot go on between events."""
         if getattr(self, "_browsing", False):
             given = self.properties.is_property_set
             settings = {name: getattr(self, name) for name in _ASKED if given(name)}

@@ -66,7 +66,7 @@ def band(calibration: Calibration) -> list[list[float]]:
 
 
 def thinned(depth_mm: Any, force: Any, most: int) -> list[list[float]]:
-    """Return at most so many rows [mm, N] of a curve, evenly picked."""
+    """Return some rows [mm, N] of a curve at most, evenly picked."""
     step = max(math.ceil(len(depth_mm) / most), 1)
     pairs = zip(depth_mm[::step].tolist(), force[::step].tolist(), strict=True)
     return [[float(f"{x:.6g}"), float(f"{f:.6g}")] for x, f in pairs]

@@ -35,7 +35,7 @@ class Size(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """A format."""
+    """An export format: how its files are named, sized and written."""
 
     label: str  # its name
     ending: str  # of the file; None for a folder of files

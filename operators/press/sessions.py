@@ -140,7 +140,7 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     body = sessions.pop(uid, None)
     if body is None:
         return []
-    set_worlds(())  # made anew of those that are left
+    set_worlds(())  # rebuilt from those that are left
     from ..bridge import cache_files, final_mesh, scene_objects, write_back
     from . import props
 

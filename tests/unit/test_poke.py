@@ -121,8 +121,8 @@ def test_where_the_pointer_leaps_to_a_part_behind_the_fingertip_is_lifted_and_co
     behind = PokeEvent(kind=Kind.MOVE, hit=replace(TOP, point=(0.002, 0.0, 0.05)))
     state, _ = run(pressed, behind, *ticks(0.01, 0.01))
     tip = fingers(state, 7)[0]
-    assert tip.anew and tip.position == pytest.approx((0.002, 0.0, 0.06 - 0.02 * 0.01 / 0.25))
-    assert not fingers(run(state, *ticks(0.01, 0.01))[0], 7)[0].anew
+    assert tip.fresh_contact and tip.position == pytest.approx((0.002, 0.0, 0.06 - 0.02 * 0.01 / 0.25))
+    assert not fingers(run(state, *ticks(0.01, 0.01))[0], 7)[0].fresh_contact
     slope = PokeEvent(kind=Kind.MOVE, hit=replace(TOP, point=(0.04, 0.0, 0.05)))
     assert run(pressed, slope, *ticks(0.01, 0.01))[0].tips[0].reached > 0.01
 

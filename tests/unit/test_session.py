@@ -102,7 +102,7 @@ def test_a_fingertip_that_comes_down_anew_touches_nothing_on_its_way() -> None:
     session = on_its_base()
     session.set_fingers([above(0.01)])
     session.step(0.05)
-    below = Finger((0.0, 0.0, -2 * RADIUS), 0.02, anew=True)
+    below = Finger((0.0, 0.0, -2 * RADIUS), 0.02, fresh_contact=True)
     session.set_fingers([below])
     assert not session.step(0.001).finger_forces.any()
 

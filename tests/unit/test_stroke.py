@@ -14,9 +14,9 @@ TOP = 0.05  # [m] height of the centre where the fingertip touches
 RADIUS = 0.01
 
 
-def down(depth: float, x: float = 0.0, anew: bool = False) -> tuple[Finger, Any]:
+def down(depth: float, x: float = 0.0, fresh_contact: bool = False) -> tuple[Finger, Any]:
     centre = (x, 0.0, TOP - depth)
-    return Finger(centre, RADIUS, anew=anew), SimpleNamespace(centre=centre, depth=depth, outward=UP)
+    return Finger(centre, RADIUS, fresh_contact=fresh_contact), SimpleNamespace(centre=centre, depth=depth, outward=UP)
 
 
 def heights(way: Way) -> list[float]:
@@ -45,7 +45,7 @@ def test_the_next_press_takes_the_place_of_the_last_and_a_second_finger_joins_it
 def test_a_finger_that_comes_down_elsewhere_before_it_was_lifted_does_not_fly_there() -> None:
     hand = Hand()
     hand.take(0.02, {0: down(0.003)})
-    hand.take(0.04, {0: down(0.001, x=0.04, anew=True)})
+    hand.take(0.04, {0: down(0.001, x=0.04, fresh_contact=True)})
     assert [each.centre[0] for each in hand.ways[0].samples] == [0.04, 0.04]
 
 
