@@ -213,7 +213,7 @@ def test_softness_that_is_typed_marks_a_measured_material_as_edited(material: An
 def test_the_material_in_use_is_marked_until_its_constants_are_ones_own(empty_file: ModuleType) -> None:
     body = empty_file.data.objects.new("Body", empty_file.data.meshes.new("Body"))
     assert body.dimple.material == "object_2_vinyl_air", "what it gets"
-    for preset in core("everyday").OBJECTS:
+    for preset in core("everyday_presets").OBJECTS:
         body.dimple.material = preset.name
         assert body.dimple.material == preset.name, preset.name
         assert body.active_material.dimple.provenance == preset.provenance
@@ -229,9 +229,9 @@ def test_every_material_has_a_picture_of_its_own(empty_file: ModuleType) -> None
     from bl_ext.user_default.dimple.addon import material_choice
 
     names = {path.stem for path in material_choice.PICTURES.glob("*.webp")}
-    assert names == {preset.name for preset in core("everyday").OBJECTS}
+    assert names == {preset.name for preset in core("everyday_presets").OBJECTS}
     items = material_choice.choices(None, None)
-    assert [name for name, *_ in items[:-1]] == [preset.name for preset in core("everyday").OBJECTS]
+    assert [name for name, *_ in items[:-1]] == [preset.name for preset in core("everyday_presets").OBJECTS]
     pictures = [material_choice._pictures[0][name] for name, *_ in items[:-1]]
     assert all(tuple(picture.image_size) == (256, 256) for picture in pictures)
     assert len({tuple(picture.image_pixels) for picture in pictures}) == len(pictures)
