@@ -207,7 +207,7 @@ def test_a_side_that_bulges_under_a_plate_is_felt_where_it_is_seen() -> None:
     for share in np.linspace(0.0, 1.0, 22):
         world.set_colliders([start - share * 0.042 * UP])
         world.step(0.02)
-    ways, found = np.arange(-0.008, 0.004, 2.5e-4), []
+    ways, found = np.arange(-0.009, 0.004, 2.5e-4), []
     for way in ways.tolist():
         a, b, c = centre = place.at + (TIP - way) * place.outward
         session.set_fingers([Finger((a, b, c), TIP)])
