@@ -201,5 +201,5 @@ def test_gravity_and_ground_that_change_are_followed_and_wake_what_sleeps() -> N
 
 
 def test_a_prop_that_intersects_a_collider_at_the_start_is_refused_with_the_place() -> None:
-    with pytest.raises(DimpleError, match=r'clear of other colliders: "2" and "3" intersect at \('):
+    with pytest.raises(DimpleError, match=r'must not touch other colliders: "2" and "3" intersect at \('):
         meeting([table()], [block((0.06, 0.05, 0.03), (1.0, 0.0, 0.005))], [0.5])
