@@ -21,7 +21,7 @@ _PUNCH = 0.005  # [m] radius of that on rubber
 _IFD = 0.1013  # [m] radius of the plate of 50 square inches that presses foam
 _POUND = 4.44822  # [N]
 _GRAM = 9.80665e-3  # [N]
-_WOBBLE = 4.0  # [Hz] of flesh on a living body, which its skin and what lies within hold: 3 to 6 are usual
+_WOBBLE = 4.0  # [Hz] made up, to look like flesh: a whole body of this modulus alone would swing far more slowly
 _PLUNGER = 0.00635  # [m] radius of the one that tests gelatin
 
 
@@ -83,7 +83,7 @@ def _flesh(name: str, label: str, kpa: tuple[float, float], what: str, density: 
     source = (
         f"Isogai and others 2022, J. Phys. Ther. Sci. 34, 777: {what}, {kpa[0]:g} ± {kpa[1]:g} kPa; "
         f"Hertz with a ball of 10 mm, so {share * (kpa[0] - kpa[1]) / 1e3:.2g} to "
-        f"{share * (kpa[0] + kpa[1]) / 1e3:.2g} N/mm up to the knee"
+        f"{share * (kpa[0] + kpa[1]) / 1e3:.2g} N/mm up to the knee; its sway of {_WOBBLE:g} Hz is made up"
     )
     return Preset(name=name, label=label, material=material, size=0.15, provenance=source, sway=1.0, sway_hz=_WOBBLE)
 

@@ -143,7 +143,7 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
 }
 
 /* Let the depth be counted from the surface at rest again, where what had moved the skin has gone. */
-static void dm_count_anew(dm_state *b, int finger, double tick) {
+static void dm_return_zero(dm_state *b, int finger, double tick) {
     dm_tip *f = b->fingers + finger;
     if (f->in_contact && f->beside && !dm_is_beside_others(b, finger)) f->zero *= exp(-tick / DM_REST_TIME);
 }
@@ -209,7 +209,7 @@ static void dm_press_held(dm_state *b, double tick, dm_frame *frame) {
     for (int c = 0; c < 12 && b->carried && !b->asleep; c++) pose[c] += carried * b->pose_rate[c];
     for (const dm_near *t = b->touches; t < b->touches + b->finger_count; t++) {
         dm_tip *f = b->fingers + t->finger;
-        dm_press(b, t->finger, pose, f->centre, 0), dm_count_anew(b, t->finger, tick);
+        dm_press(b, t->finger, pose, f->centre, 0), dm_return_zero(b, t->finger, tick);
         for (int c = 0; c < 3; c++) frame->touches[t->finger].impulse[c] += tick * f->force[c];
     }
 }
@@ -222,7 +222,7 @@ static void dm_press_free(dm_state *b, int64_t left, dm_frame *frame) {
         dm_tip *f = b->fingers + t->finger;
         double centre[3];
         for (int c = 0; c < 3; c++) centre[c] = f->centre[c] - (double)(left + 1) * b->dt * (double)t->velocity[c];
-        dm_press(b, t->finger, pose, centre, b->dt), dm_count_anew(b, t->finger, b->dt);
+        dm_press(b, t->finger, pose, centre, b->dt), dm_return_zero(b, t->finger, b->dt);
         for (int c = 0; c < 3; c++) frame->touches[t->finger].impulse[c] += b->dt * f->force[c];
     }
 }

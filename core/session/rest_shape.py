@@ -1,4 +1,4 @@
-"""The shape at rest of a session: where its rig lays it, and how it sways there."""
+"""The shape at rest of a session: its place by object and rig, and its sway there."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .sway import Push, Sway, sway_of
 
 
 class Rest:
-    """Where the shape at rest is, and where it is led in the step under way.
+    """Where the shape at rest is, and where it goes in the step under way.
 
     sway: None where it moves with its rig alone.
     target: (3, n) of all vertices at the end of the step [m], None where it stays.
@@ -22,6 +22,7 @@ class Rest:
     bent: bool
     _led: Floats  # without sway
     _at: Floats | None  # with it, None until it is asked for
+    _begin: tuple[Floats, float]  # where it was before the last motion, without sway, and how long that took [s]
 
     def __init__(self, model: Model, proxy: Proxy | None, before: Rest | None = None) -> None:
         """Begin with the shape of a model, or go on as it was `before` with other constants."""
@@ -30,12 +31,14 @@ class Rest:
         if before is None or before._model.mesh is not model.mesh:
             self.reset()
         else:
-            self.target, self.bent, self._led, self._at = before.target, before.bent, before._led, before._at
+            self.target, self.bent, self._begin = before.target, before.bent, before._begin
+            self._led, self._at = before._led, before._at
 
     def reset(self) -> None:
         """Go back to the shape of the model, at rest."""
         self.target = None
         self._led = self._at = self._model.matching.rest
+        self._begin = self._led, 1.0
         self.bent = False
         if self.sway:
             self.sway.reset()
@@ -62,11 +65,13 @@ class Rest:
     def rate_of_body(self) -> Floats:
         """Return how fast the vertices that move are carried (3, m) [m/s]."""
         assert self.sway
-        rate = self.sway.velocity().T
+        begin, seconds = self._begin
+        rate = (self._led - begin) / seconds + self.sway.velocity().T
         return rate if self._seeds is None else rate[:, self._seeds]
 
     def advance(self, share: float, seconds: float, pushes: Sequence[Push]) -> None:
         """Go a share of what is left of the way, and sway for some seconds."""
+        self._begin = self._led, seconds
         if self.target is not None:
             whole = share >= 1
             self._led = self.target if whole else self._led + share * (self.target - self._led)

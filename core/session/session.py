@@ -92,14 +92,10 @@ class Session:
         Raises:
             DimpleError: another number of vertices, or positions that are not numbers.
         """
-        positions = np.asarray(positions, np.float64)
-        if positions.shape != (len(self.model.mesh.source), 3):
-            raise DimpleError(
-                "The mesh has {vertices} vertices: give a position for each.", vertices=len(self.model.mesh.source)
-            )
-        if not np.isfinite(self._skin.of_mesh(positions)[self._pins.followed]).all():
+        positions = self._of_mesh(positions)
+        if not np.isfinite(positions[self._pins.followed]).all():
             raise DimpleError("A pinned vertex has a position that is not a number.")
-        self._pins.target = self._skin.of_mesh(positions).T
+        self._pins.target = positions.T
 
     def set_rest(self, positions: Floats) -> None:
         """Say which shape at rest the input vertices (N, 3) [m] have at the end of the next step, as a rig bends it.
@@ -110,16 +106,21 @@ class Session:
         Raises:
             DimpleError: another number of vertices, or positions that are not numbers.
         """
+        positions = self._of_mesh(positions)
+        if not np.isfinite(positions).all():
+            raise DimpleError("The shape at rest has a position that is not a number.")
+        if self.proxy is not None and not self._rest.sway:
+            self.change(self.model)
+        self._rest.target = positions.T
+
+    def _of_mesh(self, positions: Floats) -> Floats:
+        """Return the positions of the mesh's vertices (n, 3) for those of the input vertices (N, 3)."""
         positions = np.asarray(positions, np.float64)
         if positions.shape != (len(self.model.mesh.source), 3):
             raise DimpleError(
                 "The mesh has {vertices} vertices: give a position for each.", vertices=len(self.model.mesh.source)
             )
-        if not np.isfinite(positions).all():
-            raise DimpleError("The shape at rest has a position that is not a number.")
-        if self.proxy is not None and not self._rest.sway:
-            self.change(self.model)
-        self._rest.target = self._skin.of_mesh(positions).T
+        return self._skin.of_mesh(positions)
 
     def step(self, dt: float, *, budget: float | None = None) -> Frame:
         """Advance by dt [s] in whole ticks; what is left over is carried to the next call.

@@ -1,4 +1,4 @@
-"""The sway of a body: its low modes, driven by how it is led, by gravity as it turns, and by fingertips.
+"""The sway of a body: its low modes, driven by the motion of object and rig, by gravity as it turns, and by fingertips.
 
 The surface at rest moves with it: skin and law act on top. Each mode is advanced exactly, so any step is stable and
 nothing is gained or lost but by damping. Sources: Choi and Ko 2005 (modal warping: each node's displacement is turned
@@ -53,7 +53,7 @@ def push_of(touch: Touch, finger: Finger) -> Push:
 
 
 class Sway:
-    """The state of the modes of one body, and where its nodes are led.
+    """The state of the modes of one body, and the motion of its nodes with object and rig.
 
     amount: of the displacement that shows, 0 to 1.
     """
@@ -100,7 +100,7 @@ class Sway:
 
     @property
     def moves(self) -> bool:
-        """Tell whether anything sways, or is led."""
+        """Tell whether anything sways, or moves with object and rig."""
         far = np.abs(self._q) + np.abs(self._v) / self._rates
         return self._speed is None or bool(self._speed.any()) or bool((far * self._reach).sum() > STILL)
 
@@ -109,16 +109,11 @@ class Sway:
         """Return how often it sways in a second in its slowest way [Hz]."""
         return float(self._rates[0]) / (2 * math.pi)
 
-    @property
-    def energy(self) -> float:
-        """Return kinetic and elastic energy of the modes [J]."""
-        return float(self._density * (self._v**2 + (self._rates * self._q) ** 2).sum() / 2)
-
     def advance(self, led: Floats, seconds: float, pushes: Sequence[Push] = ()) -> None:
-        """Advance to where the shape at rest is led.
+        """Advance to where object and rig place the shape at rest.
 
         Args:
-            led: (n, 3) vertices at rest at the end [m], without sway.
+            led: (n, 3) vertices there at the end [m], without sway.
             seconds: until then.
         """
         at = self._follow(led)
@@ -127,33 +122,27 @@ class Sway:
         pull = np.einsum("mji,mj->mi", self._turn, self._gravity - (speed - before) / seconds) - self._modelled
         self._swing(self._loads @ pull.ravel(), seconds, pushes)
 
-    def sag(self, pull: Floats) -> Floats:
-        """Return how far (n, 3) each vertex sags in the end under an acceleration (3,), small as it may be [m]."""
-        load = self._loads @ np.tile(pull, len(self.modes.volume))
-        return self._carried(((load / self._rates**2) @ self._flat).reshape(-1, 3))
-
     def displacement(self) -> Floats:
-        """Return how far (n, 3) each vertex is from where it is led [m]."""
+        """Return how far (n, 3) each vertex is from its place without sway [m]."""
         return self.amount * self._carried(self.node_displacement())
 
     def node_displacement(self) -> Floats:
-        """Return how far (m, 3) each node is from where it is led [m]."""
+        """Return how far (m, 3) each node is from its place without sway [m]."""
         linear = (self._q @ self._flat).reshape(-1, 3)
         warped = _warped(np.einsum("kma,k->ma", self.modes.turns, self._q), linear)
         return np.einsum("mij,mj->mi", self._turn, warped)
 
     def velocity(self) -> Floats:
-        """Return how fast (n, 3) each vertex goes with it [m/s]."""
-        swings = self.amount * np.einsum("mij,mj->mi", self._turn, (self._v @ self._flat).reshape(-1, 3))
-        led = np.zeros_like(swings) if self._speed is None else self._speed
-        return self._carried(led + swings)
+        """Return how fast (n, 3) each vertex sways [m/s]."""
+        swings = np.einsum("mij,mj->mi", self._turn, (self._v @ self._flat).reshape(-1, 3))
+        return self.amount * self._carried(swings)
 
     def _carried(self, nodes: Floats) -> Floats:
         """Return what the vertices (n, 3) have of values (m, 3) of the nodes."""
         return native.carry_by_nodes(native.library(), self.modes.nodes, self.modes.shares, nodes)
 
     def _follow(self, led: Floats) -> Floats:
-        """Return where the nodes (m, 3) are led, and turn them along."""
+        """Return the places of the nodes (m, 3) without sway, and turn them along."""
         here = led[self._anchors]
         middle = self._near @ here
         outer = (here[:, :, None] * self._arms[:, None, :]).reshape(-1, 9)
