@@ -61,7 +61,7 @@ class Experiment:
             raise DimpleError("There is no answer {chosen}.", chosen=chosen)
         row = Row(
             trial=trial.number, plan=self.plan.checksum, participant=self.participant,
-            time=datetime.now(UTC).isoformat(timespec="milliseconds"), task=trial.task_number,
+            time=datetime.now(UTC).isoformat(timespec="microseconds"), task=trial.task_number,
             kind=trial.task.kind, condition=trial.task.condition, object=trial.task.object, label=trial.label,
             level=trial.level, test_first=int(trial.test_first),
             response=chosen if rating else int((chosen == 1) == trial.test_first), seconds=round(seconds, 3),
