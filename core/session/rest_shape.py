@@ -53,7 +53,7 @@ class Rest:
         """Return where it is (3, n) [m], of all vertices."""
         if self._at is None:
             assert self.sway
-            self._at = self._led + self.sway.displacement().T
+            self._at = (self._led.T + self.sway.displacement()).T  # by vertex, as they lie in memory
         return self._at
 
     @property
