@@ -1,17 +1,17 @@
-"""The one error an artist sees; apart from `base`, so that the servo process needs no numpy."""
+"""The one error that an artist sees; not in `base`, because the servo process has no numpy."""
 
 from typing import Any
 
 from .messages import Message
 
-LARGEST = 1e12  # in any SI unit: what is larger is taken for a mistake; its cube is all that single precision holds
+LARGEST = 1e12  # in any SI unit: a larger number is a mistake, and its cube overflows single precision
 
 
 class DimpleError(ValueError):
-    """Its message says what is wrong, where, and what to do, in an artist's words.
+    """An error whose message says, in an artist's words, what is wrong, where, and what to do.
 
     Args:
-        template, values: as of a Message, or a message.
+        template, values: those of a Message; or a Message alone.
     """
 
     def __init__(self, template: str, /, **values: Any) -> None:

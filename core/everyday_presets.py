@@ -1,9 +1,9 @@
 """Everyday objects as presets: from rules of sport, data sheets, trade standards and papers; some are made up.
 
-Each says where its numbers come from and between which limits they lie; none was measured by us. A ball full of air
-is flattened by a plate over a circle of radius sqrt(2 R x), on which its gauge pressure p acts: F = 2 pi R p x. What is
-incompressible, as rubber and flesh are, a flat punch of radius a presses with F = 2 a E x / (1 - 1/4), and a ball of
-radius R with F = 4/3 E R^(1/2) x^(3/2) / (1 - 1/4).
+Each states the source and the range of its numbers; we measured none of them. A plate flattens a ball full of air over
+a circle of radius sqrt(2 R x), on which the gauge pressure p acts: F = 2 pi R p x. For incompressible matter such as
+rubber and flesh the force of a flat punch of radius a is F = 2 a E x / (1 - 1/4), that of a ball of radius R is
+F = 4/3 E R^(1/2) x^(3/2) / (1 - 1/4).
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from .other_tip import softness
 MADE_UP = "Made up: no measurement stands behind it, only the feel of such an object in the hand"
 _KGF_PER_CM2 = 98_066.5  # [Pa]
 _PSI = 6_894.76  # [Pa]
-_PUNCH = 0.005  # [m] radius of that on rubber
-_IFD = 0.1013  # [m] radius of the plate of 50 square inches that presses foam
+_PUNCH = 0.005  # [m] radius of the flat punch on rubber
+_IFD = 0.1013  # [m] radius of the plate of 50 square inches in the foam standard
 _POUND = 4.44822  # [N]
 _GRAM = 9.80665e-3  # [N]
-_WOBBLE = 4.0  # [Hz] made up, to look like flesh: a whole body of this modulus alone would swing far more slowly
-_PLUNGER = 0.00635  # [m] radius of the one that tests gelatin
+_WOBBLE = 4.0  # [Hz] made up to look like flesh: the modulus alone gives a far slower swing
+_PLUNGER = 0.00635  # [m] radius of the plunger in the Bloom test
 
 
 def _short(value: float) -> float:
-    """Return a constant with as many digits as the panel shows."""
+    """Return a constant rounded to the digits that the panel shows."""
     return float(f"{value:.4g}")
 
 
 def _ball(name: str, label: str, rule: str, radius: float, pressure: tuple[float, float], mass: float) -> Preset:
-    """Return a ball of a radius [m] that a gauge pressure [Pa] from low to high keeps round."""
+    """Return an inflated ball with a radius [m] and a range of gauge pressure [Pa]."""
     low, high = (2 * math.pi * radius * p for p in pressure)
     knee = 0.1 * radius
     material = Material(
@@ -44,7 +44,7 @@ def _ball(name: str, label: str, rule: str, radius: float, pressure: tuple[float
 
 
 def _rubber(name: str, label: str, brand: str, psi: float, density: float) -> Preset:
-    """Return a block of silicone of 50 mm whose stress at 100 % is given in psi, and its density [kg/m3]."""
+    """Return a block of silicone of 50 mm, from its stress at 100 % strain [psi] and its density [kg/m3]."""
     stiffness = _short(2 * _PUNCH * psi * _PSI / 0.75)
     material = Material(
         K1=stiffness, K2=stiffness, x0=0.01, k=2_000, spread=0.01, density=density, fill="solid", damping_ratio=0.3,
@@ -58,7 +58,7 @@ def _rubber(name: str, label: str, brand: str, psi: float, density: float) -> Pr
 
 
 def _foam(name: str, label: str, pounds: tuple[float, float], kind: str) -> Preset:
-    """Return a block of foam of 100 mm by 380 mm that a force [lbf] presses to three quarters."""
+    """Return a block of foam 100 mm thick, from the force [lbf] that compresses it by a quarter."""
     low, high = (force * _POUND / 0.025 for force in pounds)
     stiffness = _short((low + high) / 2)
     material = Material(
@@ -73,7 +73,7 @@ def _foam(name: str, label: str, pounds: tuple[float, float], kind: str) -> Pres
 
 
 def _flesh(name: str, label: str, kpa: tuple[float, float], what: str, density: float) -> Preset:
-    """Return what a body is made of, with Young's modulus and its deviation [kPa], as a fingertip would press it."""
+    """Return a tissue with the law that a fingertip would measure, from Young's modulus and its deviation [kPa]."""
     knee = 0.015
     share = math.sqrt(FINGERTIP.radius * (1 + 1 / HERTZ) * knee) / HERTZ * 4e3 / 3 / 0.75
     material = Material(
@@ -89,7 +89,7 @@ def _flesh(name: str, label: str, kpa: tuple[float, float], what: str, density: 
 
 
 def _jelly(name: str, label: str, bloom: tuple[float, float]) -> Preset:
-    """Return a block of gelatin of 100 mm whose strength is given in grams."""
+    """Return a block of gelatin of 100 mm, from the range of its Bloom strength [g]."""
     low, high = (grams * _GRAM / 0.004 for grams in bloom)
     stiffness = _short((low + high) / 2)
     material = Material(
@@ -191,11 +191,11 @@ EVERYDAY = (
     ),
 )  # fmt: skip
 
-# all that are known, the softest first
+# all presets, the softest first
 OBJECTS = tuple(sorted((*PRESETS, *EVERYDAY), key=lambda preset: -softness(preset.material)))
 
 
 def found(material: Material) -> Preset | None:
-    """Return the preset whose constants a material has, whatever its mass; None where it has none of theirs."""
+    """Return the preset with the constants of a material, whatever its mass; None if there is none."""
     mass, density = material.mass, material.density
     return next((each for each in OBJECTS if replace(each.material, mass=mass, density=density) == material), None)

@@ -1,4 +1,4 @@
-"""What can be read from a running body: colours of its surface, the profile of its dent, its energy."""
+"""Quantities of a running body that are shown: the surface colours, the profile of a dent, the energy."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from .base import Floats, sums_at
 from .body import pressure as fill
 from .body import shape_matching, springs
 from .body.estimate import spread_on
-from .body.forces import forces
-from .body.model import Model, State
+from .body.model import Model
 from .body.shape_matching import Pose, fit_pose, pose_of
 from .mesh.surface import Mesh
 from .reduction.binding import blend
@@ -18,16 +17,16 @@ from .session import Session
 
 UNITS = {"pressure": "kPa", "depth": "mm", "stretch": "%", "slope": "N/mm", "knee": "mm"}
 UNITS |= {"spread": "mm", "thickness": "%"}
-REACH = 2.5  # tip radii and spreads: half the width of a profile
+REACH = 2.5  # half the width of a profile, in sums of tip radius and spread
 
 
 def field(session: Session, name: str) -> Floats:
     """Return a quantity at every vertex of the mesh (n,), in its unit of UNITS.
 
     Args:
-        name: "pressure", that a contact presses with, counted over the area at rest; "depth", below the surface at
-            rest; "stretch" of the edges round a vertex; and with what is painted "slope" K1, "knee" x0, "spread", and
-            "thickness", by which the mass is multiplied.
+        name: "pressure" of the contacts on the area at rest; "depth" below the surface at rest; mean "stretch" of the
+            edges at a vertex; or a constant times its painted map: "slope" (K1), "knee" (x0), "spread", and
+            "thickness" (a factor on the mass).
     """
     if name == "pressure":
         return pressure(session) / 1e3
@@ -49,7 +48,7 @@ def field(session: Session, name: str) -> Floats:
 
 
 def at_rest(session: Session) -> Floats:
-    """Return the shape at rest (n, 3) [m] where it is now: it follows the pins, or a body that is free."""
+    """Return where the shape at rest is now, (n, 3) [m]: it follows the pins, or a free body."""
     moves = session.bent_model()
     rotation, translation = pose_now(moves, session.body.positions())
     rest: Floats = (session.model if session.proxy else moves).mesh.rest_positions @ rotation.T + translation
@@ -57,7 +56,7 @@ def at_rest(session: Session) -> Floats:
 
 
 def depth(session: Session) -> Floats:
-    """Return how far each vertex (n,) is below its place at rest [m], along the normal there."""
+    """Return the depth of each vertex (n,) [m] below its place at rest, along the normal there."""
     rest = at_rest(session)
     normals = vertex_normals(session.model.mesh.triangles, rest)
     below: Floats = ((rest - session.skin()) * normals).sum(axis=1)
@@ -73,16 +72,15 @@ def stretch(mesh: Mesh, skin: Floats) -> Floats:
 
 
 def pressure(session: Session) -> Floats:
-    """Return the pressure (n,) [Pa] with which the surface is pressed from outside, about.
+    """Return an estimate of the contact pressure on the surface (n,) [Pa].
 
-    A vertex that is touched is held by the contact against its own forces, and these are known. Inertia and damping
-    are left out, so the sum is that of the contact when the body rests. Of a proxy it is interpolated.
+    A contact balances the other forces on the vertices that it touches, and these are known. Inertia and damping are
+    neglected, so the estimate holds for a body at rest. For a proxy the result is interpolated.
     """
     model, x = session.body.model, session.body.positions()
-    pose = None if model.free else pose_now(model, x)
-    state = State(positions=x, velocities=np.zeros_like(x), pose=pose)
-    normals = vertex_normals(model.mesh.triangles, x.T)
-    outward = (forces(model, state).T * normals).sum(axis=1)
+    forces = springs.force(model.springs, x) + fill.force(model.pressure, x) + model.mass * model.gravity[:, None]
+    forces += shape_matching.force(model.matching, x, pose_now(model, x))
+    outward = (forces.T * vertex_normals(model.mesh.triangles, x.T)).sum(axis=1)
     area = np.maximum(model.mesh.vertex_areas, 1e-12 * model.mesh.size**2)
     pressed = np.where(model.pinned, 0.0, np.maximum(outward, 0.0) / area)
     if session.proxy is None:
@@ -91,9 +89,9 @@ def pressure(session: Session) -> Floats:
 
 
 def profile(session: Session, finger: int) -> tuple[Floats, Floats]:
-    """Return the cut through the dent of a fingertip that is down: distance from its middle (p,) and depth (p,) [m].
+    """Return a cut through the dent of a fingertip: distances from its centre (p,) [m] and depths (p,) [m].
 
-    The cut lies across the press, along the axis of the scene that is most across it.
+    The cut runs along the horizontal axis of the scene that is more perpendicular to the press.
     """
     tip, mesh = session.placed[finger], session.model.mesh
     touch = session.frame.touches[finger]
@@ -120,7 +118,7 @@ def profile(session: Session, finger: int) -> tuple[Floats, Floats]:
 
 
 def pose_now(model: Model, x: Floats) -> Pose:
-    """Return where the shape at rest is for positions (3, n) [m] of a model."""
+    """Return the pose of the shape at rest for positions (3, n) [m] of a model."""
     if model.free:
         return pose_of(model.matching, x, None)
     if model.rigged:
@@ -130,7 +128,7 @@ def pose_now(model: Model, x: Floats) -> Pose:
 
 
 def _mean_of_materials(mesh: Mesh, values: Floats) -> Floats:
-    """Return the mean over the faces round each vertex (n,) of a value for each material."""
+    """Return for each vertex (n,) the mean over its faces of a value that each material has."""
     n, area = len(mesh.rest_positions), mesh.triangle_areas
     weighted = np.repeat(values[mesh.triangle_material] * area, 3)
     whole = sums_at(mesh.triangles.ravel(), np.repeat(area, 3), n)
@@ -138,17 +136,17 @@ def _mean_of_materials(mesh: Mesh, values: Floats) -> Floats:
 
 
 def energies(session: Session) -> tuple[float, float]:
-    """Return the energy [J] of a body's shape (springs, fill, shape matching) and that of its motion."""
+    """Return the elastic energy [J] of a body (springs, fill, shape matching) and its kinetic energy [J]."""
     model, x, v = session.bent_model(), session.body.positions(), session.body.velocities()
     return stored(model, x, None if model.free else pose_now(model, x)), float((v * v).sum(axis=0) @ model.mass) / 2
 
 
 def stored(model: Model, x: Floats, pose: Pose | None) -> float:
-    """Return the energy [J] of a model's shape.
+    """Return the elastic energy [J] of a model.
 
     Args:
         x: (3, n) positions [m].
-        pose: of the shape at rest where pins hold it, None where it is free.
+        pose: of the shape at rest if pins hold it, None for a free body.
     """
     held = springs.energy(model.springs, x) + fill.energy(model.pressure, x)
     return held + shape_matching.energy(model.matching, x, pose)

@@ -1,4 +1,4 @@
-"""What is inside a body: a row for each fill, from which the laws, the panels and the C core take all they need."""
+"""What fills a body: one row for each fill, read by the laws, the panels and the C core."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class PressureLaw(IntEnum):
-    """Name the law of the pressure over the volume (`body/pressure.py`, `native/step.c`), with the number in C."""
+    """The law of pressure over volume (`body/pressure.py`, `native/fill.c`), with its number in C."""
 
     NONE = 0
     GAS = 1
@@ -17,11 +17,11 @@ class PressureLaw(IntEnum):
 class Fill(NamedTuple):
     """A fill.
 
-    label, description: for the artist.
-    number: that .blend files keep.
+    label, description: shown to the artist.
+    number: stored in .blend files.
     law: of its pressure.
-    reserve: how many times stiffer than at rest it gets in a body pressed flat, for the stability bound.
-    elastic: the body is elastic to the core, so its skin gives way under a fingertip and a ball meets Hertz's force.
+    reserve: how many times stiffer it becomes when the body is pressed flat, for the stability bound.
+    elastic: whether the body is elastic throughout, so that its skin yields and a ball feels Hertz's force.
     """
 
     label: str

@@ -1,23 +1,23 @@
-"""Object constants of a material: what is measured on a real object (Tables 1 and 2 of the paper)."""
+"""The constants of a material, as measured on a real object (Tables 1 and 2 of the paper)."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from .errors import LARGEST, DimpleError  # not of base: the servo process has no numpy
+from .errors import LARGEST, DimpleError  # not from base: the servo process has no numpy
 from .fills import FILLS
 from .messages import Message
 
-_PER_UNIT = {"N/mm": 1e-3, "mm": 1e3, "kPa": 1e-3}  # of each in an SI unit
-LEAST_PRESSURE, MOST_PRESSURE = -1e5, 1e6  # [Pa]: nearly a vacuum; and no skin holds more
+_PER_UNIT = {"N/mm": 1e-3, "mm": 1e3, "kPa": 1e-3}  # in one SI unit
+LEAST_PRESSURE, MOST_PRESSURE = -1e5, 1e6  # [Pa] nearly a vacuum, and more than any skin holds
 TIPS = ("point", "punch", "sphere")
-HERTZ = 1.5  # power of the depth with which a sphere presses an elastic solid
+HERTZ = 1.5  # exponent of the depth in the force of a sphere on an elastic solid
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Indenter:
-    """A tip that presses: its shape, "point" (a small flat punch), "punch" (flat) or "sphere", and its radius [m]."""
+    """The tip that presses: shape "point" (a small flat punch), "punch" (flat) or "sphere", and radius [m]."""
 
     shape: str = "point"
     radius: float = 0.002
@@ -31,7 +31,7 @@ class Indenter:
             )
 
 
-POINT = Indenter()  # the paper's sensor "touches at a point"
+POINT = Indenter()  # the paper: the sensor "touches at a point"
 FINGERTIP = Indenter(shape="sphere", radius=0.010)
 
 
@@ -40,21 +40,21 @@ class Material:
     """Constants of one material.
 
     Args:
-        K1: slope of force over depth up to the knee [N/m], Eq. (1); a solid under a sphere has a power law that follows
-            from the same constants.
+        K1: slope of the force over the depth up to the knee [N/m], Eq. (1). The force of a sphere on a solid follows a
+            power law with the same constants.
         K2: slope beyond the knee [N/m].
         x0: depth of the knee [m].
         k: surface spring constant [N/m], Eq. (4).
-        spread: how far a dent reaches beyond the fingertip [m]; 0: not at all, like a bed of springs; None: as far as
-            springs of constant k carry it.
+        spread: how far a dent reaches beyond the fingertip [m]. 0: not at all, as on a bed of springs. None: as far as
+            springs of constant k spread it.
         indenter: the tip that measured K1, K2 and x0.
-        mass: of a body that is all of this material [kg]; or
-        density: [kg/m3], times the volume of the body; a sheet, which encloses none, is taken to be as thick as a
-            twentieth of its size. Give exactly one of the two.
-        damping_ratio: of springs and shape matching; 0 undamped, 1 critically damped.
+        mass: of a body made of this material alone [kg]; or
+        density: [kg/m3]; a sheet, which has no volume, counts as a twentieth of its size thick. Give exactly one of
+            the two.
+        damping_ratio: of springs and shape matching; 0 is undamped, 1 critically damped.
         friction: Coulomb coefficient of the skin against a fingertip and the ground.
         fill: a key of `fills.FILLS`.
-        pressure: of the fill above that outside, in the shape at rest [Pa]; K1, K2 and x0 were measured without.
+        pressure: gauge pressure of the fill in the shape at rest [Pa]; K1, K2 and x0 hold without it.
 
     Raises:
         DimpleError: a constant is out of its range.
@@ -102,7 +102,7 @@ class Material:
 
     @property
     def power(self) -> float:
-        """Return the power of the depth with which the force begins, of `law_power`."""
+        """Return the exponent of the depth at the beginning of the law; see `law_power`."""
         return law_power(self.K1, self.K2, self.fill, self.indenter.shape)
 
     def law(self, depth: float) -> float:
@@ -110,14 +110,14 @@ class Material:
         return law_force(depth, self.K1, self.K2, self.x0, self.power)
 
     def slope(self, depth: float) -> float:
-        """Return how steep the law is at a depth [N/m]: at a knee, just before it."""
+        """Return the slope of the law [N/m] at a depth [m]; at the knee, the slope before it."""
         return law_slope(depth, self.K1, self.K2, self.x0, self.power)
 
 
 def law_power(K1: float, K2: float, fill: str, tip: str) -> float:
-    """Return the power of the depth with which a force begins: 1, or up to Hertz's 1.5 of a solid under a sphere.
+    """Return the exponent of the depth at the beginning of a law: 1, or up to Hertz's 1.5 for a sphere on a solid.
 
-    K2 / K1 tells it: of two slopes that take as much energy as c x^p and its tangent, it is p^2.
+    It follows from K2 / K1 = p^2: two slopes with this ratio store as much energy as c x^p and its tangent.
     """
     bent = FILLS[fill].elastic and tip == "sphere" and K2 > K1 > 0
     return min(math.sqrt(K2 / K1), HERTZ) if bent else 1.0
@@ -126,8 +126,8 @@ def law_power(K1: float, K2: float, fill: str, tip: str) -> float:
 def law_force(depth: float, K1: float, K2: float, x0: float, power: float = 1.0) -> float:
     """Return the force [N] of a law at a depth [m]: K(x), two-piece linear. Source: Eq. (1).
 
-    With a power p above 1 the force is c x^p up to (1 + 1/p) x0, and from there on straight, with the slope p^2 K1 that
-    it has reached. What K2 is more than that comes in at x0, as a knee.
+    With an exponent p above 1 the force is c x^p up to (1 + 1/p) x0 and goes on along the tangent there, whose slope is
+    p^2 K1. If K2 is larger than that, the difference is added from x0 on, as a knee.
     """
     x = max(depth, 0.0)
     if power == 1:
@@ -140,7 +140,10 @@ def law_force(depth: float, K1: float, K2: float, x0: float, power: float = 1.0)
 
 
 def law_slope(depth: float, K1: float, K2: float, x0: float, power: float = 1.0) -> float:
-    """Return how steep a law is at a depth [N/m]: at a knee, just before it. Source: the derivative of `law_force`."""
+    """Return the slope of a law [N/m] at a depth [m]; at the knee, the slope before it.
+
+    Source: the derivative of `law_force`.
+    """
     if power == 1:
         return K1 if depth <= x0 else K2
     steepest, straight = power**2 * K1, (1 + 1 / power) * x0
@@ -150,14 +153,14 @@ def law_slope(depth: float, K1: float, K2: float, x0: float, power: float = 1.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Preset:
-    """An object that was measured.
+    """An object with known constants.
 
     name: identifier.
     label: what the interface shows.
     material: its constants.
     size: length of its edge [m].
-    provenance: where the numbers come from.
-    sway, sway_hz: how much of its sway shows, 0 to 1, and how often it swings in a second [Hz], 0: by its constants.
+    provenance: the source of the numbers.
+    sway, sway_hz: amount of sway, 0 to 1, and frequency of its first mode [Hz]; 0: follows from the constants.
     """
 
     name: str
@@ -170,7 +173,7 @@ class Preset:
 
 
 def _require(holds: bool, name: str, rule: str, value: float, unit: str = "") -> None:
-    """Raise where a rule does not hold, with the value (in SI units) in the unit that it is typed in."""
+    """Raise an error if a rule does not hold; it shows the value, given in SI units, in the unit of the panel."""
     given = f"{value * _PER_UNIT.get(unit, 1):.6g} {unit}".rstrip()
     if abs(value) > LARGEST:
         raise DimpleError(
@@ -181,7 +184,7 @@ def _require(holds: bool, name: str, rule: str, value: float, unit: str = "") ->
         raise DimpleError("{rule} (it is {given}). Change it in Material > Dimple.", rule=said, given=given)
 
 
-# of a body that has no material, and of a new one in the panel: the vinyl cube, as heavy as foam
+# for a body without a material, and for a new one in the panel: the vinyl cube, as heavy as foam
 DEFAULT_MATERIAL = Material(K1=610, K2=7230, x0=0.0163, k=9_200, density=100, indenter=FINGERTIP)
 
 _SOURCE = (
@@ -189,7 +192,7 @@ _SOURCE = (
     "taken to be a fingertip of 10 mm"
 )
 
-# masses: a nylon pouch and a vinyl bag weigh little; the water of a 165 mm cube weighs 4.5 kg
+# a nylon pouch and a vinyl bag weigh little; the water in a 165 mm cube weighs 4.5 kg
 PRESETS = (
     Preset(
         name="object_1_nylon_air",

@@ -1,6 +1,6 @@
-"""Messages for the artist: a template in English and the values that fill it, which are translated apart.
+"""Messages for the artist: an English template and the values that fill it, which are translated separately.
 
-Wherever a text is wanted a message is its English text, so what compares, joins or prints texts need not know of it.
+A message is also a string, its English text, so code that compares, joins or prints strings works with it.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ COMMA = ", "
 class Message(str):
     """A text for the artist: a template filled with values.
 
-    template: English, with places as `str.format` takes them: "{depth:.3g} mm".
-    values: numbers, names, messages, and tuples of these, which are listed with commas.
+    template: English, with the placeholders of `str.format`: "{depth:.3g} mm".
+    values: numbers, names, messages, or tuples of these, which are joined with commas.
     """
 
     template: str
@@ -39,7 +39,7 @@ class Message(str):
 
 
 def filled(template: str, values: dict[str, Any], comma: str = COMMA) -> str:
-    """Return a template with its values in it; one without values may hold braces that are no places."""
+    """Return a template filled with its values; without values, braces are plain text."""
     listed = {name: comma.join(each) if isinstance(each, tuple) else each for name, each in values.items()}
     return template.format(**listed) if values else template
 
@@ -51,7 +51,7 @@ def about(name: str, said: str) -> Message:
 
 
 def in_a_row(messages: Iterable[str]) -> Message:
-    """Return messages, one after the other, as one; those that are "" are left out."""
+    """Join messages into one, with a space between; empty ones are left out."""
     first, *others = [Message(each) for each in messages if each] or [Message("")]
     for then in others:
         first = Message(IN_A_ROW, first=first, then=then)
@@ -59,26 +59,26 @@ def in_a_row(messages: Iterable[str]) -> Message:
 
 
 def to_json(value: Any) -> str:
-    """Return plain data and the messages in it as JSON."""
+    """Return data that may contain messages as JSON."""
     return json.dumps(_as_data(value), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
 def from_json(text: str) -> Any:
-    """Return what `to_json` made a text of.
+    """Return the data of a text from `to_json`.
 
     Raises:
-        ValueError: it did not.
+        ValueError: the text is not from `to_json`.
     """
     return json.loads(text, object_hook=_from_data)
 
 
 def kept(message: str) -> str:
-    """Return the text that keeps a message in a file; one without values is kept as it is."""
+    """Return the text that stores a message in a file: JSON, or the message itself if it has no values."""
     return to_json(message) if isinstance(message, Message) and message.values else message
 
 
 def read(text: str) -> Message:
-    """Return the message that a text keeps; a text that `kept` did not make is a message without values."""
+    """Return the message in a text from `kept`; any other text becomes a message without values."""
     try:
         found = from_json(text) if text.startswith("{") else text
     except ValueError:
@@ -95,7 +95,7 @@ def _as_data(value: Any) -> Any:
 
 
 def _from_data(made: dict[str, Any]) -> Any:
-    """Return the message in an object of JSON, any other object as it is."""
+    """Return the message that a JSON object represents, or the object itself."""
     if made.keys() != {"template", "values"}:
         return made
     values = {name: tuple(each) if isinstance(each, list) else each for name, each in made["values"].items()}
@@ -103,7 +103,7 @@ def _from_data(made: dict[str, Any]) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as JSON can hold it: an error as what it says, a number of numpy as one of Python."""
+    """Return a value in a form that JSON can hold: an error as its text, a numpy number as a Python number."""
     if isinstance(value, tuple):
         return tuple(str(_plain(each)) for each in value)
     if isinstance(value, str | int | float):

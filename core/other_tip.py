@@ -1,9 +1,9 @@
-"""The force of a fingertip that is another than the tip that measured: times A(tip, x) / A(measuring tip, x).
+"""The force of a fingertip that differs from the measuring tip: the law times A(tip, x) / A(measuring tip, x).
 
-A is what a tip presses on, the force over depth and stiffness. On a bed with tension it follows in closed form
-(`estimate`); on an elastic solid a ball has 4/3 (R x)^(1/2) and a flat tip 2 a (Hertz 1882; Boussinesq 1885), and a
-layer is stiffer under the wider of the two (Dimitriadis and others 2002): that is worked out where it is pressed,
-with the thickness there.
+A is the force divided by depth and stiffness. For a bed with tension it has a closed form (`estimate`). For an elastic
+solid A is 4/3 (R x)^(1/2) under a ball and 2 a under a flat tip (Hertz 1882; Boussinesq 1885). A thin layer is stiffer
+under the wider tip (Dimitriadis and others 2002); that factor depends on the thickness at the place of contact, so the
+C core evaluates it there.
 """
 
 from __future__ import annotations
@@ -21,14 +21,15 @@ from .constants import FACTORS
 from .fills import FILLS
 from .material import FINGERTIP, Indenter, Material
 
-FORCE = 5.0  # [N] at which softness is compared: a firm press with a finger
-BODY = 0.1  # [m] the size of what it presses, on which only a spread that is not typed and a point depend
-FARTHEST = 4.0  # radii, and times x0: the deepest of them
+FORCE = 5.0  # [N] at which objects are compared for softness: a firm press with a finger
+BODY = 0.1  # [m] size of the body in this comparison; it matters only for a default spread and a point
+FARTHEST = 4.0  # the table of factors ends at this many radii or knees, whichever is deeper
 
 
 def factors(materials: Sequence[Material], radius: float, size: float) -> tuple[Floats, float] | None:
-    """Return the factors (materials, FACTORS) on the force of a ball, at depths that grow with the square of their
-    number, and the deepest [m]; None where it is the one that measured them all.
+    """Return the factors (materials, FACTORS) on the force of a ball, and the last of their depths [m].
+
+    The depths grow with the square of the index. None if this ball measured all materials.
 
     Args:
         radius: of the ball [m].
@@ -42,7 +43,7 @@ def factors(materials: Sequence[Material], radius: float, size: float) -> tuple[
 
 
 def softness(material: Material) -> float:
-    """Return how deep a fingertip of 10 mm sinks into a material with 5 N [m]."""
+    """Return the depth [m] to which 5 N press a fingertip of 10 mm into a material."""
     low, high = 0.0, material.x0
     force = _fingertip(material)
     while force(high) < FORCE:
@@ -54,15 +55,15 @@ def softness(material: Material) -> float:
 
 
 def as_soft(material: Material, depth: float) -> Material:
-    """Return a material with K1 and K2 scaled so that a fingertip of 10 mm sinks in to a depth [m] with 5 N."""
-    for _ in range(TURNS):  # a spread that is not typed moves a little with the stiffness
+    """Return a material with K1 and K2 scaled so that 5 N press a fingertip of 10 mm to a depth [m]."""
+    for _ in range(TURNS):  # the default spread depends a little on the stiffness
         scale = FORCE / _fingertip(material)(depth)
         material = replace(material, K1=scale * material.K1, K2=scale * material.K2)
     return material
 
 
 def _fingertip(material: Material) -> Callable[[float], float]:
-    """Return the force [N] of a fingertip of 10 mm over the depth [m]."""
+    """Return the force [N] of a fingertip of 10 mm as a function of the depth [m]."""
     table = factors([material], FINGERTIP.radius, BODY)
     if table is None:
         return material.law
@@ -72,7 +73,7 @@ def _fingertip(material: Material) -> Callable[[float], float]:
     )
 
 
-@functools.lru_cache(maxsize=64)  # asked for with each press
+@functools.lru_cache(maxsize=64)  # each press needs it
 def _factors(material: Material, ball: Indenter, size: float, end: float) -> Floats:
     depths = end * np.linspace(0, 1, FACTORS) ** 2
     depths[0] = depths[1] / 16
@@ -80,7 +81,7 @@ def _factors(material: Material, ball: Indenter, size: float, end: float) -> Flo
 
 
 def area(material: Material, tip: Indenter, size: float, depths: Floats) -> Floats:
-    """Return what a tip presses on at depths (d,) [m]: on a bed [m2], on an elastic solid [m]."""
+    """Return A of a tip at depths (d,) [m]: in [m2] on a bed, in [m] on an elastic solid."""
     if not FILLS[material.fill].elastic:
         spread = spread_on(material, size)
         return np.array([bed_area(tip, size, spread, depth)[0] for depth in depths.tolist()])
@@ -90,7 +91,7 @@ def area(material: Material, tip: Indenter, size: float, depths: Floats) -> Floa
 
 
 def layer(material: Material, size: float) -> float:
-    """Return where a solid was measured the radius of the ball, or minus that of the flat tip, that did [m], else 0."""
+    """Return for a solid the radius [m] of the measuring ball, or minus that of a flat tip; for other fills 0."""
     if not FILLS[material.fill].elastic:
         return 0.0
     return math.copysign(reach(material.indenter, size), 1 if material.indenter.shape == "sphere" else -1)

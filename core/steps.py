@@ -1,6 +1,7 @@
-"""Work in steps: a generator yields the share that is done and returns its result.
+"""Long work in steps: a generator yields the fraction that is done and returns its result.
 
-One that yields parts, the share that is done and a function to call, is sent what each returns: at once, or beside.
+A generator of `Parts` yields the fraction and a function to call, and receives what the function returned. Its parts
+run in the calling thread (`at_once`) or in another one (`beside`).
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import Any, TypeVar
 from .base import DimpleError
 
 Parts = Generator[tuple[float, Callable[[], Any]], Any, Any]
-LOOK_S = 0.01  # that is waited each time for a part that is beside
+LOOK_S = 0.01  # [s] between two looks at a part that runs in another thread
 
 _Result = TypeVar("_Result")
 
@@ -30,7 +31,12 @@ def result_of(steps: Generator[Any, None, _Result]) -> _Result:
 def as_share(
     steps: Generator[float, None, _Result], done: float, share: float
 ) -> Generator[float, None, _Result]:
-    """Run a part of the work: yield how far the whole is, of which so much was done before and this is such a share."""
+    """Run one part of the work and yield the fraction of the whole.
+
+    Args:
+        done: fraction of the whole that was done before.
+        share: fraction of the whole that this part makes up.
+    """
     while True:
         try:
             part = next(steps)
@@ -51,10 +57,10 @@ def at_once(parts: Parts) -> Any:
 
 
 def beside(parts: Parts, look_s: float = LOOK_S) -> Generator[float, None, Any]:
-    """Call each part in a thread and yield the share that is done meanwhile; once closed, what it still does is lost.
+    """Call each part in a thread and yield the fraction that is done; after `close` the running part is abandoned.
 
     Args:
-        look_s: how long to wait for it each time [s].
+        look_s: time between two yields [s].
 
     Returns:
         the result.
@@ -76,7 +82,7 @@ def beside(parts: Parts, look_s: float = LOOK_S) -> Generator[float, None, Any]:
 def _driven(
     parts: Parts, run: Callable[[Callable[[], Any]], Generator[float, None, Any]]
 ) -> Generator[float, None, Any]:
-    """Run each part in steps, send what it returns or throw why it cannot, and yield the share that is done."""
+    """Run each part in steps; send its result or throw its error into the generator, and yield the fraction done."""
     send, value = parts.send, None
     try:
         while True:
@@ -86,7 +92,7 @@ def _driven(
                 return end.value
             try:
                 send, value = parts.send, (yield from as_share(run(call), share, 0.0))
-            except DimpleError as error:  # the parts may know what to do about it
+            except DimpleError as error:  # the generator may handle it
                 send, value = parts.throw, error
     finally:
         parts.close()

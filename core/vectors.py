@@ -1,4 +1,4 @@
-"""Three numbers as a tuple: for single points, and for the servo's process, which has the standard library only."""
+"""Vectors as tuples of three numbers: for single points, and for the servo process, which has no numpy."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def length(a: Vector) -> float:
 
 
 def capped(a: Vector, most: float) -> Vector:
-    """Return a, shortened to a length where it is longer."""
+    """Return a, shortened if it is longer than `most`."""
     long = length(a)
     return scaled(a, most / long) if long > most else a
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.body.model import Model, State
+from core.body.model import Model
 from core.fields import stored
+from studies.reference.laws import State
 
 from .motion import move
 from .scenes import oscillator

@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from core.base import Floats
-from core.body.model import Model, State, initial_state
+from core.body.model import Model
+from studies.reference.laws import State, initial_state
 
 from .methods.registry import METHODS
 from .reference.path import FingerPath

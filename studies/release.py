@@ -9,11 +9,12 @@ import numpy as np
 
 from core.base import Floats
 from core.body.model import Model
-from core.body.shape_matching import fit_pose, rigid_velocity
+from core.body.shape_matching import fit_pose
 from core.mesh.ray import ray_hit
 from core.mesh.surface import Mesh
 from core.reduction.cells import vertex_normals
 from core.session import Finger, Session
+from studies.reference.laws import rigid_velocity
 
 SHARE = 0.3  # of the smallest side: how deep they go
 DEEP = 0.6  # of it

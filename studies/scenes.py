@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from core.base import Floats
-from core.body.model import Model, State, assemble, build_model, initial_state
+from core.body.model import Model, assemble, build_model
 from core.body.on_mesh import constants_on, mass_on
 from core.body.springs import membrane_stiffness
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Frame, Session
+from studies.reference.laws import State, initial_state
 
 from .specimen import cube as cube
 

@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from core.base import TICK, Floats
-from core.body.model import Model, State, build_model, initial_state
-from core.body.shape_matching import rigid_velocity
+from core.body.model import Model, build_model
+from studies.reference.laws import State, initial_state, rigid_velocity
 
 from .methods.registry import METHODS
 from .motion import move, right_hand_side

@@ -16,13 +16,14 @@ from functools import partial
 import numpy as np
 
 from core.base import TICK, Floats, Singles
-from core.body.model import Model, initial_state
+from core.body.model import Model
 from core.body.model import build_model as build
 from core.material import PRESETS
 from core.mesh.surface import Mesh, base_vertices
 from core.reduction.binding import carry
 from core.reduction.proxy import Proxy, build_proxy
 from core.reduction.proxy_rule import BUDGET, plan
+from studies.reference.laws import initial_state
 
 from .methods import native as native_method
 from .methods.registry import METHODS, Run

@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from core.base import TICK, Floats
-from core.body.model import Model, State, build_model, initial_state
+from core.body.model import Model, build_model
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices
+from studies.reference.laws import State, initial_state
 
 from .methods import native as native_method
 from .methods.registry import METHODS

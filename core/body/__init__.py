@@ -1,9 +1,10 @@
-"""The laws of a body, one file each, and the model that puts them together.
+"""The laws of a body, one file each, and the model that combines them.
 
-A law is its parameters as a frozen record, then energy and force: springs, shape_matching, pressure. maps are what is
-painted, estimate finds constants without a press, on_mesh spreads them, stability_bound limits the step, and model puts
-all together. lattice and modes are the body as a solid that sways.
+A law (springs, shape_matching, pressure) is a frozen record of its parameters, with its energy and its static force.
+estimate turns the constants of a material into those of the laws, on_mesh distributes them over a mesh, with the
+painted maps, and stability_bound limits the time step. model combines everything. lattice and modes describe how the
+whole body sways.
 
-Positions and velocities inside the laws are component-major, (3, n): each component is one contiguous run.
-`force` is minus the gradient of `energy`; studies/methods/tangent.py has its derivatives.
+Positions and velocities are stored by component, (3, n). `force` is minus the gradient of `energy`. The C core computes
+the forces of a running body, as studies/reference/laws.py does in numpy.
 """

@@ -1,14 +1,14 @@
-"""From object constants to model constants, in closed form.
+"""The constants of the model from the constants of a material, in closed form.
 
-Shape matching with a tension is a membrane on a bed of springs. Pressed by x, its dent falls off as the modified Bessel
-function K0(r / lambda) beyond the radius a of contact, lambda being the spread. With s(a) = lambda K1(a / lambda) /
-K0(a / lambda), the length in which it falls off there, a bed of stiffness kappa answers
+Shape matching with a tension is a membrane on a bed of springs. Outside the radius a of contact a dent decays as the
+modified Bessel function K0(r / lambda), where lambda is the spread. With its decay length at the edge of the contact,
+s(a) = lambda K1(a / lambda) / K0(a / lambda), a bed of stiffness kappa resists a depth x with
 
     a flat punch of radius a   F = kappa x (pi a^2 + 2 pi a s)
     a sphere of radius R       F = kappa (integral of w over pi a^2 + 2 pi a s w(a)),  lambda^2 |w'| = s w at a
 
-with w(r) = x - R + (R^2 - r^2)^(1/2), on a flat surface that is thick and wide beside the spread.
-tests/physics/test_estimate.py says how far it is off.
+with w(r) = x - R + (R^2 - r^2)^(1/2), on a flat surface that is thicker and wider than the spread.
+tests/physics/test_estimate.py states the error.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ from ..base import Floats
 from ..fills import FILLS
 from ..material import HERTZ, Indenter, Material
 
-POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point
-TURNS = 8  # iterations of the fixed point: enough for an error below 0.1 %
-SPRINGS = 1 / 4  # of the tension: a face under a dragged tip keeps 0.34 of its area (0.07 without); more cost steps
-BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
-SOLID_SKIN = 80.0  # times as stiff as its bed the skin of a solid is
+POINT_SHARE = 1 / 16  # of the size: radius of the patch that replaces a point, which no mesh can resolve
+TURNS = 8  # iterations of a fixed point: enough for an error below 0.1 %
+SPRINGS = 1 / 4  # of the tension: a face under a dragged tip keeps 0.34 of its area (0.07 without springs)
+BEYOND = 0.6  # of the rim's length: the dent widens while the depth goes beyond the knee
+SOLID_SKIN = 80.0  # stiffness of a solid's skin over that of its bed; gives its dents the shape of finite elements
 
 
 class ModelConstants(NamedTuple):
-    """Constants of the model with which it answers the measuring tip as the material does.
+    """Constants with which the model resists the measuring tip as the material does.
 
-    kappa1, kappa2: stiffness of shape matching per area, up to the knee and beyond it [N/m3].
+    kappa1, kappa2: stiffness of shape matching per area up to the knee and beyond it [N/m3].
     d0: displacement at the knee [m].
     tension: between the displacements of neighbours [N/m].
     """
@@ -45,11 +45,11 @@ class ModelConstants(NamedTuple):
 
 
 def reach(indenter: Indenter, size: float) -> float:
-    """Return the radius [m] of what presses: a point is a patch that the mesh can show."""
+    """Return the radius [m] of the tip; a point becomes a patch that a mesh can resolve."""
     return max(indenter.radius, POINT_SHARE * size) if indenter.shape == "point" else indenter.radius
 
 
-@functools.lru_cache(maxsize=64)  # some milliseconds, and asked for several times with each change of constants
+@functools.lru_cache(maxsize=64)  # takes milliseconds, and each change of constants needs it several times
 def bed_area(indenter: Indenter, size: float, spread: float, depth: float) -> tuple[float, float]:
     """Return the area A [m2] in F = kappa A depth, and the radius of contact [m], of an indenter on a flat surface."""
     radius = reach(indenter, size)
@@ -68,10 +68,10 @@ def bed_area(indenter: Indenter, size: float, spread: float, depth: float) -> tu
 
 
 def solid_area(indenter: Indenter, size: float, spread: float, depth: float, skin: float) -> float:
-    """Return the area A [m2] in F = kappa A depth of a solid, whose skin is some times as stiff as its bed.
+    """Return the area A [m2] in F = kappa A depth of a solid, whose skin is `skin` times as stiff as its bed.
 
-    It is that of the bed and that of the skin alone, at the same depth, in series: 1 to 6 % too much from half a radius
-    of depth on, 13 % at a tenth.
+    It approximates skin and bed in series by combining their forces at the same depth: 13 % too large at a depth of a
+    tenth of the radius, 1 to 6 % from half a radius on.
     """
     radius = reach(indenter, size)
     volume = math.pi * radius**2 * depth
@@ -90,9 +90,9 @@ def falloff(radius: float, spread: float) -> float:
 
 @functools.cache
 def _falloffs() -> tuple[Floats, Floats]:
-    """Return log z, and log K1(z) / K0(z) from the integrals of exp(-z cosh t) and its moment; right to 1e-5."""
+    """Return log z and log K1(z) / K0(z), from the integral representations of both, to 1e-5."""
     z = np.geomspace(1e-7, 1e3, 1000)
-    most = np.arccosh(1 + 40 / z)  # beyond it nothing is left; the trapezoids are exact to 1e-9
+    most = np.arccosh(1 + 40 / z)  # the integrand vanishes beyond; the trapezoidal rule is exact to 1e-9
     t = np.linspace(0, 1, 400)[:, None] * most
     weight = np.exp(-z * (np.cosh(t) - 1))
     weight[0] /= 2
@@ -101,13 +101,13 @@ def _falloffs() -> tuple[Floats, Floats]:
 
 @functools.lru_cache(maxsize=64)
 def spread_on(material: Material, size: float) -> float:
-    """Return how far a dent reaches beyond the fingertip [m]: as typed, or as far as springs of constant k carry it.
+    """Return the spread of a dent [m]: as typed, or the distance to which springs of constant k spread it.
 
-    A net of springs is a sheet of stiffness Y = 2 k / 3^(1/2). Over a dent of depth x0 and width lambda it is longer by
-    (x0 / lambda)^2 / 2, and pulls with T = Y' (x0 / lambda)^2 / 2. A stiff one pulls the skin along, from all over the
-    body, against the bed that holds it in its place: 1 / Y' = 1 / Y + 1 / (kappa size^2). With T = kappa lambda^2 that
-    is lambda^4 = x0^2 / 2 / (kappa / Y + 1 / size^2), where kappa depends on lambda a little.
-    tests/physics/test_spread.py says how wide the springs themselves make a dent.
+    A net of springs is a sheet of stiffness Y = 2 k / 3^(1/2). A dent of depth x0 and width lambda strains it by
+    (x0 / lambda)^2 / 2, which gives a tension T = Y' (x0 / lambda)^2 / 2. A stiff sheet pulls in skin from the whole
+    body, against the bed: 1 / Y' = 1 / Y + 1 / (kappa size^2). With T = kappa lambda^2 it follows that
+    lambda^4 = x0^2 / 2 / (kappa / Y + 1 / size^2), where kappa depends slightly on lambda.
+    tests/physics/test_spread.py compares this with dents of the springs themselves.
 
     Args:
         size: longest side of the body [m].
@@ -124,9 +124,9 @@ def spread_on(material: Material, size: float) -> float:
 def estimate(material: Material, size: float) -> ModelConstants:
     """Return the model constants of a material on a body, in closed form.
 
-    kappa1 is that with which the measuring tip answers the law at the knee. Beyond it only what lies under the tip and
-    a rim of width sqrt(T / kappa2) is displaced far enough to be stiffer: (K2 - K1) = kappa pi a^2 + BEYOND 2 pi a
-    sqrt(kappa T), kappa = kappa2 - kappa1.
+    kappa1 reproduces the law of the measuring tip at the knee. Beyond the knee only the skin under the tip and a rim of
+    width sqrt(T / kappa2) is displaced far enough to be stiffer. With kappa = kappa2 - kappa1 that is
+    K2 - K1 = kappa pi a^2 + BEYOND 2 pi a sqrt(kappa T).
 
     Args:
         size: longest side of the body [m].
@@ -134,7 +134,7 @@ def estimate(material: Material, size: float) -> ModelConstants:
     spread = spread_on(material, size)
     kappa1, radius = _bed(material, size, spread)
     tension = kappa1 * spread**2
-    # a quadratic in the root of kappa
+    # a quadratic equation in sqrt(kappa)
     bed, rim = math.pi * radius**2, BEYOND * math.pi * radius * math.sqrt(tension)
     more = max(material.K2 - material.K1, 0.0)
     root = (math.sqrt(rim**2 + bed * more) - rim) / bed
@@ -143,7 +143,7 @@ def estimate(material: Material, size: float) -> ModelConstants:
 
 
 def _bed(material: Material, size: float, spread: float) -> tuple[float, float]:
-    """Return the stiffness of the bed up to the knee [N/m3] and the radius of contact there [m]."""
+    """Return the stiffness of the bed up to the knee [N/m3] and the radius of contact at the knee [m]."""
     area, radius = bed_area(material.indenter, size, spread, material.x0)
     if FILLS[material.fill].elastic:
         area = solid_area(material.indenter, size, spread, material.x0, _solid_skin(material))
@@ -151,11 +151,11 @@ def _bed(material: Material, size: float, spread: float) -> tuple[float, float]:
 
 
 def skin_compliance(material: Material, constants: ModelConstants) -> float:
-    """Return how far the skin gives way under the pressure of a fingertip [m/Pa]: that of a solid does, others not.
+    """Return the compliance of the skin under the pressure of a fingertip [m/Pa]; 0 unless the body is a solid.
 
-    A solid's dent is steeper beside a fingertip than that of a bed under a tension, and reaches farther. So is it with
-    a skin in series that is SOLID_SKIN times as stiff as the bed, and forces go with the tip's radius as a solid's do.
-    What hardens more than an elastic solid has a harder skin, or the skin would give all the depth beyond the knee.
+    The dent of a solid is steeper beside the fingertip than that of a bed with tension, and reaches farther. A skin in
+    series that is SOLID_SKIN times as stiff as the bed gives both. A material that hardens more than an elastic solid
+    gets a harder skin, since otherwise the skin would take all the depth beyond the knee.
     Source: Kerr, On the formal development of elastic foundation models, 1984.
     """
     if not FILLS[material.fill].elastic:
@@ -164,6 +164,6 @@ def skin_compliance(material: Material, constants: ModelConstants) -> float:
 
 
 def _solid_skin(material: Material) -> float:
-    """Return how many times as stiff as its bed the skin of a solid is."""
+    """Return the stiffness of a solid's skin over that of its bed."""
     elastic = HERTZ**2 if material.indenter.shape == "sphere" else 1.0  # a flat tip measures one slope
     return SOLID_SKIN * max(material.K2 / (elastic * material.K1), 1.0) ** 2

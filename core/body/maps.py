@@ -1,4 +1,4 @@
-"""Maps: what is painted on a body, vertex by vertex, and multiplies the constants of its materials."""
+"""Painted maps: factors on the constants of the materials, vertex by vertex."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ import numpy as np
 
 from ..base import Floats
 
-LEAST = 0.05  # of the constant: a place that is painted 0 is not without it, for there is no law without a knee
+LEAST = 0.05  # smallest factor, where 0 is painted: a law without a knee or without mass cannot be simulated
 
 
 class Maps(NamedTuple):
-    """What the constants are multiplied by at each vertex (n,).
+    """Factors at each vertex (n,).
 
-    stiffer: K1, K2 and the tension.
-    deeper: x0.
-    wider: the spread.
-    thicker: the mass.
+    stiffer: on K1, K2 and the tension.
+    deeper: on x0.
+    wider: on the spread.
+    thicker: on the mass.
     """
 
     stiffer: Floats
@@ -27,14 +27,14 @@ class Maps(NamedTuple):
 
 
 def stiffness_of(softness: float | Floats) -> Any:
-    """Return how many times as stiff as measured a place of this softness is: from 4 at 0 to a quarter at 1."""
+    """Return the factor on the stiffness for a painted softness: 4 at 0, 1 at 0.5, a quarter at 1."""
     return 4.0 ** (1 - 2 * softness)
 
 
 def painted(softness: Floats, knee: Floats, spread: Floats, thickness: Floats) -> Maps:
-    """Return the factors (n,) of what is painted (n,), from 0 to 1 and 0.5 as measured.
+    """Return the factors (n,) for painted values (n,) from 0 to 1, where 0.5 means as measured.
 
-    Softness 1 is four times softer, 0 four times stiffer; of the others 1 is twice the constant and 0.25 half of it.
+    A softness of 1 is four times softer, 0 four times stiffer. The other maps multiply by twice the painted value.
     """
     stiffer = stiffness_of(np.clip(softness, 0, 1))
     return Maps(stiffer, *(np.clip(2 * values, LEAST, 2) for values in (knee, spread, thickness)))

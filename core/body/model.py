@@ -1,10 +1,10 @@
-"""A body ready to move: a frozen Model, a mutable State, and the one right-hand side every method steps."""
+"""The definition of a body: a mesh, the constants of its laws, and what holds it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -32,23 +32,22 @@ from . import pressure, shape_matching, springs, stability_bound
 from .maps import Maps, painted
 from .on_mesh import constants_on, mass_on
 from .pressure import Pressure
-from .shape_matching import Pose, ShapeMatching
+from .shape_matching import ShapeMatching
 from .springs import Springs
 
 _ALL_PINS = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
-SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
-
+SMALL = 1e-3  # [m] a smaller body was most likely modelled in other units
 
 
 class Sways(NamedTuple):
     """How a body sways.
 
-    amount: of the displacement that shows, 0 to 1.
-    frequency: of the first mode [Hz], 0: of its material.
-    damping: ratio, 1 is critical.
-    held: (n,) how firmly each vertex is held, 0 to 1.
-    bones: (b, 2, 3) ends of the bones that hold it from within [m].
-    gravity: (3,) in which the body has its shape at rest [m/s2].
+    amount: fraction of the displacement that is shown, 0 to 1.
+    frequency: of the first mode [Hz]; 0: follows from the material.
+    damping: damping ratio; 1 is critical.
+    held: (n,) how firmly each vertex is pinned, 0 to 1.
+    bones: (b, 2, 3) ends of the bones inside the body that hold it [m].
+    gravity: (3,) under which the modelled shape is at rest [m/s2].
     """
 
     amount: float
@@ -61,24 +60,24 @@ class Sways(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Model:
-    """A mesh with its laws: the definition of a body.
+    """A mesh with its laws.
 
     mesh: the surface at rest.
     materials: one for each index in mesh.triangle_material.
     mass: (n,) [kg].
     inverse_mass: (n,) [1/kg], 0 where pinned.
-    pinned: (n,) by the artist, or loose.
+    pinned: (n,) pinned by the artist, or part of no face.
     friction: (n,) coefficient.
-    compliance: (n,) of the skin under a fingertip [m/N], 0 where it is hard.
+    compliance: (n,) of the skin under a fingertip [m/N], 0 for a hard skin.
     springs, pressure, matching: the laws with their parameters.
     gravity: (3,) [m/s2].
     ground: height of a plane [m], or None.
     omega_squared: bound on the highest angular frequency squared [1/s2].
     decay: bound on the highest damping rate [1/s].
-    notes: sentences for the artist.
-    maps: what is painted, None where nothing is known of it.
-    rigged: the shape at rest stays where it is laid, as a rig does, instead of following the body or its pins.
-    sway: how it sways, None where it does not.
+    notes: messages for the artist.
+    maps: factors from the painted maps, None where they are unknown.
+    rigged: whether something else (a rig) places the shape at rest, so that it follows neither the body nor its pins.
+    sway: None for a body that does not sway.
     """
 
     mesh: Mesh
@@ -102,7 +101,7 @@ class Model:
 
     @property
     def laws(self) -> list[tuple[float, ...]]:
-        """Return the law of each material at a fingertip, as dimple.h asks for it."""
+        """Return the law of each material at a fingertip, in the order of dimple.h."""
         size = self.mesh.size
         return [
             (m.K1, m.K2, m.x0, m.power, m.friction, m.damping_ratio, layer(m, size)) for m in self.materials
@@ -110,14 +109,14 @@ class Model:
 
     @cached_property
     def free(self) -> bool:
-        """Tell whether the shape at rest follows the body rather than the pins."""
+        """Whether the shape at rest follows the body rather than its pins."""
         pinned = self.mesh.rest_positions[self.pinned & ~self.mesh.loose]
         return not self.rigged and not spans_a_plane(pinned, self.mesh.size)
 
     def substeps(self, tick: float) -> int:
-        """Return how many steps of an explicit method a tick [s] needs.
+        """Return how many explicit steps a tick [s] needs.
 
-        dt < 2 / omega (sqrt(1 + z^2) - z), z = decay / (2 omega), and LONGEST_STEP / omega where little is damped.
+        dt < 2 / omega (sqrt(1 + z^2) - z), z = decay / (2 omega), and at most LONGEST_STEP / omega for little damping.
         Source: semi-implicit Euler on a damped oscillator.
         """
         omega = math.sqrt(max(self.omega_squared, 1e-12))
@@ -136,30 +135,6 @@ class Model:
         return math.ceil(tick / limit)
 
 
-@dataclass(slots=True, kw_only=True)
-class State:
-    """What moves of a body.
-
-    positions: (3, n) [m].
-    velocities: (3, n) [m/s].
-    pose: of the shape at rest where pins hold it, None where it is free.
-    pose_rate: how fast that pose changes [1/s], [m/s], None where the pins rest.
-    volume: [m3] at the last evaluation of the forces.
-    pressure: [Pa] at the last evaluation.
-    unsolved: implicit steps so far that found no solution.
-    kept: (3, vertices and faces) what each fingertip did in the last step: `contact.Touch`.
-    """
-
-    positions: Floats
-    velocities: Floats
-    pose: Pose | None
-    pose_rate: Pose | None = None
-    volume: float = 0.0
-    pressure: float = 0.0
-    unsolved: int = 0
-    kept: dict[int, Floats] = field(default_factory=dict)
-
-
 def build_model(
     mesh: Mesh,
     materials: Sequence[Material],
@@ -175,21 +150,22 @@ def build_model(
     sway: tuple[float, float, float, Sequence[float]] | None = None,
     bones: Floats | None = None,
 ) -> Model:
-    """Give a mesh its materials.
+    """Build a body from a mesh and its materials.
 
     Args:
         materials: one for each index in mesh.triangle_material.
-        pinned: (N,) input vertices that do not move by themselves (bool, or weights of which half or more holds).
-        softness, knee, spread, thickness: what is painted on each input vertex (N,), 0.5 as measured; see `maps`.
+        pinned: (N,) pinned input vertices, as booleans or weights. A weight of 0.5 or more pins; of a body that sways
+            only a weight of 1 does, and smaller ones hold it partly.
+        softness, knee, spread, thickness: painted values of the input vertices (N,); 0.5 means as measured, see `maps`.
         gravity: (3,) [m/s2].
-        ground: height [m] of a plane that nothing sinks below.
-        rigged: something else places its shape at rest, see `Model`.
-        sway: amount, frequency, damping and gravity, see `Sways`; of a body that is a volume, and that pins or a rig
-            hold: its skin has no weight then, for it has its shape at rest in that gravity.
-        bones: (b, 2, 3) ends of those that hold a body that sways from within [m].
+        ground: height [m] of the ground plane.
+        rigged: see `Model`.
+        sway: amount, frequency, damping and gravity, see `Sways`. Only a body with a volume that pins or a rig hold
+            can sway. Its skin then has no weight, because the modelled shape is at rest under that gravity.
+        bones: (b, 2, 3) see `Sways`.
 
     Raises:
-        DimpleError: no material, or maps of the wrong length.
+        DimpleError: a material is missing, or a map has the wrong length.
     """
     if not np.isfinite(gravity).all() or np.shape(gravity) != (3,) or not math.isfinite(ground or 0.0):
         raise DimpleError("Gravity must be three numbers and the ground's height one.")
@@ -240,12 +216,12 @@ def assemble(
     ground: float | None,
     notes: tuple[str, ...] = (),
 ) -> Model:
-    """Put a model together from what its materials come to on its mesh.
+    """Build a model from constants of the vertices and edges.
 
     Args:
-        mass [kg], friction, compliance [m/N], damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
-        stiffness, tension: (m,) along the mesh's edges [N/m].
-        rest_pressure: of the fill, in the shape at rest [Pa].
+        mass [kg], friction, compliance [m/N], damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) of the vertices.
+        stiffness, tension: (m,) of the edges [N/m].
+        rest_pressure: gauge pressure of the fill in the shape at rest [Pa].
     """
     n, ends = len(mass), mesh.springs
     shape = shape_matching.build_shape_matching(
@@ -275,15 +251,8 @@ def assemble(
     )  # fmt: skip
 
 
-def initial_state(model: Model) -> State:
-    """Return the state at rest."""
-    x = np.array(model.mesh.rest_positions.T, order="C")  # a copy, whatever the order of the mesh's
-    pose = None if model.free else (np.eye(3), np.zeros(3))
-    return State(positions=x, velocities=np.zeros_like(x), pose=pose)
-
-
 def _ground(mesh: Mesh, pinned: Bools, ground: float | None) -> tuple[float | None, tuple[str, ...]]:
-    """Return the ground, lowered where a body would start below it and be flung out, and a note on that."""
+    """Return the height of the ground, lowered for a body that starts below it and would be ejected, and a note."""
     heights = mesh.rest_positions[~pinned & ~mesh.loose, 2]
     if ground is None or not len(heights) or heights.min() >= ground - ROUNDING * mesh.size:
         return ground, ()
@@ -296,17 +265,17 @@ def _ground(mesh: Mesh, pinned: Bools, ground: float | None) -> tuple[float | No
 
 
 def _even_out(mass: Floats, stiffness: Floats, used: Bools) -> Floats:
-    """Move mass to the vertices that are stiff beside it, the whole kept: slivers then do not set the time step.
+    """Move mass to the vertices that are stiff for their mass, so that slivers do not set the time step.
 
-    On scans and modelled heads this moves less than a percent (tests/unit/test_model.py) and saves two thirds of the
-    steps; an even mesh stays as it is. Known as selective mass scaling.
+    The total mass is unchanged, and so is an even mesh. On scans and modelled heads less than one percent of the mass
+    moves (tests/unit/test_model.py), which saves two thirds of the steps. Known as selective mass scaling.
     """
     wanted = np.maximum(mass, stiffness / (STIFFEST * float(np.median((stiffness / mass)[used]))))
     return wanted * (mass[used].sum() / wanted[used].sum())
 
 
 def _fill(mesh: Mesh, materials: Sequence[Material]) -> tuple[str, float]:
-    """Return the fill of the material with the most area, and its pressure."""
+    """Return the fill and the pressure of the material that covers the largest area."""
     most = materials[int(sums_at(mesh.triangle_material, mesh.triangle_areas, len(materials)).argmax())]
     return most.fill, most.pressure
 

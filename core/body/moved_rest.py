@@ -1,4 +1,4 @@
-"""A shape at rest that changes while the body lives, as a rig bends it."""
+"""A shape at rest that changes during a simulation, as when a rig bends it."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .model import Model
 
 
 def with_rest(model: Model, rest: Floats) -> Model:
-    """Return a model with another shape at rest, and the lengths and the volume that follow from it.
+    """Return a model with another shape at rest, with the rest lengths and the volume that follow from it.
 
-    Masses, stiffness and what else its materials came to stay: the same matter, bent.
+    Masses and stiffnesses stay, because the matter is the same.
 
     Args:
         rest: (3, n) [m].
@@ -31,18 +31,5 @@ def with_rest(model: Model, rest: Floats) -> Model:
         model, mesh=mesh,
         springs=springs.build_springs(mesh, model.springs.stiffness, model.springs.damping),
         pressure=replace(model.pressure, rest_volume=mesh.volume),
-        matching=replace(model.matching, rest=np.array(rest), pull=pull, rate=None),
+        matching=replace(model.matching, rest=np.array(rest), pull=pull),
     )  # fmt: skip
-
-
-def on_its_way(model: Model, rate: Floats, seconds: float) -> Model:
-    """Return a model whose places at rest are as many seconds before where they are led, and move there.
-
-    Args:
-        model: with the shape at rest that they are led to.
-        rate: (3, n) [m/s].
-    """
-    rest = model.mesh.rest_positions.T - seconds * rate
-    law = model.matching
-    pull = shape_matching.tension_force(law.pairs, law.tension, rest)
-    return replace(model, matching=replace(law, rest=rest, pull=pull, rate=rate))

@@ -1,4 +1,4 @@
-"""What materials come to on a mesh: the constants of every vertex and edge, as the laws take them."""
+"""The constants of all vertices and edges of a mesh, from its materials and painted maps."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from .springs import membrane_stiffness
 
 
 def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[str, Floats]:
-    """Return the constants of the laws, as `model.assemble` takes them.
+    """Return the constants of the laws, as arguments of `model.assemble`.
 
     Args:
         materials: one for each index in mesh.triangle_material.
     """
     which = mesh.triangle_material
-    # one line a material
+    # a row for each material
     table = np.array([_row(m, mesh.size) for m in materials]).T
     kappa1, kappa2, d0, tension, damping, friction, _, yields = table
     k1, k2 = (maps.stiffer * _vertex_sum(mesh, c[which] * mesh.triangle_areas / 3) for c in (kappa1, kappa2))
@@ -38,9 +38,12 @@ def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[
 
 
 def mass_on(mesh: Mesh, materials: Sequence[Material]) -> Floats:
-    """Share the mass out by area: each material weighs as if the whole body were of it, times its part."""
+    """Return the mass of each vertex (n,) [kg].
+
+    A material contributes the mass of a body made of it alone, times its fraction of the area.
+    """
     total_area = float(mesh.triangle_areas.sum())
-    # a sheet has no volume: take it as thick as a twentieth of its size
+    # a sheet has no volume: assume a thickness of a twentieth of its size
     bulk = mesh.volume if mesh.pressurable else total_area * mesh.size / 20
     whole = np.array([m.mass if m.mass is not None else (m.density or 0.0) * bulk for m in materials])
     mass = _vertex_sum(mesh, whole[mesh.triangle_material] * mesh.triangle_areas / total_area / 3)

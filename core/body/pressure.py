@@ -1,10 +1,10 @@
-"""The pressure of what fills the body.
+"""The pressure of the fill.
 
     f = p dV/dx,   V = sum over faces of x_0 . (x_1 x x_2) / 6
 
-dV/dx_i is a sixth of the sum of x_j x x_k round vertex i, so it sums to no net force and no net torque on any
-closed surface. Of a gas p = (p_a + p_0) (V_0/V)^gamma - p_a, of a liquid or a solid p = p_0 + kappa (V_0 - V) / V_0.
-p_0, the pressure at rest, is that of the shape at rest: with it the body swells until its skin holds it.
+dV/dx_i is a sixth of the sum of x_j x x_k over the faces of vertex i; on a closed surface it gives no net force and no
+net torque. For a gas p = (p_a + p_0) (V_0/V)^gamma - p_a, for a liquid or a solid p = p_0 + kappa (V_0 - V) / V_0.
+The gauge pressure p_0 belongs to the modelled shape: under it the body swells until its skin holds it.
 """
 
 from __future__ import annotations
@@ -13,12 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Floats, Ints, row_parts, sums_at
+from ..base import Floats, Ints, sums_at
 from ..constants import AIR_EXPONENT, AIR_PRESSURE, LIQUID_BULK_MODULUS
 from ..fills import FILLS, PressureLaw
-from ..mesh.rings import Rings
 from ..mesh.surface import Mesh, cap_centres
-from .springs import around
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,15 +25,15 @@ class Pressure:
 
     fill: a key of `fills.FILLS`.
     rest_volume: [m3].
-    rest_pressure: above that outside, at that volume [Pa].
-    rings: of the mesh.
-    cap_edges: (c, 2) border edges, and cap_loop: (c,) the hole each closes.
+    rest_pressure: gauge pressure at that volume [Pa].
+    triangles: (t, 3) of the mesh.
+    cap_edges: (c, 2) border edges; cap_loop: (c,) the hole that each belongs to.
     """
 
     fill: str
     rest_volume: float
     rest_pressure: float
-    rings: Rings
+    triangles: Ints
     cap_edges: Ints
     cap_loop: Ints
 
@@ -46,26 +44,35 @@ class Pressure:
 
 
 def build_pressure(mesh: Mesh, fill: str, rest_pressure: float = 0.0) -> Pressure:
-    """Prepare the fill of a mesh; a sheet without an inside has none."""
+    """Build the fill of a mesh; an open sheet has none."""
     return Pressure(
         fill=fill if mesh.pressurable else "none", rest_volume=mesh.volume, rest_pressure=rest_pressure,
-        rings=mesh.rings, cap_edges=mesh.cap_edges, cap_loop=mesh.cap_loop,
+        triangles=mesh.triangles, cap_edges=mesh.cap_edges, cap_loop=mesh.cap_loop,
     )  # fmt: skip
 
 
-def volume_and_gradient(law: Pressure, x: Floats, arms: Floats | None = None) -> tuple[float, Floats]:
-    """Return the volume [m3] and its gradient (3, n) [m2] at positions (3, n)."""
-    n = np.zeros_like(x)
-    for part in row_parts(x.shape[1]) if len(law.rings.neighbours) else ():
-        d = around(law.rings, x, part) if arms is None else arms[:, :, part]
-        for c in range(3):
-            a, b = d[(c + 1) % 3], d[(c + 2) % 3]
-            n[c, part] = np.einsum("sn,sn->n", a[:-1], b[1:]) - np.einsum("sn,sn->n", b[:-1], a[1:])
-            n[c, part] += a[-1] * b[0] - b[-1] * a[0]
-    centre = x.mean(axis=1)
-    _add_corners(law, n, x - centre[:, None])
-    volume = float(np.einsum("cn,cn->", x - centre[:, None], n)) / 18
-    return volume, n / 6
+def volume_and_gradient(law: Pressure, x: Floats) -> tuple[float, Floats]:
+    """Return the volume [m3] and its gradient (3, n) [m2] at positions (3, n) [m]."""
+    n, x = x.shape[1], x - x.mean(axis=1)[:, None]
+    at, crosses = [law.triangles.ravel("F")], list[Floats]()
+    i, j, k = (x[:, corner] for corner in law.triangles.T)
+    crosses += [_cross(j, k), _cross(k, i), _cross(i, j)]
+    if len(law.cap_edges):
+        centres, count = cap_centres(x.T, law.cap_edges, law.cap_loop)
+        start, end = (x[:, each] for each in law.cap_edges.T)
+        centre, base = centres[law.cap_loop].T, _cross(start, end)
+        # the centre of a cap moves with the mean of its border: each vertex there has its share of that gradient
+        share = np.stack([sums_at(law.cap_loop, each, len(count)) / count for each in base])
+        at += [law.cap_edges.ravel("F"), law.cap_edges[:, 0]]
+        crosses += [_cross(end, centre), _cross(centre, start), share[:, law.cap_loop]]
+    vertices, cross = np.concatenate(at), np.concatenate(crosses, axis=1)
+    gradient = np.stack([sums_at(vertices, each, n) for each in cross]) / 6
+    return float((x * gradient).sum()) / 3, gradient
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    product: Floats = np.cross(a, b, axis=0).astype(np.float64, copy=False)
+    return product
 
 
 def volume(law: Pressure, x: Floats) -> float:
@@ -74,9 +81,9 @@ def volume(law: Pressure, x: Floats) -> float:
 
 
 def pressure_at(law: Pressure, volume: float) -> float:
-    """Return the pressure [Pa] above that outside, at a volume [m3]."""
+    """Return the gauge pressure [Pa] at a volume [m3]."""
     if law.kind is PressureLaw.GAS:
-        # a body turned inside out has no volume left: hold it at a hundredth
+        # a body that is turned inside out has a negative volume; a hundredth keeps the power finite
         squeeze = (law.rest_volume / max(volume, 0.01 * law.rest_volume)) ** AIR_EXPONENT
         return float(AIR_PRESSURE * (squeeze - 1) + law.rest_pressure * squeeze)
     if law.kind is PressureLaw.BULK:
@@ -94,7 +101,7 @@ def pressure_slope(law: Pressure, volume: float) -> float:
 
 
 def energy(law: Pressure, x: Floats) -> float:
-    """Return the work [J] stored in the fill, counted from the volume at rest."""
+    """Return the energy [J] of the fill at positions (3, n) [m]; 0 at the volume at rest."""
     volume, _ = volume_and_gradient(law, x)
     if law.kind is PressureLaw.GAS:
         g, v0 = AIR_EXPONENT, law.rest_volume
@@ -106,29 +113,7 @@ def energy(law: Pressure, x: Floats) -> float:
     return 0.0
 
 
-def force(law: Pressure, x: Floats, arms: Floats | None = None) -> Floats:
-    """Return the forces (3, n) [N]."""
-    volume, gradient = volume_and_gradient(law, x, arms)
+def force(law: Pressure, x: Floats) -> Floats:
+    """Return the forces (3, n) [N] at positions (3, n) [m]."""
+    volume, gradient = volume_and_gradient(law, x)
     return pressure_at(law, volume) * gradient
-
-
-def _add_corners(law: Pressure, n: Floats, x: Floats) -> None:
-    """Add what the rings leave out: faces at vertices without a ring, and the cones that close the holes."""
-    size = x.shape[1]
-    first, second, third = law.rings.corners.T
-    at, to = [first], [np.cross(x[:, second], x[:, third], axis=0)]
-    if len(law.cap_edges):
-        a, b = law.cap_edges.T
-        centre, count = cap_centres(x.T, law.cap_edges, law.cap_loop)
-        c = centre[law.cap_loop].T
-        at += [a, b]
-        to += [np.cross(x[:, b], c, axis=0), np.cross(c, x[:, a], axis=0)]
-        # the centre moves with the mean of its border
-        tip = np.cross(x[:, a], x[:, b], axis=0)
-        share = np.stack([sums_at(law.cap_loop, tip[k], len(count)) / count for k in range(3)])
-        at.append(a)
-        to.append(share[:, law.cap_loop])
-    where, what = np.concatenate(at), np.concatenate(to, axis=1)
-    if len(where):
-        for k in range(3):
-            n[k] += sums_at(where, what[k], size)

@@ -2,8 +2,8 @@
 
     m dv/dt = F + m g,   dL/dt = M,   omega = R I^-1 R^T L
 
-The angular momentum is what is stepped, so where nothing acts it is kept to rounding; each turn is a rotation about
-omega by its length, so the shape is kept too.
+The state holds the angular momentum, so that without moments it is conserved to rounding. Each step rotates about
+omega, so that the shape is preserved.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from ..constants import ROUNDING
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidShape:
-    """What a rigid body is.
+    """Mass and geometry of a rigid body.
 
     mass: [kg].
-    inertia: (3, 3) about its centre, as it lies at the start [kg m2].
-    centre: (3,) of its mass at the start [m].
-    arms: (m, 3) of its vertices from there [m].
+    inertia: (3, 3) about its centre of mass, at the start [kg m2].
+    centre: (3,) of mass, at the start [m].
+    arms: (m, 3) from there to its vertices [m].
     """
 
     mass: float
@@ -35,10 +35,10 @@ class RigidShape:
 
 @dataclass(slots=True, kw_only=True)
 class RigidState:
-    """Where a rigid body is and how it moves.
+    """Position and motion of a rigid body.
 
     centre: (3,) [m].
-    turn: (3, 3) rotation since the start.
+    turn: (3, 3) rotation from the start.
     velocity: (3,) of the centre [m/s].
     momentum: (3,) angular, about the centre [kg m2/s].
     """
@@ -50,10 +50,10 @@ class RigidState:
 
 
 def rigid_shape(positions: Floats, triangles: Ints, mass: float) -> RigidShape:
-    """Return the rigid body of a mesh (m, 3) [m] of even density, or of even thickness where it encloses nothing.
+    """Return the rigid body of a mesh (m, 3) [m], with uniform density, or uniform thickness if it encloses no volume.
 
     Raises:
-        DimpleError: no mass, or a mesh without an area.
+        DimpleError: the mass is not positive, or the mesh has no area.
     """
     if not 0 < mass < math.inf:
         raise DimpleError("The mass of a prop must be greater than 0 kg (it is {mass:g}).", mass=mass)
@@ -81,12 +81,12 @@ def rigid_shape(positions: Floats, triangles: Ints, mass: float) -> RigidShape:
 
 
 def at_rest(shape: RigidShape) -> RigidState:
-    """Return a rigid body where it was made, at rest."""
+    """Return the state at the start, at rest."""
     return RigidState(centre=shape.centre.copy(), turn=np.eye(3), velocity=np.zeros(3), momentum=np.zeros(3))
 
 
 def positions(shape: RigidShape, state: RigidState) -> Floats:
-    """Return where its vertices (m, 3) [m] are."""
+    """Return the positions of the vertices (m, 3) [m]."""
     at: Floats = shape.arms @ state.turn.T + state.centre
     return at
 
@@ -108,6 +108,6 @@ def rotation(turn: Floats) -> Floats:
 
 
 def energy(shape: RigidShape, state: RigidState, gravity: Floats) -> float:
-    """Return its energy of motion and of height [J]."""
+    """Return its kinetic energy plus its potential energy [J]."""
     moving = shape.mass * float(state.velocity @ state.velocity) + float(state.momentum @ spin(shape, state))
     return moving / 2 - shape.mass * float(gravity @ state.centre)

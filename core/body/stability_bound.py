@@ -1,26 +1,28 @@
-"""Bounds on the highest frequency and damping rate of a body: what the explicit step must not outrun.
+"""Upper bounds on the highest frequency and damping rate of a body, which limit the explicit step.
 
-Springs and tension along edges stiffen no body more than the graph Laplacian L of their constants does, however they
-have turned. L is a sum over triangles, each with the shares of its edges and a part m_T of the masses at its corners,
+Springs and tension along the edges, in any orientation, are at most as stiff as the graph Laplacian L of their
+constants. L is a sum over the triangles; each gets its share of its edges and a part m_T of the masses at its corners,
 so
 
     highest eigenvalue of M^-1 L <= max over triangles of that of M_T^-1 L_T
 
-which is three quarters of Gershgorin's bound on an even mesh and never more, for the parts go by stiffness. Two of the
-three eigenvalues of a triangle with edges a, b, c opposite its corners are not 0: they have the sum s = sum of (the
-edges at a corner) / m and the product q = (a b + b c + c a) (1/m1 m2 + 1/m2 m3 + 1/m3 m1).
+which on an even mesh is three quarters of Gershgorin's bound, and never larger, because masses are divided in
+proportion to stiffness. Of the three eigenvalues of a triangle with edges a, b, c opposite its corners two are not 0.
+Their sum is s = sum of (the edges at a corner) / m, and their product is
+q = (a b + b c + c a) (1/m1 m2 + 1/m2 m3 + 1/m3 m1).
 Source: Irons and Treharne 1971, a bound theorem in eigenvalues.
 
-A fill adds f g^ g^T, g^ the unit vector along M^-1/2 dV/dx. With A the rest, a bound on A and u, w unit vectors along
-and across g^, no (c u + s w).(A + f g^ g^T)(c u + s w) exceeds the higher eigenvalue of
+A fill adds f g^ g^T, where g^ is the unit vector along M^-1/2 dV/dx. Let A be the matrix without the fill and a its
+bound. Then no eigenvalue of A + f g^ g^T exceeds the larger eigenvalue of
 
     [ g^.A g^ + f          |A g^ - (g^.A g^) g^| ]
     [ |A g^ - (g^.A g^) g^|          a           ]
 
 The fill moves neighbours together and L moves them apart, so this is little more than the larger of f and a.
 
-Its pressure p at rest bends that: d2V/dx_i dx_j is the vector between the vertices opposite the edge ij, over 6, as a
-cross product. By Gershgorin no eigenvalue of p d2V exceeds |p| / 3 times the length of the edges round a vertex.
+A pressure p at rest adds p d2V/dx_i dx_j, where the second derivative is the cross-product matrix of the vector between
+the two vertices opposite the edge ij, divided by 6. By Gershgorin no eigenvalue of it exceeds |p| / 3 times the length
+of the edges opposite a vertex.
 """
 
 from __future__ import annotations
@@ -54,7 +56,7 @@ def of_edges(mesh: Mesh, constants: Floats, at_vertices: Floats, inverse_mass: F
         meets[part] = sums_of_three(opposite)[:, None] - opposite
     met, most = inverse_mass * sums_at(corners.ravel(), meets.ravel(), n), [own.max()]
     for part in parts:
-        # 1 / the part of the mass: m_T = m (what meets at the corner) / (what meets at the vertex)
+        # 1 / m_T, where m_T = m (stiffness of the triangle at this corner) / (stiffness of all triangles at the vertex)
         inverse = met[corners[part]] / np.maximum(meets[part], 1e-30)
         s = sums_of_three(meets[part] * inverse)
         a, b, c = each[edges[part]].T
@@ -69,14 +71,14 @@ def of_edges(mesh: Mesh, constants: Floats, at_vertices: Floats, inverse_mass: F
 def of_body(
     mesh: Mesh, constants: Floats, at_vertices: Floats, inverse_mass: Floats, fill: Pressure, reserve: float = 1.0
 ) -> float:
-    """Bound the square of the highest angular frequency [1/s2] with a fill; the others are as in `of_edges`.
+    """Bound the square of the highest angular frequency [1/s2] of a body with a fill; see `of_edges`.
 
     Args:
-        reserve: times as stiff as at rest the fill is taken to be.
+        reserve: factor on the stiffness of the fill at rest.
     """
     if fill.kind and fill.rest_pressure:
         at_vertices = at_vertices + abs(fill.rest_pressure) / 3 * _edges_round(mesh)
-        fill = replace(fill, rest_pressure=max(fill.rest_pressure, 0.0))  # a body that shrinks gets as stiff again
+        fill = replace(fill, rest_pressure=max(fill.rest_pressure, 0.0))  # suction shrinks a body, which stiffens it
     skin = of_edges(mesh, constants, at_vertices, inverse_mass)
     if not fill.kind:
         return skin

@@ -1,4 +1,4 @@
-/* Semi-implicit Euler, then contact. Source: studies/reference/semi_implicit.py, core/body/forces.py; and what of a
+/* Semi-implicit Euler, then contact. Source: studies/reference/semi_implicit.py, laws.py; and what of a
  * body changes from tick to tick: its pins, where its numbers are counted from, and whether it is still whole. */
 #include "body.h"
 #include "profile.h"

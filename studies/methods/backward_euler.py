@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from functools import partial
 
 from core.base import Floats
-from core.body.model import Model, State
+from core.body.model import Model
+from studies.reference.laws import State
 
 from ..reference.contact import Touch
 from .implicit import run_implicit

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from core.base import Floats
-from core.body.model import Model, State
+from core.body.model import Model
+from studies.reference.laws import State
 
 from ..reference.contact import Touch, rest_on_ground
 from ..reference.facets import faces_near

@@ -6,8 +6,9 @@ import numpy as np
 
 from core import native
 from core.base import Floats
-from core.body.model import Model, State
+from core.body.model import Model
 from core.native.motion import FingertipMotion, Motion
+from studies.reference.laws import State
 
 from ..reference.path import FingerPath
 

@@ -12,7 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.base import Floats, sums_at
-from core.body.model import Model, State
+from core.body.model import Model
+from studies.reference.laws import State
 
 from ..reference.contact import Touch
 from ..reference.ticks import acceleration_of

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from core.base import Floats
-from core.body.model import Model, State
+from core.body.model import Model
+from studies.reference.laws import State
 
 from ..reference import semi_implicit
 from ..reference.path import FingerPath

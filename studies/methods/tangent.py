@@ -15,8 +15,9 @@ import numpy as np
 
 from core.base import Floats, sums_at
 from core.body import pressure, shape_matching
-from core.body.model import Model, State
+from core.body.model import Model
 from core.body.shape_matching import Pose, ShapeMatching
+from studies.reference.laws import State, rigid_velocity
 
 from . import penalty
 from .penalty import Meeting
@@ -65,7 +66,7 @@ def tangent(model: Model, state: State, h: float, met: Sequence[Meeting] = ()) -
         return z - pull * float((along * z).sum()) * eased
 
     def rigid(s: Floats) -> Floats:
-        return free * shape_matching.rigid_velocity(free * mass, state.positions, s)
+        return free * rigid_velocity(free * mass, state.positions, s)
 
     def precondition(r: Floats) -> Floats:
         if state.pose is not None:
@@ -130,7 +131,7 @@ def _memory(model: Model, state: State, h: float) -> tuple[Product, Floats]:
         return level * s + steep * (u * s).sum(axis=0) * u - shape_matching.tension_force(law.pairs, tension, s)
 
     def rigid(s: Floats) -> Floats:
-        return shape_matching.rigid_velocity(law.mass, x, s)
+        return rigid_velocity(law.mass, x, s)
 
     if state.pose is None:
         relative, transposed = _relative(law, x)

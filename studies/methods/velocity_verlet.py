@@ -10,7 +10,8 @@ from __future__ import annotations
 from functools import partial
 
 from core.base import Floats
-from core.body.model import Model, State
+from core.body.model import Model
+from studies.reference.laws import State
 
 from ..reference.ticks import acceleration_of, run_ticks
 

@@ -17,8 +17,9 @@ import numpy as np
 
 from core.base import Floats, Ints
 from core.body import pressure, shape_matching
-from core.body.model import Model, State
+from core.body.model import Model
 from core.body.shape_matching import Pose, ShapeMatching
+from studies.reference.laws import State, rigid_velocity, shape_velocity
 
 from ..reference.contact import Touch
 from . import penalty
@@ -89,8 +90,8 @@ def advance(model: Model, state: State, touches: Sequence[Touch], dt: float, *, 
     _, g = pressure.volume_and_gradient(model.pressure, x)
     for _ in range(sweeps):
         met = meet_faces(model, state, touches, CONTACT)
-        carried = dt * shape_matching.shape_velocity(model.matching, state.pose_rate)
-        drift = before + (carried if state.pose else shape_matching.rigid_velocity(model.matching.mass, x, x - before))
+        carried = dt * shape_velocity(model.matching, state.pose_rate)
+        drift = before + (carried if state.pose else rigid_velocity(model.matching.mass, x, x - before))
         fixed = Fixed(
             goal=goal, before=before, drift=drift, pose=shape_matching.pose_of(model.matching, x, state.pose),
             fill=state.pressure * g, met=[(m, x[:, m.corners], penalty.stiffness_blocks(m, x.shape[1])) for m in met],
@@ -194,7 +195,7 @@ def keep_momentum(model: Model, state: State, goal: Floats, before: Floats, met:
     pushed = (goal - before) / dt
     for m in met:
         pushed = pushed + dt * penalty.force(m, pushed.shape[1]) / model.mass
-    stray = shape_matching.rigid_velocity(model.matching.mass, state.positions, state.velocities - pushed)
+    stray = rigid_velocity(model.matching.mass, state.positions, state.velocities - pushed)
     state.velocities -= stray
     state.positions -= dt * stray
 

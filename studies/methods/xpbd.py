@@ -18,7 +18,8 @@ import numpy as np
 
 from core.base import Floats, Ints
 from core.body import pressure, shape_matching
-from core.body.model import Model, State
+from core.body.model import Model
+from studies.reference.laws import State, rigid_velocity, shape_velocity
 
 from ..reference.path import FingerPath
 from ..reference.ticks import run_ticks
@@ -113,13 +114,13 @@ def move_to_shape(model: Model, state: State, before: Floats, h: float) -> None:
     stiffness, _, u = stiffness_parts(law, x, pose)
     moved = x - before
     if state.pose is None:
-        moved -= shape_matching.rigid_velocity(law.mass, x, moved)
+        moved -= rigid_velocity(law.mass, x, moved)
     else:
-        moved -= h * shape_matching.shape_velocity(law, state.pose_rate)
+        moved -= h * shape_velocity(law, state.pose_rate)
     stiff = h * stiffness
     shift = x - start - h * w * (stiff * u + law.damping * moved) / (1 + h * w * (stiff + law.damping))
     if state.pose is None:
-        shift -= shape_matching.rigid_velocity(law.mass, x, shift)
+        shift -= rigid_velocity(law.mass, x, shift)
     x[:] = start + np.where(w > 0, shift, 0.0)
 
 

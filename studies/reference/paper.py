@@ -13,13 +13,14 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints, mean_of_pairs, sums_at
 from core.body import stability_bound
-from core.body.model import Model, State, build_model
+from core.body.model import Model, build_model
 from core.body.springs import Springs, build_springs
 from core.material import Material, law_force
 from core.mesh.surface import Mesh
 
 from .constants import ROUNDING, TRAVEL
 from .contact import Step, Touch
+from .laws import State
 from .path import FingerPath
 from .ticks import each_tick, meet, moved_back, slow_down
 

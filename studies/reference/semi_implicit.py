@@ -5,8 +5,9 @@ from __future__ import annotations
 from functools import partial
 
 from core.base import Floats
-from core.body.model import Model, State
+from core.body.model import Model
 
+from .laws import State
 from .ticks import acceleration_of, run_ticks
 
 

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from core.base import Floats
-from core.body.forces import forces
-from core.body.model import Model, State
+from core.body.model import Model
 
 from . import contact
 from .constants import NEAR, TRAVEL
 from .contact import Step, Touch
+from .laws import State, forces
 from .path import FingerPath
 
 # advance(model, state, dt, acceleration): move a state in place by dt [s], contact apart. The acceleration (3, n)

@@ -9,9 +9,9 @@ import numpy as np
 
 from core.base import Bools, Floats, Ints
 from core.body import pressure
-from core.body.model import Model, State, initial_state
-from core.body.moved_rest import on_its_way, with_rest
-from core.body.shape_matching import Pose, carried_pose, fit_pose
+from core.body.model import Model
+from core.body.moved_rest import with_rest
+from core.body.shape_matching import Pose, fit_pose
 from core.material import law_force
 from core.native.motion import FingertipMotion, Frame, Motion, PinMotion, Touch
 
@@ -20,6 +20,7 @@ from .constants import LARGEST_GROWTH, REST_TIME, TRAVEL
 from .contact import Step
 from .contact import Touch as Near
 from .fingertip import Around, RestSurface, Tip, rest_surface
+from .laws import State, carried_pose, initial_state, on_its_way
 from .path import FingerPath
 from .rolling import Turning
 from .sleep import Rest, reaches
@@ -282,6 +283,7 @@ class Twin:
         if self._rest_rate is not None:
             left = motion.ticks - call.ticks - (1 - 1 / motion.substeps) / 2
             self.model = on_its_way(self.model, self._rest_rate, left * motion.tick)
+            self._state.rest_rate = self._rest_rate
         if motion.pins:
             share = call.ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
             self._lead_pins(motion, motion.pins, share)
@@ -307,8 +309,8 @@ class Twin:
         """End a motion and return what it came to."""
         motion, tips, down, state = call.motion, call.motion.fingertips, call.down, self._state
         if self._rest_rate is not None and motion.ticks:
-            self.model, self._rest_rate = on_its_way(self.model, self._rest_rate, 0.0), None
-            self.model = self._fine = replace(self.model, matching=replace(self.model.matching, rate=None))
+            self.model = self._fine = on_its_way(self.model, self._rest_rate, 0.0)
+            self._rest_rate = state.rest_rate = None
         if motion.pins and call.moved:
             self._arrive(motion.pins)
         for i in down if not motion.ticks else ():

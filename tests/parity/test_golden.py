@@ -35,7 +35,7 @@ GOLDEN = {
     ("free on the ground", 64, ""): "f249680cc2394960fdf51dcbaee3e256f479284c5fe98292c76812fefe90522d",
 }
 NUMPY = {
-    "liquid": "9b92e2a270a8d19ca8fe44dce6c88b8cc9c71bac8c2bb7794b11b6917ee4dbbc",
+    "liquid": "84059e781f61eaa790944f92010d0f305002b1b82878ecb702a9eadfdb45d8cc",
 }
 
 

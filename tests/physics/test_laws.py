@@ -17,6 +17,7 @@ from core.mesh.surface import Mesh, mesh_from_triangles
 from studies.methods import penalty
 from studies.reference import paper
 from studies.reference.contact import Touch
+from studies.reference.laws import matching_force, spring_force
 from studies.reference.paper import spring_energy
 from tests.bodies import ball, sheet
 from tests.physics.disturbed import SHAPES, difference, disturbed, turn
@@ -36,6 +37,11 @@ def springs_of(mesh: Mesh, rng: np.random.Generator) -> springs.Springs:
 def membrane(mesh: Mesh, rng: np.random.Generator) -> Law:
     law = springs_of(mesh, rng)
     return Law(lambda x: springs.energy(law, x), lambda x: springs.force(law, x))
+
+
+def membrane_of_the_reference(mesh: Mesh, rng: np.random.Generator) -> Law:
+    law = springs_of(mesh, rng)
+    return Law(lambda x: springs.energy(law, x), lambda x: spring_force(law, x))
 
 
 def equation_4(mesh: Mesh, rng: np.random.Generator) -> Law:
@@ -64,12 +70,12 @@ def shape_matching_law(mesh: Mesh, rng: np.random.Generator, knee: float) -> sha
 def pinned_matching(mesh: Mesh, rng: np.random.Generator) -> Law:
     law = shape_matching_law(mesh, rng, 0.1)
     pose = fit_pose(law.rest, law.rest + rng.normal(0, 0.3, law.rest.shape), law.k1)
-    return Law(lambda x: shape_matching.energy(law, x, pose), lambda x: shape_matching.force(law, x, None, pose))
+    return Law(lambda x: shape_matching.energy(law, x, pose), lambda x: shape_matching.force(law, x, pose))
 
 
 def free_matching(mesh: Mesh, rng: np.random.Generator) -> Law:
     law = shape_matching_law(mesh, rng, 1e9)
-    return Law(lambda x: shape_matching.energy(law, x), lambda x: shape_matching.force(law, x))
+    return Law(lambda x: shape_matching.energy(law, x), lambda x: matching_force(law, x))
 
 
 def fingertip(mesh: Mesh, rng: np.random.Generator) -> Law:
@@ -93,7 +99,8 @@ def fingertip(mesh: Mesh, rng: np.random.Generator) -> Law:
 
 
 LAWS = {
-    "springs": membrane, "Eq. (4)": equation_4, "air": fill("air"), "liquid": fill("liquid"),
+    "springs": membrane, "springs, ring by ring": membrane_of_the_reference, "Eq. (4)": equation_4,
+    "air": fill("air"), "liquid": fill("liquid"),
     "pumped air": fill("air", 3e5), "drawn air": fill("air", -8e4), "pumped liquid": fill("liquid", 3e5),
     "pinned matching": pinned_matching, "free matching": free_matching, "fingertip": fingertip,
 }  # fmt: skip
@@ -147,8 +154,8 @@ def test_dashpots_and_drag_exert_no_net_force_and_torque_and_take_energy(shape: 
     v = rng.normal(size=x.shape)
     membrane_law, shape_law = springs_of(mesh, rng), shape_matching_law(mesh, rng, 0.02)  # beyond the knee
     for force, still in (
-        (springs.force(membrane_law, x, v), springs.force(membrane_law, x)),
-        (shape_matching.force(shape_law, x, v), shape_matching.force(shape_law, x)),
+        (spring_force(membrane_law, x, v), spring_force(membrane_law, x)),
+        (matching_force(shape_law, x, v), matching_force(shape_law, x)),
     ):
         assert_no_net(force, x)
         assert_no_net(still, x)
@@ -163,8 +170,8 @@ def test_nothing_damps_a_rigid_motion(shape: str) -> None:
     v = np.cross(rng.normal(size=3), x.T).T + rng.normal(size=(3, 1))
     law, shape_law = springs_of(mesh, rng), shape_matching_law(mesh, rng, 0.02)
     scale = 1e-12 * np.abs(v).max()
-    np.testing.assert_allclose(springs.force(law, x, v) - springs.force(law, x), 0, atol=10 * scale)
-    damped = shape_matching.force(shape_law, x, v) - shape_matching.force(shape_law, x)
+    np.testing.assert_allclose(spring_force(law, x, v) - spring_force(law, x), 0, atol=10 * scale)
+    damped = matching_force(shape_law, x, v) - matching_force(shape_law, x)
     np.testing.assert_allclose(damped, 0, atol=10 * scale)
 
 

@@ -8,8 +8,7 @@ import pytest
 
 from core.base import Floats
 from core.body import pressure, shape_matching, springs
-from core.body.forces import forces
-from core.body.model import Model, State, build_model, initial_state
+from core.body.model import Model, build_model
 from core.fills import FILLS
 from core.material import PRESETS, Material, Preset
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
@@ -17,6 +16,7 @@ from core.session import Finger, Session
 from studies import scenes
 from studies.methods import native as native_method
 from studies.reference import semi_implicit
+from studies.reference.laws import State, forces, initial_state
 from studies.reference.path import FingerPath
 from tests.bodies import TETRAHEDRON, after, ball, hemisphere, sheet, state_of
 

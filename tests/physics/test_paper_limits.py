@@ -13,10 +13,11 @@ import pytest
 
 from core.base import Floats
 from core.body import pressure, springs, stability_bound
-from core.body.model import Model, State, build_model, initial_state
+from core.body.model import Model, build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from studies.reference import paper, semi_implicit
+from studies.reference.laws import State, initial_state
 from studies.reference.paper import spring_energy, surface_stretch, surface_tension
 from studies.reference.path import FingerPath
 from studies.scenes import cube

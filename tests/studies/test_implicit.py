@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.body.model import build_model, initial_state
+from core.body.model import build_model
 from core.mesh.surface import base_vertices
 from studies.conservation import energy
 from studies.methods import newton
 from studies.methods.registry import METHODS
 from studies.motion import move
+from studies.reference.laws import initial_state
 from studies.reference.path import FingerPath
 from studies.scenes import BALL, FINGERTIP, ball, twisted_ball
 from studies.work_precision import cases, exact, run

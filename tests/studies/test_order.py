@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from core.body.model import Model, State
+from core.body.model import Model
 from studies.methods.registry import METHODS
 from studies.motion import move, relative_error, right_hand_side
+from studies.reference.laws import State
 from studies.scenes import oscillator, oscillator_radius, twisted_ball
 
 WITHIN = 0.15

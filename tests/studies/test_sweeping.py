@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body.model import Model, State, build_model, initial_state
+from core.body.model import Model, build_model
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from studies.methods import vertex_block_descent
@@ -18,6 +18,7 @@ from studies.methods.implicit import run_implicit
 from studies.methods.newton import CONTACT_STIFFNESS
 from studies.methods.registry import METHODS, Run
 from studies.motion import move, relative_error
+from studies.reference.laws import State, initial_state
 from studies.reference.path import FingerPath
 from studies.scenes import BALL, FINGERTIP, ball, cube, twisted_ball
 

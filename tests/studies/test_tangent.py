@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body.model import Model, State, build_model
-from core.body.shape_matching import fit_pose, rigid_velocity
+from core.body.model import Model, build_model
+from core.body.shape_matching import fit_pose
 from core.material import Material
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from studies.methods.newton import meet_faces, pressed
 from studies.methods.tangent import Tangent, tangent
 from studies.reference import contact
+from studies.reference.laws import State, rigid_velocity
 from tests.physics.disturbed import SHAPES, difference, disturbed
 
 STEP = 1e-3  # [s]

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from core.body.model import build_model, initial_state
+from core.body.model import build_model
 from core.material import PRESETS, Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from studies import scenes
+from studies.reference.laws import initial_state
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2)
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body.springs import around
 from core.mesh.rings import MAX_RING
 from core.mesh.surface import Mesh, mesh_from_triangles
+from studies.reference.laws import around
 from studies.specimen import cube_triangles
 from tests.bodies import TETRAHEDRON, Shape, ball, hemisphere, joined, sheet, soup, walled_box
 

@@ -15,10 +15,11 @@ from matplotlib.lines import Line2D
 from scipy.integrate import solve_ivp
 
 from core.base import Floats
-from core.body.model import Model, State
+from core.body.model import Model
 from studies import work_precision
 from studies.methods.registry import METHODS
 from studies.motion import right_hand_side
+from studies.reference.laws import State
 from studies.work_precision import DECADES, NATIVE, Case, Point
 
 from .drawing import LABELS, MARKERS, STYLES, save, table, write_csv
