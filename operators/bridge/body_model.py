@@ -34,6 +34,7 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
     Raises:
         DimpleError: it cannot be pressed with them, with the reason and what to do.
     """
+    from ...core.body.model import build_model
     from ...core.mesh.surface import base_vertices
 
     params, surroundings = body.dimple.to_params(), scene.dimple
@@ -46,7 +47,7 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
         groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
         maps = {name: _weights(body, group, name, link) for name, group in groups.items() if group}
         make = partial(
-            _made, mesh, materials, pinned=pinned, **maps,
+            build_model, mesh, materials, pinned=pinned, **maps,
             gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
             ground=0.0 if surroundings.use_ground else None, rigged=link.rigged,
             sway=(*params["sway"], gravity(scene)) if params["sway"] else None, bones=link.bones,
@@ -57,15 +58,6 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
     repaired = map(Note, mesh.notes)  # nothing is to be done about these
     said = (*said, *advice.on_fill(model), *advice.on_sway(model, params["sway"]))
     return replace(model, notes=(*repaired, *model.notes[len(mesh.notes) :], *said))
-
-
-def _made(*given: Any, **named: Any) -> Model:
-    """Build a model, its slots of springs included, so that a later change needs no frame of its own for them."""
-    from ...core.body.model import build_model
-
-    model = build_model(*given, **named)
-    _ = model.springs.in_slots
-    return model
 
 
 def gravity(scene: bpy.types.Scene) -> tuple[float, ...]:
