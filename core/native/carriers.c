@@ -1,14 +1,14 @@
-/* How the vertices of a proxy carry what follows them. Source: core/reduction/binding.py.
- * Compiled once: it is short work, in double precision. */
+/* The affine motions of the vertices of a proxy, which carry the fine surface. Source: core/reduction/binding.py.
+ * Compiled once, in double precision. */
 #include "carriers.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-typedef double dm_point __attribute__((vector_size(32), aligned(8))); /* x y z and nothing */
+typedef double dm_point __attribute__((vector_size(32), aligned(8))); /* x y z, the fourth unused */
 #define DM_POINT(x, stride) ((dm_point){(x)[0], (x)[stride], (x)[2 * (stride)]})
 
-/* Set unit normals (seeds,), 0 where there is none. */
+/* Set unit normals (seeds,), 0 where undefined. */
 static void dm_find_normals(const dm_binding *b, const dm_point *x, dm_point *normal) {
     memset(normal, 0, (size_t)b->seeds * sizeof *normal);
     for (int64_t t = 0; t < b->triangles; t++) {
@@ -31,12 +31,12 @@ int32_t dm_find_motions(const dm_binding *b, const double *positions, float *mot
         x[i] = DM_POINT(positions + i, b->seeds);
         rest[i] = DM_POINT(b->coarse_rest + 3 * i, 1);
     }
-    dm_find_normals(b, rest, before); /* as those of x, so that at rest nothing has turned to the bit */
+    dm_find_normals(b, rest, before); /* computed as those of x, so that at rest the rotation is exactly none */
     dm_find_normals(b, x, normal);
     for (int64_t i = 0; i < b->seeds; i++) x[i] -= rest[i], normal[i] -= before[i];
     for (int64_t i = 0; i < b->seeds; i++) {
         const double *upright = b->upright + 3 * i;
-        dm_point half[4], arm = (rest[i] - DM_POINT(b->centre, 1)) / 2; /* the shift, and columns of the gradient */
+        dm_point half[4], arm = (rest[i] - DM_POINT(b->centre, 1)) / 2; /* the displacement, and the columns of the gradient */
         half[0] = x[i];
         for (int d = 0; d < 3; d++) half[1 + d] = upright[d] * normal[i];
         for (int64_t k = b->starts[i]; k < b->starts[i + 1]; k++) {

@@ -1,5 +1,6 @@
-/* Cells on a fine surface, and what each of its vertices follows. Source: core/reduction/cells.py and binding.py.
- * Compiled without fused multiply-add, to the bits of numpy: what is baked depends on which seed is nearest. */
+/* The cells of seeds on a fine surface, and the seeds that each vertex follows. Source: core/reduction/cells.py and
+ * binding.py. Compiled without fused multiply-add, for the same bits as numpy: a bake depends on which seed is
+ * nearest. */
 #include "dimple.h"
 #include <math.h>
 #include <stdlib.h>
@@ -23,11 +24,11 @@ static int32_t dm_check_cells(const dm_cells *s) {
     return DM_OK;
 }
 
-/* What the growth of cells works with. */
+/* The state of growing cells. */
 typedef struct {
-    int64_t *first, *beside; /* (vertices + 1,), (2 edges,) neighbours of each vertex, one after the other */
+    int64_t *first, *beside; /* (vertices + 1,), (2 edges,) neighbours of each vertex, vertex by vertex */
     int64_t *offered;        /* (vertices,) the best seed offered in this round, -1 for none */
-    int64_t *front, *next;   /* (vertices,) what changed in the last round, and in this one */
+    int64_t *front, *next;   /* (vertices,) vertices that changed in the last round, and in this one */
     double *away;            /* (vertices,) square of the distance from the seed [m2] */
 } dm_growth;
 
@@ -41,7 +42,7 @@ static int32_t dm_start_growth(dm_growth *g, const dm_cells *s) {
     g->offered = malloc(n * sizeof *g->offered), g->away = malloc(n * sizeof *g->away);
     g->front = malloc(n * sizeof *g->front), g->next = malloc(n * sizeof *g->next);
     if (!g->first || !g->beside || !g->offered || !g->away || !g->front || !g->next) return DM_MEMORY;
-    /* counts go two places on, so that first[i] is where those of i start once all are in */
+    /* counts are stored two places ahead, so that first[i] is the start of vertex i once all are filled */
     for (int64_t k = 0; k < 2 * s->edges; k++) g->first[s->ends[k] + 2]++;
     for (size_t i = 2; i < n + 2; i++) g->first[i] += g->first[i - 1];
     for (int64_t k = 0; k < 2 * s->edges; k++) g->beside[g->first[s->ends[k] + 1]++] = s->ends[k ^ 1];
@@ -65,7 +66,7 @@ static int64_t dm_offer_cells(const dm_growth *g, const dm_cells *s, const int64
     return found;
 }
 
-/* Flood each cell from its seed. */
+/* Grow each cell from its seed. */
 static void dm_join_cells(const dm_growth *g, const dm_cells *s, const int64_t *cells, uint8_t *joined) {
     int64_t count = 0;
     memset(joined, 0, (size_t)s->vertices);
@@ -102,7 +103,7 @@ int32_t dm_grow_cells(const dm_cells *s, int64_t *cells, uint8_t *joined) {
     return DM_OK;
 }
 
-/* Find the nearest of the seeds round a cell and one more, the nearest first; return how many there are. */
+/* Find the nearest of the seeds near a cell and one more, in order of distance; return their number. */
 static int64_t dm_nearest_seeds(const dm_cells *s, const double *place, int64_t width, const int64_t *ring,
                                 int64_t *near, double *away) {
     int64_t count = 0;
@@ -116,7 +117,7 @@ static int64_t dm_nearest_seeds(const dm_cells *s, const double *place, int64_t 
     return count;
 }
 
-/* Put a vertex and its weight into the list of its eight, which is in order; return how long that is then. */
+/* Insert a vertex and its weight into the ordered list of its group of eight; return the new length. */
 static int64_t dm_list(int64_t count, uint16_t *followed, uint16_t (*weights)[8], uint16_t seed, int64_t lane,
                        uint16_t weight) {
     int64_t at = count;

@@ -1,4 +1,5 @@
-/* A face beside a fingertip: its nearest point, its way in, and which sphere it meets. Source: studies/reference/facets.py. */
+/* A face near a fingertip: its nearest point, its inward normal and the sphere that it meets.
+ * Source: studies/reference/facets.py. */
 #include "body.h"
 
 DM_INLINE dm_vec3 dm_corners_at(const dm_state *b, const uint32_t (*face)[4], int corner, dm_vec3 centre) {
@@ -9,15 +10,15 @@ DM_INLINE dm_vec3 dm_corners_at(const dm_state *b, const uint32_t (*face)[4], in
     return dm_sub(x, centre);
 }
 
-/* Return the weights of the points of eight triangles nearest to the origin.
- * Source: Ericson, Real-Time Collision Detection, 5.1.5: which of the seven Voronoi regions holds it. */
+/* Return the barycentric weights of the points of eight triangles nearest to the origin, by Voronoi regions.
+ * Source: Ericson, Real-Time Collision Detection, 5.1.5. */
 DM_INLINE dm_vec3 dm_nearest_weights(dm_vec3 a, dm_vec3 b, dm_vec3 c) {
     dm_vec3 ab = dm_sub(b, a), ac = dm_sub(c, a);
     dm_lanes d1 = -dm_dot(ab, a), d2 = -dm_dot(ac, a), d3 = -dm_dot(ab, b), d4 = -dm_dot(ac, b);
     dm_lanes d5 = -dm_dot(ab, c), d6 = -dm_dot(ac, c);
     dm_lanes va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
     dm_lanes none = dm_splat(0), one = dm_splat(1);
-    /* weights v / whole, w / whole; the first region to hold comes last */
+    /* weights v / whole, w / whole; earlier regions take precedence, so they are written last */
     dm_lanes v = vb, w = vc, whole = va + vb + vc;
     dm_mask in_bc = (dm_mask)(va <= none) & (dm_mask)(d4 >= d3) & (dm_mask)(d5 >= d6);
     w = dm_blend(in_bc, d4 - d3, w), whole = dm_blend(in_bc, (d4 - d3) + (d5 - d6), whole);
@@ -37,7 +38,7 @@ DM_INLINE dm_vec3 dm_nearest_weights(dm_vec3 a, dm_vec3 b, dm_vec3 c) {
     return (dm_vec3){one - v - w, v, w};
 }
 
-/* The inward unit normal of a face: a fingertip came from outside. */
+/* Return the inward unit normal of a face, since a fingertip comes from outside. */
 DM_INLINE dm_quad dm_inward_normal(const dm_state *b, const uint32_t *corner) {
     dm_quad a = b->before[corner[0]], p = b->before[corner[2]] - a, q = b->before[corner[1]] - a;
     dm_quad normal = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0], 0};
@@ -45,7 +46,7 @@ DM_INLINE dm_quad dm_inward_normal(const dm_state *b, const uint32_t *corner) {
     return normal / (size > DM_LEAST ? size : DM_LEAST);
 }
 
-/* The points of eight triangles with these weights. */
+/* Return the points of eight triangles with these weights. */
 DM_INLINE dm_vec3 dm_point_on(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_vec3 w) {
     return (dm_vec3){
         w.x * p.x + w.y * q.x + w.z * r.x, w.x * p.y + w.y * q.y + w.z * r.y, w.x * p.z + w.y * q.z + w.z * r.z,
@@ -58,7 +59,8 @@ static __attribute__((noinline)) dm_vec3 dm_nearest_points(dm_vec3 p, dm_vec3 q,
     return dm_point_on(p, q, r, *weight);
 }
 
-/* Return the radius of the sphere that a facet meets: smaller, unless it is too large to bend round the fingertip. */
+/* Return the radius of the sphere that a facet meets: smaller than the fingertip's, unless the facet is too large to
+ * bend round the fingertip. */
 static dm_real dm_met_radius(const dm_state *b, const uint32_t *at, dm_real radius) {
     dm_real bulge = 0;
     for (int j = 0; j < 3; j++) {

@@ -1,22 +1,22 @@
-/* Edge flips: triangles whose edges are those of Delaunay, with no blunt angles facing each other across an edge.
+/* Edge flips towards a Delaunay triangulation.
  *
- * Where the angles opposite an edge sum to more than a half turn, its cotangent weight is negative: the tension of shape
- * matching has to leave it out, and slivers lean a dent to one side. The other diagonal of the two is better then.
- * Source: Lawson 1977. */
+ * * If the angles opposite an edge sum to more than a half turn, its cotangent weight is negative: shape matching
+ * would lose its tension there, and slivers tilt a dent. Then the edge is replaced by the other diagonal. Source:
+ * Lawson 1977. */
 #include "dimple.h"
 #include <math.h>
 #include <stdlib.h>
 
-enum { DM_LOOKS = 20 }; /* at an edge, on average: rounding must not flip it to and fro for ever */
+enum { DM_LOOKS = 20 }; /* visits of an edge on average, at most: rounding could flip it back and forth for ever */
 
-typedef struct { /* an edge and the triangles beside it; the second is -1 unless there are two */
+typedef struct { /* an edge and its triangles; the second is -1 if there is only one */
     int64_t edge, beside[2];
 } dm_side;
 
 typedef struct {
     int64_t n, *corners;
     const double *points;
-    dm_side *side; /* a table by edge, low x n + high, -1 where it is free: twice as long as edges can be many */
+    dm_side *side; /* hash table by edge, low x n + high, -1 if free; twice as long as there can be edges */
     uint64_t last;
     int64_t *waiting, count, room;
 } dm_flips;
@@ -31,7 +31,7 @@ static dm_side *dm_find_side(const dm_flips *f, int64_t edge) {
     return f->side + at;
 }
 
-/* Take an edge out of the table; those behind it that would no longer be found move up. */
+/* Remove an edge from the table; later entries that could not be found any more move up. */
 static void dm_drop_side(dm_flips *f, int64_t edge) {
     uint64_t hole = (uint64_t)(dm_find_side(f, edge) - f->side);
     for (uint64_t at = (hole + 1) & f->last; f->side[at].edge >= 0; at = (at + 1) & f->last) {
@@ -73,7 +73,7 @@ static double dm_cotangent(const dm_flips *f, int64_t at, int64_t p, int64_t q, 
     return dm_inner(one, other) / fmax(sqrt(dm_inner(normal, normal)), 1e-30);
 }
 
-/* Are triangles k i m and m j k better than i j k and j i m: less blunt, and as flat? */
+/* Return whether triangles k i m and m j k are better than i j k and j i m: smaller angles, and equally flat. */
 static int dm_is_better(const dm_flips *f, int64_t i, int64_t j, int64_t k, int64_t m) {
     double near[3], far[3], old[3], one[3], other[3];
     dm_normal_of(f, i, j, k, near), dm_normal_of(f, j, i, m, far);
@@ -97,7 +97,7 @@ static void dm_replace(dm_flips *f, int64_t edge, int64_t before, int64_t now) {
         if (side->beside[k] == before) { side->beside[k] = now; return; }
 }
 
-/* Flip an edge where that is better; return 0 without memory. */
+/* Flip an edge if that is better; return 0 if memory runs out. */
 static int dm_look_at(dm_flips *f, int64_t edge) {
     const dm_side *side = dm_find_side(f, edge);
     if (side->edge != edge || side->beside[1] < 0) return 1;
@@ -117,7 +117,7 @@ static int dm_look_at(dm_flips *f, int64_t edge) {
            dm_wait(f, dm_edge_of(f, j, low)) && dm_wait(f, dm_edge_of(f, j, high));
 }
 
-/* Note the triangles beside each edge; all edges wait. */
+/* Store the triangles of each edge, and put all edges on the stack. */
 static void dm_note_sides(dm_flips *f, int64_t triangles) {
     for (uint64_t k = 0; k <= f->last; k++) f->side[k].edge = -1;
     for (int64_t half = 0; half < 3 * triangles; half++) {

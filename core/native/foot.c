@@ -1,12 +1,12 @@
-/* Where a fingertip is on the surface at rest. In numpy: studies/reference/fingertip.py.
+/* The foot of a fingertip on the surface at rest. In numpy: studies/reference/fingertip.py.
  *
- * On the surface at rest, as the body carries it, lies a sphere of the fingertip's radius which the surface keeps out
- * (the virtual proxy of Ruspini 1997). Where it would lie straight above the fingertip is its foot. The foot only ever
- * follows the fingertip along the surface, so what is thin, an edge or another side does not flip it. */
+ * * A sphere of the fingertip's radius lies on the surface at rest, which it cannot enter (the virtual proxy of
+ * Ruspini 1997). Its place straight above the fingertip is the foot. The foot follows the fingertip continuously
+ * along the surface, so that it does not jump to another side at thin parts and edges. */
 #include "foot.h"
 
-/* Note a facet, at its offset from a sphere, if it is the nearest or holds the sphere. Of those that are as near the one
- * that sees the centre most squarely counts: on an edge it knows the side. */
+/* Note a facet, given its offset from a sphere, if it is the nearest or touches the sphere. Of equally near facets
+ * the one whose normal points most towards the centre counts: on an edge it decides the side. */
 static void dm_note_facet(dm_round *r, const dm_facet *f, const double *offset, double seat) {
     double away = sqrt(dm_inner3(offset, offset));
     int nearer = away < r->near * (1 - DM_EXACT);
@@ -21,7 +21,7 @@ static void dm_note_facet(dm_round *r, const dm_facet *f, const double *offset, 
     r->count++;
 }
 
-/* Look at the facets round a sphere at x, beginning with one that was near. */
+/* Search the facets near a sphere at x, starting from one that was near before. */
 static void dm_look_round(const dm_state *b, int64_t first, const double *x, double radius, dm_round *r) {
     double seat = radius * (1 + DM_HELD), offset[3];
     memset(r, 0, sizeof *r), r->near = DBL_MAX;
@@ -44,8 +44,8 @@ static void dm_look_round(const dm_state *b, int64_t first, const double *x, dou
     }
 }
 
-/* Split a way into what normals push along, of which the length is returned, and the rest: the projection on the cone
- * that they span, by Gauss and Seidel. */
+/* Split a vector into its projection on the cone of some normals, whose length is returned, and the rest. Gauss-Seidel
+ * iteration. */
 static double dm_along_normals(const dm_round *r, const double *way, double *along, double *rest) {
     double push[DM_NORMALS] = {0}, most = sqrt(dm_inner3(way, way));
     memcpy(rest, way, 3 * sizeof *rest);
@@ -63,7 +63,7 @@ static double dm_along_normals(const dm_round *r, const double *way, double *alo
     return sqrt(dm_inner3(along, along));
 }
 
-/* Lay a sphere on the surface, by the shortest way out of, or down to, what is nearest. */
+/* Move a sphere onto the surface, along the shortest way to the nearest facet. */
 static void dm_seat(const dm_state *b, const dm_tip *f, double *x, dm_round *r) {
     for (int k = 0; k < DM_SETTLING; k++) {
         dm_look_round(b, f->facet, x, f->radius, r);
@@ -72,7 +72,7 @@ static void dm_seat(const dm_state *b, const dm_tip *f, double *x, dm_round *r) 
     }
 }
 
-/* Lead a sphere over the surface by a way. */
+/* Move a sphere over the surface by a vector. */
 static void dm_march(const dm_state *b, const dm_tip *f, double *x, const double *way, dm_round *r) {
     double parts = ceil(sqrt(dm_inner3(way, way)) / (DM_TRAVEL * f->radius));
     parts = parts < 1 ? 1 : parts < 64 ? parts : 64;
@@ -82,7 +82,7 @@ static void dm_march(const dm_state *b, const dm_tip *f, double *x, const double
     }
 }
 
-/* Lead a foot on until it lies straight above x, no farther from the anchor than the most. Tell whether it does. */
+/* Move a foot until it lies straight above x, at most `most` from the anchor. Return whether it does. */
 static int dm_straighten(const dm_state *b, dm_tip *f, const double *x, const double *touched, double most,
                          dm_round *round) {
     double way[3], along[3], aside[3], at[3];
@@ -94,16 +94,16 @@ static int dm_straighten(const dm_state *b, dm_tip *f, const double *x, const do
         dm_along_normals(round, way, along, aside);
         double far = sqrt(dm_inner3(aside, aside));
         if (far <= DM_SLACK * f->radius) return 1;
-        if (step == DM_FOOT_STEPS) return 1; /* as near as it comes */
+        if (step == DM_FOOT_STEPS) return 1; /* it comes no nearer */
         for (int c = 0; c < 3; c++) way[c] = -(far < most ? 1 : most / far) * aside[c];
         dm_march(b, f, f->foot, way, round);
     }
     return 0;
 }
 
-/* Find the foot of a fingertip that lies on the surface at rest, x in its space: from where it was, or from its anchor. It
- * goes no farther from that than twice as it is behind: from deep in a thin part the foot of another side is nearer.
- * Return how far it is from x, 0 where no normal that holds it keeps them apart. */
+/* Find the foot of a fingertip that touches the surface at rest, x in its space, starting from its last place or its
+ * anchor. It moves at most twice its distance to x, because deep in a thin part the foot on the other side is nearer.
+ * Return its distance from x, 0 if no normal separates them. */
 static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_round *round) {
     double way[3], along[3], aside[3];
     dm_look_round(b, f->facet, f->anchor, f->radius, round);
@@ -122,16 +122,16 @@ static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_rou
     }
     for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
     if (!(dm_along_normals(round, way, along, aside) > 0)) return 0;
-    /* what a foot that is straight above is still aside would tilt the force of a shallow press */
+    /* a remaining sideways offset would tilt the force of a shallow press */
     int straight = sqrt(dm_inner3(aside, aside)) <= DM_SLACK * f->radius;
     const double *up = straight ? along : way;
     double deep = sqrt(dm_inner3(up, up));
-    if (!(deep > DM_EXACT * f->radius)) return 0; /* it has no direction */
+    if (!(deep > DM_EXACT * f->radius)) return 0; /* too shallow to have a direction */
     for (int c = 0; c < 3; c++) f->outward[c] = up[c] / deep;
     return deep;
 }
 
-/* Find the foot of one that is clear of the surface at rest, or comes to it. Return how deep it is: its gap, negative. */
+/* Find the foot of a fingertip that is clear of the surface at rest or just reaches it. Return minus its gap. */
 static double dm_find_gap(const dm_state *b, dm_tip *f, const double *x, dm_round *round) {
     dm_look_round(b, f->facet, x, f->radius, round);
     if (!round->facet) return -INFINITY;
@@ -143,7 +143,7 @@ static double dm_find_gap(const dm_state *b, dm_tip *f, const double *x, dm_roun
     return gap;
 }
 
-/* How thick the body is behind a place of a facet: to where a ray inwards comes out [m]. */
+/* Return the thickness of the body behind a point of a facet: the length of an inward ray [m]. */
 static double dm_thickness(const dm_state *b, const double *from, const double *inward) {
     double nearest = INFINITY;
     for (int64_t k = 0; k < b->facet_count; k++) {
@@ -160,10 +160,10 @@ static double dm_thickness(const dm_state *b, const double *from, const double *
     return nearest;
 }
 
-/* Is a place inside the body? Behind a sheet the facets are half of what is to be seen, inside a body with a hole most.
- * Source: the generalised winding number, Jacobson and others 2013. */
+/* Return whether a point is inside the body. From behind a sheet the facets cover half of the solid angle, from
+ * inside a body with a hole most of it. Source: the generalised winding number, Jacobson and others 2013. */
 static int dm_is_inside(const dm_state *b, const double *x) {
-    double seen = 0, sheet = acos(-1), closed = 2 * sheet; /* halves of the solid angles that the two are seen under */
+    double seen = 0, sheet = acos(-1), closed = 2 * sheet; /* half of the solid angle of a sheet and of a closed surface */
     for (const dm_facet *f = b->facets; f < b->facets + b->facet_count; f++) {
         double way[3][3], far[3], normal[3];
         for (int p = 0; p < 3; p++) {
@@ -178,8 +178,8 @@ static int dm_is_inside(const dm_state *b, const double *x) {
     return seen > (sheet + closed) / 2;
 }
 
-/* How far the skin stands above the surface at rest at a place of a facet, in the space of the shape at rest [m]: another
- * contact may have pushed or bulged it. Of a proxy, the vertex counts that is the nearest at rest. */
+/* Return the height of the skin above the surface at rest at a point of a facet [m]: another contact may have moved it.
+ * Of a proxy the vertex counts that is nearest at rest. */
 static double dm_skin_height(const dm_state *b, const dm_tip *f, const double *pose, const double *place) {
     const dm_facet *at = b->facets + f->facet;
     double here[3] = {0}, home[3], high = 0, nearest = DBL_MAX;

@@ -1,12 +1,12 @@
-/* What the rings leave out, one by one and in double: springs and faces at vertices without a ring, and the cones
- * that close the holes for the volume. Source: core/body/springs.py _add_irregular, core/body/pressure.py _add_corners. */
+/* Springs and faces at vertices without a ring, and the cones that close holes for the volume, one by one in double
+ * precision. Source: studies/reference/laws.py _add_irregular, core/body/pressure.py volume_and_gradient. */
 #include "body.h"
 
 static void dm_add_force(dm_state *b, uint32_t i, const double *f, double sign) {
     dm_add_lane3(&b->next[i / DM_LANES].v, i, f, sign * b->dt * (double)b->inverse_mass[i]);
 }
 
-/* add f to the sum of normals round a vertex, 6 dV/dx; return what that adds to the volume */
+/* add f to 6 dV/dx of a vertex; return the volume that it contributes */
 static double dm_add_normal(dm_state *b, uint32_t i, const double *x, const double *f) {
     dm_add_lane3(&b->next[i / DM_LANES].per_pascal, i, f, b->dt * (double)b->inverse_mass[i] / 6);
     return (x[0] * f[0] + x[1] * f[1] + x[2] * f[2]) / 18;
@@ -39,7 +39,7 @@ static double dm_add_fans(dm_state *b) {
     return volume;
 }
 
-/* at: (n, 3) by vertex in memory; null: where the body is. */
+/* at: positions (n, 3) in the order in memory; null: those of the body. */
 DM_INLINE void dm_place_at(const dm_state *b, const double *at, uint32_t i, double *x) {
     if (at) memcpy(x, at + 3 * i, 3 * sizeof *x);
     else dm_position(b, i, x);
@@ -67,7 +67,7 @@ static double dm_add_caps(dm_state *b) {
         dm_cross3(x, y, f);
         for (int c = 0; c < 3; c++) hole[3 + c] += f[c] / hole[6];
     }
-    /* the tip of a cone moves with the mean of its rim */
+    /* the apex of a cone moves with the mean of its rim */
     for (int64_t e = 0; e < b->cap_count; e++) {
         dm_position(b, b->caps[e][0], x);
         volume += dm_add_normal(b, b->caps[e][0], x, b->holes[b->cap_hole[e]] + 3);
@@ -75,7 +75,7 @@ static double dm_add_caps(dm_state *b) {
     return volume;
 }
 
-/* The volume [m3], face by face: for laws that do not ask for it in each step. */
+/* Return the volume [m3], summed over all faces: for laws that do not need it in each step. */
 static double dm_volume_of_faces(dm_state *b, const double *at) {
     double volume = 0, x[3], y[3], z[3], f[3];
     for (int64_t t = 0; t < b->triangle_count; t++) {

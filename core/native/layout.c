@@ -1,4 +1,4 @@
-/* Where each vertex lies in memory, and its neighbours beside it. */
+/* The order of the vertices in memory, with neighbours close together. */
 #include "body.h"
 
 typedef struct {
@@ -16,9 +16,9 @@ static uint64_t dm_spread_bits(uint64_t a) {
     return (a | a << 2) & 0x1249249249249249;
 }
 
-/* Sort by key, digit by digit; those of one key stay in their order. */
+/* Radix sort by key; equal keys keep their order. */
 static int dm_sort_keys(dm_keyed *keys, int64_t n) {
-    enum { DM_DIGIT = 11, DM_DIGITS = 6 }; /* of bits; an even number brings them back to where they were */
+    enum { DM_DIGIT = 11, DM_DIGITS = 6 }; /* bits; an even number of passes ends in the original array */
     dm_keyed *from = keys, *to = malloc((size_t)(n + 1) * sizeof *to), *other = to;
     for (int digit = 0; to && digit < DM_DIGITS; digit++) {
         int64_t start[1 << DM_DIGIT] = {0}, at = 0;
@@ -36,7 +36,7 @@ static int dm_sort_keys(dm_keyed *keys, int64_t n) {
     return to != NULL;
 }
 
-/* Order points (3, n) along a Morton curve: runs of them are near in space. Returns 0 where memory is lacking. */
+/* Order points (3, n) along a Morton curve, so that runs are close in space. Return 0 if memory runs out. */
 static int dm_order_along_curve(const double *points, int64_t n, dm_keyed *keys) {
     double low[3], span = 0;
     for (int c = 0; c < 3; c++) {
@@ -59,8 +59,8 @@ static int dm_order_along_curve(const double *points, int64_t n, dm_keyed *keys)
     return dm_sort_keys(keys, n);
 }
 
-/* Order the vertices as a wave from the first meets them: all neighbours are then within two of its fronts, so that a
- * step streams through memory once. Source: Cuthill and McKee 1969. */
+/* Order the vertices by breadth-first search: all neighbours then lie within two adjacent levels, so that a step
+ * streams through memory once. Source: Cuthill and McKee 1969. */
 static void dm_order_by_wave(const dm_state *b, dm_keyed *keys, uint8_t *seen, int64_t width, const int64_t *ring,
                         const int64_t *ring_spring) {
     int64_t n = b->n, done = 0, found = 0;
@@ -78,8 +78,8 @@ static void dm_order_by_wave(const dm_state *b, dm_keyed *keys, uint8_t *seen, i
     for (int64_t k = 0; k < n; k++) keys[k].vertex = queue[k];
 }
 
-/* Number the vertices by wave, then by valence within windows, so that the eight of a group have about as many
- * neighbours and few slots stay empty. */
+/* Number the vertices by that order, then by valence within windows, so that the eight of a group have similar
+ * numbers of neighbours and few slots stay empty. */
 static int32_t dm_lay_out(dm_state *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
     enum { DM_WINDOW = 256 };
     int64_t n = b->n;
@@ -99,8 +99,8 @@ static int32_t dm_lay_out(dm_state *b, int64_t width, const int64_t *ring, const
     return DM_OK;
 }
 
-/* Lay the rings out, lane by lane; a vertex that has fewer neighbours than its group gathers its first again,
- * one that has none gathers itself. */
+/* Store the rings lane by lane. A vertex with fewer neighbours than its group repeats its first, one without neighbours
+ * repeats itself. */
 static int32_t dm_lay_rings(dm_state *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
     int64_t n = b->n, size = b->groups * DM_LANES;
     int64_t *vertex = dm_alloc(size, sizeof(int64_t));

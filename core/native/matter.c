@@ -1,4 +1,4 @@
-/* What a living body may be given: the numbers of its laws, its pins. */
+/* What may change during a simulation: the constants of the laws, and the pins. */
 #include "body.h"
 
 static double dm_weighted_mean(const dm_state *b, const double *a) {
@@ -7,7 +7,7 @@ static double dm_weighted_mean(const dm_state *b, const double *a) {
     return sum / b->mass_total;
 }
 
-/* What depends on the lengths of the springs at rest. */
+/* Set what depends on the rest lengths of the springs. */
 static void dm_set_lengths(dm_state *b) {
     int64_t slots = b->ring.start[b->groups];
     for (int64_t k = 0; k < slots * DM_LANES; k++) {
@@ -33,8 +33,8 @@ static void dm_set_springs(dm_state *b, const dm_constants *c) {
     dm_set_lengths(b);
 }
 
-/* Sum t (q_j - q_i) over the neighbours of each vertex into pull (n, 3), by vertex in memory; q of group g lies g strides
- * behind the first. */
+/* Set pull (n, 3), in the order in memory, to the sum of t (q_j - q_i) over the neighbours of each vertex; q of
+ * group g is g strides after the first. */
 static void dm_sum_tension(const dm_state *b, const dm_vec3 *first, size_t stride, double *pull) {
     memset(pull, 0, (size_t)(3 * b->n) * sizeof *pull);
     for (int64_t e = 0; e < b->spring_count; e++) {
@@ -49,7 +49,7 @@ static void dm_sum_tension(const dm_state *b, const dm_vec3 *first, size_t strid
     }
 }
 
-/* What the tension of shape matching does in the shape at rest. */
+/* Set the pull of the tension in the shape at rest. */
 static void dm_set_pull(dm_state *b) {
     double *pull = b->pin_room; /* free between ticks */
     dm_sum_tension(b, &b->matter->rest, sizeof *b->matter, pull);
@@ -64,7 +64,7 @@ static void dm_set_places(dm_state *b) {
     }
 }
 
-/* The least power of two that is no less. */
+/* Return the least power of two that is not smaller. */
 static double dm_power_of_two(double a) {
     double power = 1;
     while (power < a) power *= 2;
@@ -98,7 +98,7 @@ static void dm_set_matter(dm_state *b, const dm_constants *c) {
     dm_set_places(b);
 }
 
-/* The pose as the steps want it: about the centre of the shape at rest, from the origin. */
+/* Set the pose in the form that steps use: about the centre of the shape at rest, relative to the origin. */
 static void dm_place_pose(dm_state *b) {
     memcpy(b->rotation, b->pose, sizeof b->rotation);
     for (int c = 0; c < 3; c++) {
@@ -114,12 +114,12 @@ DM_INLINE void dm_set_vertex(dm_state *b, uint32_t i, dm_quad x, dm_quad v) {
     dm_set_lane3(&b->state[i / DM_LANES].x, i, x), dm_set_lane3(&b->state[i / DM_LANES].v, i, v);
 }
 
-/* Pin what has no inverse mass where it is; what is pinned already keeps its digits. */
+/* Pin the vertices without inverse mass where they are; pins that were there before keep their exact places. */
 static void dm_pin(dm_state *b, const double *inverse_mass) {
     int64_t n = b->n, old = 0, count = 0;
     double *before = b->pin_room;
     memcpy(before, b->pins, (size_t)(3 * n) * sizeof(double));
-    uint32_t *was = b->moved; /* both lists go up; a vertex is in either at most once */
+    uint32_t *was = b->moved; /* both lists ascend; each has a vertex at most once */
     memcpy(was, b->pinned, (size_t)b->pinned_count * sizeof *was);
     for (int64_t k = 0; k < n; k++) {
         int pinned = old < b->pinned_count && was[old] == k;
@@ -135,10 +135,10 @@ static void dm_pin(dm_state *b, const double *inverse_mass) {
     b->pinned_count = count;
 }
 
-/* Let a body be stepped again; where it is and how fast do not change. */
+/* Wake a body; positions and velocities do not change. */
 static void dm_wake(dm_state *b) { b->asleep = b->rested = 0, b->quiet = 0; }
 
-/* The same where a caller has changed it. */
+/* The same for a body that the caller has changed. */
 static void dm_change(dm_state *b) {
     dm_wake(b), b->changes++;
     memset(b->resisted, 0, sizeof b->resisted);

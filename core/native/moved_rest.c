@@ -1,8 +1,9 @@
-/* A shape at rest that changes while the body lives, as a rig bends it. Source: core/body/moved_rest.py with_rest. */
+/* A shape at rest that changes during a simulation, as when a rig bends it.
+ * Source: core/body/moved_rest.py with_rest. */
 #include "body.h"
 
-/* Let the places at rest go on at their rate for some ticks; over a tick they stand where its substeps begin on
- * average, so that the body neither leads nor lags. */
+/* Move the places at rest at their rate for some ticks. During a tick they stay at the mean place of its substeps,
+ * so that the body neither leads nor lags. */
 static void dm_move_places(dm_state *b, double ticks, double tick) {
     dm_lanes by = dm_splat((dm_real)(ticks * tick));
     for (int64_t g = 0; g < b->groups; g++) {
@@ -12,14 +13,14 @@ static void dm_move_places(dm_state *b, double ticks, double tick) {
     }
 }
 
-/* After the last tick: places are where they were led, to the last digit. */
+/* After the last tick: the places at rest are exactly those of the new shape. */
 static void dm_finish_places(dm_state *b, const dm_motion *m) {
     dm_move_places(b, (1 + 1 / (double)m->substeps) / 2, m->tick);
     dm_set_places(b);
     b->moving = 0;
 }
 
-/* Find the mean of vectors (3, n) by k1. */
+/* Find the mean of vectors (3, n), weighted by k1. */
 static void dm_mean_by_k1(const dm_state *b, const double *a, double *mean) {
     double sum[4] = {0};
     for (int64_t k = 0; k < b->n; k++) {
@@ -32,9 +33,9 @@ static void dm_mean_by_k1(const dm_state *b, const double *a, double *mean) {
 
 static void dm_state_set_rest(dm_state *b, const double *rest, const double *rate) {
     int64_t n = b->n;
-    double *at = b->pin_room + 3 * n; /* free between ticks; by vertex in memory, from the middle: volumes stay exact */
+    double *at = b->pin_room + 3 * n; /* unused between ticks; in the order in memory, relative to the middle, for exact volumes */
     memcpy(b->rest, rest, (size_t)(3 * n) * sizeof(double));
-    dm_mean_by_k1(b, rest, b->rest_centre); /* places are counted from there */
+    dm_mean_by_k1(b, rest, b->rest_centre); /* places are relative to it */
     for (int64_t k = 0; k < n; k++)
         for (int d = 0; d < 3; d++) at[3 * b->place[k] + (uint32_t)d] = rest[d * n + k] - b->rest_centre[d];
     for (int64_t e = 0; e < b->spring_count; e++) {
@@ -47,7 +48,7 @@ static void dm_state_set_rest(dm_state *b, const double *rest, const double *rat
     if (volume > 0) b->rest_volume = volume; /* a rig may turn a body inside out */
     dm_reshape_facets(b, rest, n);
     double drift[3] = {0};
-    if (rate && b->free) dm_mean_by_k1(b, rate, drift); /* of a free body only the shape counts */
+    if (rate && b->free) dm_mean_by_k1(b, rate, drift); /* for a free body only the shape counts */
     for (int64_t k = 0; rate && k < n; k++) {
         double way[3] = {rate[k] - drift[0], rate[n + k] - drift[1], rate[2 * n + k] - drift[2]};
         dm_set_lane3(&b->rest_rate[b->place[k] / DM_LANES], b->place[k], dm_quad_of(way));

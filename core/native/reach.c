@@ -1,5 +1,5 @@
-/* What each fingertip may meet within a tick, picked from lists that are made with a margin, by bounding boxes first, and
- * hold until something has gone that far (Verlet 1967). */
+/* The vertices and faces that a fingertip may touch within a tick. They are picked, by bounding boxes first, from
+ * lists with a margin, which are valid until something has moved that far (Verlet 1967). */
 #include "body.h"
 
 static double dm_greatest_root(dm_lanes squares) {
@@ -17,7 +17,7 @@ static double dm_greatest_speed(const dm_state *b) {
     return dm_greatest_root(most);
 }
 
-/* How far a vertex has gone at most since the lists were made. */
+/* Return the farthest that a vertex can have moved since the lists were made. */
 static double dm_greatest_way(const dm_state *b) {
     dm_lanes most = dm_splat(0);
     for (int64_t g = 0; g < b->groups; g++) {
@@ -61,8 +61,8 @@ static void dm_pick_vertices(const dm_state *b, dm_near *t, dm_real reach) {
     }
 }
 
-/* Pick the faces that the spheres they meet may come to within reach, and return how many: first those whose corners'
- * own sphere is. from: readable for whole lanes.  radii: of the spheres, NULL where they are not wanted. */
+/* Pick the faces whose spheres may come within reach, and return their number; faces are tested first by the sphere
+ * round their corners. from: readable for whole lanes. radii: of the spheres, NULL if not needed. */
 static int64_t dm_pick_faces(const dm_state *b, const dm_near *t, const uint32_t (*from)[4], int64_t count,
                              dm_real reach, uint32_t (*to)[4], dm_real *radii) {
     dm_vec3 centre = {dm_splat(t->centre[0]), dm_splat(t->centre[1]), dm_splat(t->centre[2])};
@@ -95,7 +95,7 @@ static int64_t dm_pick_faces(const dm_state *b, const dm_near *t, const uint32_t
 static void dm_list_faces(const dm_state *b, dm_near *t, dm_real reach) {
     t->listed_face_count = 0;
     for (int64_t k = 0; k < b->box_count; k++) {
-        /* the middle of a triangle lies in its box, and no corner farther off than two thirds of the diagonal */
+        /* the middle of a triangle lies in its box, and no corner is farther from it than two thirds of the diagonal */
         const dm_quad *box = b->boxes[k];
         dm_quad low = box[0] - t->centre, high = t->centre - box[1], across = box[1] - box[0];
         dm_real away = 0, span = (dm_real)0.67 * DM_SQRT(dm_dot3(across, across));
@@ -111,7 +111,7 @@ static void dm_list_faces(const dm_state *b, dm_near *t, dm_real reach) {
     }
 }
 
-/* List the vertices and the corners of the faces within reach, each once. */
+/* List the vertices, and the corners of the faces, within reach, each once. */
 static void dm_list_noted(dm_state *b, dm_near *t) {
     t->noted_count = 0;
     for (int64_t k = 0; k < t->vertex_count + 3 * t->face_count; k++) {
@@ -122,7 +122,7 @@ static void dm_list_noted(dm_state *b, dm_near *t) {
     for (int64_t k = 0; k < t->noted_count; k++) b->is_moved[t->noted[k]] = 0;
 }
 
-/* Find what a fingertip may meet within reach of its centre, in the order in which it is listed. */
+/* Find the vertices and faces within reach of a fingertip's centre, in the order of the lists. */
 static void dm_pick_near(dm_state *b, dm_near *t, dm_real reach) {
     dm_pick_vertices(b, t, reach);
     const uint32_t (*listed)[4] = (const uint32_t (*)[4])t->listed_faces;
@@ -141,7 +141,7 @@ static void dm_list_near(const dm_state *b, dm_near *t, double reach) {
     t->listed = reach, t->listed_finger = t->finger, t->listed_radius = t->radius;
 }
 
-/* Move the fingertips by a tick, no faster than they may without skipping a skin. t: of the tick in the motion. */
+/* Move the fingertips by tick t of the motion, not so fast that they could skip the skin. */
 static void dm_carry_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
     double share = m->ticks > 1 ? (double)t / (double)(m->ticks - 1) : 0;
     b->finger_count = 0;
@@ -167,7 +167,7 @@ static void dm_carry_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
     }
 }
 
-/* Do the lists of a fingertip hold everything that it may meet within `asked` of its centre? */
+/* Return whether the lists of a fingertip still contain everything within `asked` of its centre. */
 static int dm_is_listed(const dm_state *b, const dm_near *to, double asked, double gone) {
     double way = 0;
     for (int c = 0; c < 3; c++) {
@@ -177,7 +177,7 @@ static int dm_is_listed(const dm_state *b, const dm_near *to, double asked, doub
     return to->listed_finger == to->finger && to->listed_radius == to->radius && sqrt(way) + gone + asked <= to->listed;
 }
 
-/* Find what the fingertips may meet within the tick. */
+/* Find what the fingertips may touch within the tick. */
 static void dm_find_near(dm_state *b, const dm_motion *m) {
     b->skin_travel = 0;
     if (!b->finger_count) return;
@@ -195,7 +195,7 @@ static void dm_find_near(dm_state *b, const dm_motion *m) {
         dm_near *to = b->touches + k;
         if (!hold) dm_list_near(b, to, asked[k] + 2 * DM_NEAR * (double)to->radius);
         dm_pick_near(b, to, (dm_real)asked[k]);
-        double travel = 2 * DM_TRAVEL * (double)to->radius; /* or the skin would pass the fingertip */
+        double travel = 2 * DM_TRAVEL * (double)to->radius; /* otherwise the skin could pass the fingertip */
         if (to->vertex_count + to->face_count > 0 && (b->skin_travel == 0 || travel < b->skin_travel))
             b->skin_travel = travel;
     }

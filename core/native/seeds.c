@@ -1,14 +1,14 @@
-/* Seeds of cells, farthest first. Source: core/reduction/cells.py.
- * Points are sorted into bins of a grid. A new seed is nearer than all before only to points of few bins, the rest are
- * passed over by their boxes: the choice is that of looking at every point, to the bit. */
+/* Farthest-point sampling of seeds. Source: core/reduction/cells.py. Points are sorted into bins of a grid. A new
+ * seed is nearer than the earlier ones only to points of a few bins; the boxes of the other bins exclude them. The
+ * result is bit for bit that of a search over all points. */
 #include "dimple.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct {
-    double low[6], high[6]; /* of the places in it */
-    double most;            /* of `near` of its points, and the first point that has it */
+    double low[6], high[6]; /* bounds of the points in it */
+    double most;            /* largest `near` of its points, and the first point with it */
     int64_t farthest;
     int64_t begin, end; /* in the list of points */
 } dm_bin;
@@ -47,7 +47,7 @@ static int64_t dm_bin_of(const double *x, const double *low, double width, int64
     return at;
 }
 
-/* Sort points into bins by counting; empty bins are left out. Return whether there was memory. */
+/* Sort points into bins by counting, without empty bins. Return 0 if memory runs out. */
 static int dm_sort_points(dm_grid *g, int64_t n, const double *place) {
     double low[3], high[3], width = 0;
     memcpy(low, place, sizeof low), memcpy(high, place, sizeof high);
@@ -90,7 +90,7 @@ static int dm_may_reach(const dm_bin *bin, const double *from) {
         double gap = fmax(fmax(bin->low[c] - from[c], from[c] - bin->high[c]), 0);
         sum += gap * gap;
     }
-    return !(sum * (1 - 1e-9) > bin->most); /* rounding must not pass over a point */
+    return !(sum * (1 - 1e-9) > bin->most); /* rounding must not exclude a point */
 }
 
 static void dm_take_seed(dm_grid *g, const double *place, const double *from) {

@@ -1,7 +1,8 @@
-/* Fingertips against vertices and faces, vertices against the ground. Source: studies/reference/contact.py. */
+/* Contact of fingertips with vertices and faces, and of vertices with the ground.
+ * Source: studies/reference/contact.py. */
 #include "body.h"
 
-/* Let what a fingertip held be held no more. */
+/* Forget the impulses of a fingertip. */
 static void dm_forget_impulses(dm_state *b, int finger) {
     for (uint32_t k = 0; k < b->fingers[finger].kept_count; k++)
         b->fingers[finger].kept[b->fingers[finger].kept_at[k]] = (dm_quad){0, 0, 0, 0};
@@ -12,13 +13,13 @@ static void dm_mark_moved(dm_state *b, uint32_t i, uint32_t *count) {
     if (!b->is_moved[i]) b->is_moved[i] = 1, b->moved[(*count)++] = i;
 }
 
-/* How far a vertex goes in this substep: none goes farther than the skin may travel. */
+/* Return the way of a vertex in this substep, limited to the travel of the skin. */
 DM_INLINE dm_quad dm_way_of(const dm_state *b, dm_quad v) {
     dm_real dt = (dm_real)b->dt, travel = (dm_real)b->skin_travel, speed = DM_SQRT(dm_dot3(v, v));
     return v * (travel > 0 && speed * dt > travel ? travel / speed : dt);
 }
 
-/* Note where the vertices near a fingertip were before this substep; return how fast the fastest is. */
+/* Store where the vertices near a fingertip were before this substep; return the highest speed. */
 static dm_real dm_note_before(dm_state *b, const dm_near *t) {
     dm_real fastest = 0;
     for (int64_t k = 0; k < t->noted_count; k++) {
@@ -35,8 +36,8 @@ DM_INLINE int dm_was_held(const dm_state *b, int finger, uint32_t number) {
     return dm_dot3(impulse, impulse) > 0;
 }
 
-/* Return the mean way from a fingertip's centre to the vertices in it that give way, by their depth, or nothing. Friction
- * has no part in it. */
+/* Return the mean vector from a fingertip's centre to the movable vertices inside it, weighted by depth, or 0.
+ * Friction is not part of it. */
 static dm_quad dm_way_of_push(const dm_state *b, const dm_near *t) {
     dm_quad sum = {0, 0, 0, 0}, from = t->now - (dm_real)b->dt * t->velocity;
     for (int64_t k = 0; k < t->vertex_count; k++) {
@@ -49,19 +50,18 @@ static dm_quad dm_way_of_push(const dm_state *b, const dm_near *t) {
     return length > 0 ? sum / length : sum;
 }
 
-/* Let the skin of a solid give way as its spring does: not straight away from the fingertip's centre, but from a point
- * behind it, so that it is pressed down and not aside. Return the gap at which the spring, as stiff as it is there,
- * would begin. */
+/* Make a contact with the skin of a solid compliant. It yields away from a point behind the fingertip's centre, so
+ * that it is pressed down and not aside. Return the gap at which a spring with its present stiffness would begin. */
 static dm_real dm_give_way(dm_state *b, const dm_near *t, dm_contact *h, dm_quad at, dm_real apart) {
     dm_real inverse = 1 / (dm_real)(b->dt * b->dt), gap = apart - h->radius;
-    h->part = 1; /* it is as deep as its impulse says, and comes out by that alone */
-    h->yields *= (h->corners > 1 ? 4 : 2) * inverse; /* vertices bear half of it, twice as many faces the other half */
+    h->part = 1; /* its depth follows from its impulse alone */
+    h->yields *= (h->corners > 1 ? 4 : 2) * inverse; /* vertices bear half, and faces, of which there are twice as many, the other half */
     if (gap >= 0) return gap;
     dm_quad way = at + t->radius * t->pushed;
     dm_real length = DM_SQRT(dm_dot3(way, way));
     if (length > (dm_real)DM_TRAVEL * t->radius) h->normal = way / length;
     dm_real along = dm_dot3(at, h->normal), deep = DM_SQRT(along * along - gap * (apart + h->radius)) - along;
-    /* p = deep / (c (1 - s^2)) with s = deep / most, along its tangent there */
+    /* p = deep / (c (1 - s^2)) with s = deep / most, linearised there */
     dm_real most = (dm_real)DM_MOST_GIVEN * t->radius, s = deep / most;
     s = s < (dm_real)DM_HARDEST ? s : (dm_real)DM_HARDEST;
     dm_real left = 1 - s * s, tangent = left / (1 + s * s);
@@ -69,8 +69,8 @@ static dm_real dm_give_way(dm_state *b, const dm_near *t, dm_contact *h, dm_quad
     return -(deep - most * s + most * s * tangent);
 }
 
-/* List the contact of a fingertip with a point of a vertex or a face, if it may work in this substep: the point comes
- * nearer by the margin, or was held in the one before. */
+/* Add the contact of a fingertip with a vertex or a point of a face if it may act in this substep: the point comes
+ * within the margin, or was held in the last substep. */
 static int64_t dm_list_contact(dm_state *b, const dm_near *t, dm_quad from, uint32_t number, int corners,
                                const uint32_t *corner, dm_quad weight, dm_real radius, dm_real margin, int64_t count) {
     int held = dm_was_held(b, t->finger, number);
@@ -78,13 +78,13 @@ static int64_t dm_list_contact(dm_state *b, const dm_near *t, dm_quad from, uint
     dm_quad at = -from;
     for (int j = 0; j < corners; j++) at += weight[j] * b->before[corner[j]];
     dm_real apart = DM_SQRT(dm_dot3(at, at)), gap = apart - radius;
-    int at_centre = apart < t->radius * (dm_real)DM_TOO_NEAR; /* a vertex has no direction then: its faces have one */
+    int at_centre = apart < t->radius * (dm_real)DM_TOO_NEAR; /* a vertex there has no direction, its faces have */
     if (!(held || gap < margin) || (at_centre && corners == 1)) return count;
     dm_contact *h = b->hits + count;
     *h = (dm_contact){.number = number, .corners = corners, .radius = radius, .part = part, .weight = weight};
     memcpy(h->corner, corner, (size_t)corners * sizeof *corner);
     h->held = b->fingers[t->finger].kept[number];
-    dm_real holds = 1 - (dm_real)b->fingers[t->finger].slides; /* as the fingertip on the surface */
+    dm_real holds = 1 - (dm_real)b->fingers[t->finger].slides; /* as the fingertip slides on the surface at rest */
     h->normal = at_centre ? dm_inward_normal(b, corner) : at / apart;
     for (int j = 0; j < corners; j++) {
         h->friction += holds * weight[j] * b->friction[corner[j]];
@@ -95,8 +95,7 @@ static int64_t dm_list_contact(dm_state *b, const dm_near *t, dm_quad from, uint
     return count + 1;
 }
 
-/* List the vertices and faces that a fingertip may meet in this substep, faces at the points that were nearest when it
- * began. */
+/* Add the contacts of a fingertip in this substep, of faces at the points that were nearest when it began. */
 static int64_t dm_find_contacts(dm_state *b, const dm_near *t, dm_real margin) {
     dm_quad from = t->now - (dm_real)b->dt * t->velocity;
     dm_vec3 centre = {dm_splat(from[0]), dm_splat(from[1]), dm_splat(from[2])};
@@ -127,7 +126,8 @@ static int64_t dm_find_contacts(dm_state *b, const dm_near *t, dm_real margin) {
     return count;
 }
 
-/* What a contact gives, 1 / mass: each moves its share m / count of a vertex, which then takes the mean of them. */
+/* Return the inverse mass of a contact: it moves its part m / count of each vertex, which takes the mean of all its
+ * contacts. */
 DM_INLINE dm_real dm_compliance_of(const dm_state *b, dm_contact *h) {
     dm_real give = 0, free = 0, most = 0;
     int pinned = 0;
@@ -140,7 +140,7 @@ DM_INLINE dm_real dm_compliance_of(const dm_state *b, dm_contact *h) {
         pinned |= !(inverse > 0);
     }
     give = give > DM_LEAST ? give : DM_LEAST;
-    if (pinned) { /* a free vertex must not be flung away to move a point it hardly carries */
+    if (pinned) { /* a free vertex with a small weight must not be thrown away to move the point */
         dm_real least = (dm_real)DM_PINNED_GIVE * most / (free > DM_LEAST ? free : DM_LEAST);
         give = give > least ? give : least;
     }
@@ -152,7 +152,7 @@ DM_INLINE void dm_share(dm_state *b, const dm_contact *h) {
         b->shares[h->corner[j]] += h->weight[j] > (dm_real)DM_ROUNDING;
 }
 
-/* Give the vertices of a contact an impulse. */
+/* Apply an impulse to the vertices of a contact. */
 DM_INLINE void dm_push(dm_state *b, const dm_contact *h, dm_quad impulse) {
     for (int j = 0; j < h->corners; j++) {
         uint32_t i = h->corner[j];
@@ -160,7 +160,7 @@ DM_INLINE void dm_push(dm_state *b, const dm_contact *h, dm_quad impulse) {
     }
 }
 
-/* Begin with the impulses of the substep before, as far as they push along the normals of this one. */
+/* Warm start: apply the impulses of the last substep, as far as they push along the present normals. */
 static void dm_push_as_before(dm_state *b, int64_t count) {
     for (dm_contact *h = b->hits; h < b->hits + count; h++) {
         dm_real push = dm_dot3(h->held, h->normal);
@@ -169,8 +169,8 @@ static void dm_push_as_before(dm_state *b, int64_t count) {
     }
 }
 
-/* One sweep over the speeds, all from the same state: change each impulse by what stops its point, never below nothing
- * and not out of the cone of friction. Return how far [m] the change moves what it moves farthest. */
+/* One Jacobi sweep over the velocities: change each impulse so that its point stops, within the cone of friction.
+ * Return the largest distance [m] by which a change moves a point. */
 static dm_real dm_sweep_speeds(dm_state *b, const dm_near *t, int64_t count) {
     dm_contact *end = b->hits + count;
     dm_real most = 0;
@@ -201,8 +201,8 @@ static dm_real dm_sweep_speeds(dm_state *b, const dm_near *t, int64_t count) {
     return most;
 }
 
-/* One sweep over the places: move out what is inside, without a speed, and in the first let what slides past its normal
- * follow the sphere. Return how deep the deepest was. */
+/* One sweep over the positions: move points that are inside out, without changing velocities; in the first sweep
+ * sliding points follow the sphere. Return the largest depth. */
 static dm_real dm_sweep_places(dm_state *b, const dm_near *t, int64_t count, int first) {
     dm_contact *end = b->hits + count;
     dm_real deepest = 0;
@@ -232,7 +232,7 @@ static dm_real dm_sweep_places(dm_state *b, const dm_near *t, int64_t count, int
     return deepest;
 }
 
-/* Keep the impulses for the next substep, note what they are together, and let the vertices go as fast as they now are. */
+/* Store the impulses for the next substep, add them up, and store the new velocities of the vertices. */
 static void dm_keep_impulses(dm_state *b, const dm_near *t, int64_t count, uint32_t *moved) {
     dm_forget_impulses(b, t->finger);
     uint32_t *kept_count = &b->fingers[t->finger].kept_count;
@@ -250,13 +250,13 @@ static void dm_keep_impulses(dm_state *b, const dm_near *t, int64_t count, uint3
             b->records[i].x = b->before[i] + dm_way_of(b, b->records[i].v);
             dm_mark_moved(b, i, moved);
         }
-        if (pinned || !(dm_dot3(h->held, h->held) > 0)) continue; /* what cannot give way would add up */
+        if (pinned || !(dm_dot3(h->held, h->held) > 0)) continue; /* at points that cannot move, impulses would add up */
         b->fingers[t->finger].kept[h->number] = h->held;
         b->fingers[t->finger].kept_at[(*kept_count)++] = h->number;
     }
 }
 
-/* Bring the vertices that contacts moved back into the groups. */
+/* Write the vertices that contacts moved back into the groups. */
 static void dm_update_groups(dm_state *b, uint32_t moved) {
     for (uint32_t k = 0; k < moved; k++) {
         uint32_t i = b->moved[k];
@@ -278,7 +278,7 @@ static void dm_rest_on_ground(dm_state *b) {
             dm_real fall = r->v[2] < 0 ? -r->v[2] : 0, speed = DM_SQRT(r->v[0] * r->v[0] + r->v[1] * r->v[1]);
             dm_real stop = b->friction[i] * fall / (speed > DM_LEAST ? speed : DM_LEAST);
             dm_real left = 1 - (stop < 1 ? stop : 1);
-            for (int c = 0; c < 2; c++) /* the slip of the step as well, or it would creep */
+            for (int c = 0; c < 2; c++) /* the slip of this step as well, or the vertex would creep */
                 r->x[c] -= (dm_real)b->dt * (1 - left) * r->v[c], r->v[c] *= left;
             r->v[2] += fall, r->x[2] = height[0];
             dm_mark_moved(b, i, &moved);
@@ -287,7 +287,7 @@ static void dm_rest_on_ground(dm_state *b) {
     dm_update_groups(b, moved);
 }
 
-/* Resolve the contacts of a substep that ends so long before the tick does [s]. */
+/* Resolve the contacts of a substep that ends `left` seconds before its tick. */
 static void dm_resolve_contact(dm_state *b, double ahead) {
     memset(b->skin_push, 0, sizeof b->skin_push);
     for (dm_near *t = b->touches; t < b->touches + b->finger_count; t++)

@@ -1,8 +1,8 @@
-/* Bodies at rest: they are not stepped until something wakes them, and go on from the very state they were in.
+/* Bodies at rest: they are not stepped until something wakes them, and continue from exactly the state they had.
  * Source: studies/reference/sleep.py. */
 #include "body.h"
 
-/* How far a fingertip is from the box round what is asleep, less what it may reach in the tick [m]. */
+/* Return the distance of a fingertip from the box round a sleeping body, less its reach in the tick [m]. */
 static double dm_clear_of(const dm_state *b, const dm_near *t) {
     double away = 0;
     for (int c = 0; c < 3; c++) {
@@ -13,7 +13,7 @@ static double dm_clear_of(const dm_state *b, const dm_near *t) {
     return sqrt(away) - (t->reach + DM_NEAR * (double)t->radius);
 }
 
-/* Is a fingertip where it was when the body fell asleep? */
+/* Return whether a fingertip is where it was when the body fell asleep. */
 static int dm_finger_rests(const dm_state *b, const dm_near *t) {
     double way = 0;
     for (int c = 0; c < 3; c++) {
@@ -23,7 +23,7 @@ static int dm_finger_rests(const dm_state *b, const dm_near *t) {
     return (double)t->radius == b->fingers[t->finger].rests_radius && sqrt(way) <= DM_ROUNDING * (double)t->radius;
 }
 
-/* Tell whether a fingertip, or a pin that is led elsewhere, wakes a body in the tick that begins. */
+/* Return whether a fingertip or a moving pin wakes a body in the tick that begins. */
 static int dm_is_woken(const dm_state *b, const dm_motion *m) {
     int resting = 0;
     for (int64_t k = 0; m->pins_to && k < b->pinned_count; k++)
@@ -34,10 +34,10 @@ static int dm_is_woken(const dm_state *b, const dm_motion *m) {
         else if (dm_clear_of(b, t) < 0) return 1;
     }
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) resting -= b->fingers[k].rests;
-    return resting != 0; /* one has gone */
+    return resting != 0; /* one was lifted */
 }
 
-/* Let a body sleep, under fingertips that rest. */
+/* Put a body to sleep, with the fingertips that rest on it. */
 static void dm_fall_asleep(dm_state *b, const dm_motion *m) {
     b->rested = 0;
     for (int c = 0; c < 3; c++) b->bounds[0][c] = INFINITY, b->bounds[1][c] = -INFINITY;
@@ -58,7 +58,7 @@ static void dm_fall_asleep(dm_state *b, const dm_motion *m) {
     b->asleep = 1;
 }
 
-/* Is no vertex farther than a body at rest may go from where it was when it became slow? */
+/* Return whether every vertex is still close to where it was when the body became slow. */
 static int dm_stays(const dm_state *b) {
     dm_lanes most = dm_splat(0);
     for (int64_t g = 0; g < b->groups; g++) {
@@ -70,14 +70,14 @@ static int dm_stays(const dm_state *b) {
     return 1;
 }
 
-/* Do all fingertips stand still? What they hold back has a speed and does not move. */
+/* Return whether all fingertips stand still. The skin that they hold back has a velocity but does not move. */
 static int dm_may_be_held(const dm_state *b) {
     for (const dm_near *t = b->touches; t < b->touches + b->finger_count; t++)
         if (dm_dot3(t->velocity, t->velocity) > 0) return 0;
     return b->finger_count > 0;
 }
 
-/* After a tick: note whether a body has been slow for long and is where it was when that began. */
+/* After a tick: note whether a body has been slow, and in place, for DM_REST_TIME. */
 static void dm_watch_rest(dm_state *b, const dm_motion *m) {
     int fast = b->fastest > DM_REST_SPEED * b->size;
     if (fast && (b->fastest <= b->sag || dm_may_be_held(b))) fast = b->quiet > 0 && !dm_stays(b);

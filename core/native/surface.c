@@ -1,4 +1,5 @@
-/* The surface at rest, below which fingertips are measured: its facets, and which of them are near a point. */
+/* The surface at rest, from which the depth of a fingertip is measured: its facets, and the search for those near a
+ * point. */
 #include "body.h"
 
 static double dm_apart(const double *from, const double *to) {
@@ -6,7 +7,7 @@ static double dm_apart(const double *from, const double *to) {
     return sqrt(dm_inner3(way, way));
 }
 
-/* Put the facets where their vertices are (3, n), and box them in runs. */
+/* Set the facets for vertices at (3, n), and the boxes round runs of them. */
 static void dm_shape_facets(dm_state *b, const double *x, int64_t n) {
     for (int64_t k = 0; k < b->facet_count; k++) {
         dm_facet *f = b->facets + k;
@@ -42,7 +43,7 @@ static void dm_shape_facets(dm_state *b, const double *x, int64_t n) {
     }
 }
 
-/* Let fingertips that lie on the surface go with it where it changes. */
+/* Move the feet of fingertips with the surface when it changes. */
 static void dm_reshape_facets(dm_state *b, const double *x, int64_t n) {
     double places[DM_MAX_FINGERTIPS][3] = {{0}};
     for (int k = 0; k < 2 * DM_MAX_FINGERTIPS; k++) {
@@ -62,7 +63,7 @@ static void dm_reshape_facets(dm_state *b, const double *x, int64_t n) {
     }
 }
 
-/* Lay the facets along a curve in space. */
+/* Order the facets along a Morton curve. */
 static int32_t dm_lay_surface(dm_state *b, const dm_body_def *d) {
     int64_t t = d->surface_triangles, n = d->surface_vertices;
     double *middles = dm_alloc(3 * t, sizeof(double));
@@ -115,12 +116,12 @@ static void dm_weights_on_face(const double *p, const double *a, const double *b
     w[0] = 1 - v - u, w[1] = v, w[2] = u;
 }
 
-/* The weights of the corners of a facet in its point that is nearest to another. */
+/* Find the weights of the corners for the point of a facet that is nearest to a point. */
 static void dm_weights_at(const dm_facet *f, const double *point, double *weights) {
     dm_weights_on_face(point, f->corner[0], f->corner[1], f->corner[2], weights);
 }
 
-/* The offset of a point from the nearest one of a triangle. */
+/* Find the vector from the nearest point of a triangle to a point. */
 static void dm_offset_from(const dm_facet *f, const double *point, double *offset) {
     double w[3];
     dm_weights_at(f, point, w);
@@ -137,7 +138,7 @@ static double dm_gap_to_box(const double *box, const double *x) {
     return sqrt(away);
 }
 
-/* The force of a law (K1, K2, x0, power) at a depth [m]: core/material.py says how. */
+/* Return the force of a law (K1, K2, x0, power) at a depth [m], as core/material.py does. */
 static double dm_law_force(const double *law, double x) {
     double p = law[3], slope = p * p * law[0], straight = (1 + 1 / p) * law[2], beyond = x > law[2] ? x - law[2] : 0;
     if (p == 1) return law[0] * (x < law[2] ? x : law[2]) + law[1] * beyond;

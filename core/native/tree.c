@@ -1,4 +1,4 @@
-/* The surfaces of a scene: their triangles in runs that are near in space, boxes round them, and who is beside whom. */
+/* The surfaces of a scene: a tree of boxes over runs of triangles, and the neighbours of each triangle. */
 #include "scene.h"
 
 DM_SMALL
@@ -8,7 +8,7 @@ static int dm_by_word(const void *a, const void *b) {
     return p[0] != q[0] ? (p[0] < q[0] ? -1 : 1) : p[1] < q[1] ? -1 : p[1] > q[1];
 }
 
-/* Order the triangles of a surface along a curve in space. */
+/* Order the triangles of a surface along a Morton curve. */
 static int32_t dm_order_triangles(dm_scene_state *s, const dm_surface *f) {
     int64_t t = f->triangle_count;
     uint32_t(*mine)[3] = s->corners + f->first_triangle;
@@ -27,7 +27,7 @@ static int32_t dm_order_triangles(dm_scene_state *s, const dm_surface *f) {
     return s->code;
 }
 
-/* Number the edges of a surface, and note which triangle stands for which corner and edge. */
+/* Number the edges of a surface, and assign each vertex and edge to one triangle. */
 static int32_t dm_lay_edges(dm_scene_state *s, dm_surface *f) {
     int64_t t = f->triangle_count;
     uint64_t(*words)[2] = malloc((size_t)(3 * t + 1) * sizeof *words);
@@ -72,7 +72,7 @@ static int32_t dm_lay_neighbours(dm_scene_state *s) {
     return DM_OK;
 }
 
-/* Lay the tree over a run of triangles; return the node after it. */
+/* Build the tree over a run of triangles; return the index after its last node. */
 static uint32_t dm_lay_tree(dm_scene_state *s, uint32_t node, uint32_t start, uint32_t end) {
     dm_node *n = s->nodes + node++;
     n->start = start, n->end = end;
@@ -96,7 +96,7 @@ static void dm_bound_points(const double (*x)[3], const uint32_t *at, int count,
     }
 }
 
-/* Put a ball round a triangle: about the middle of its corners. */
+/* Set the bounding sphere of a triangle, about the middle of its corners. */
 static void dm_fit_ball(dm_scene_state *s, uint32_t triangle) {
     double *ball = s->balls[triangle], most = 0;
     const uint32_t *at = s->corners[triangle];
@@ -109,7 +109,7 @@ static void dm_fit_ball(dm_scene_state *s, uint32_t triangle) {
     ball[3] = sqrt(most) * (1 + 1e-12);
 }
 
-/* Fit the boxes of a surface to where its vertices were at the query: children come after their parent. */
+/* Fit the boxes of a surface to its vertices at the query; children come after their parent. */
 static void dm_fit_boxes(dm_scene_state *s, const dm_surface *f) {
     for (uint32_t k = f->first_node + f->node_count; k-- > f->first_node;) {
         dm_node *n = s->nodes + k;
@@ -127,7 +127,7 @@ static void dm_fit_boxes(dm_scene_state *s, const dm_surface *f) {
     }
 }
 
-/* How far apart two boxes are, along the axis on which they are farthest apart; negative where they overlap. */
+/* Return the gap between two boxes along the axis on which it is largest; negative if they overlap. */
 DM_INLINE double dm_boxes_apart(const double *low, const double *high, const double *lower, const double *higher) {
     double apart = -INFINITY;
     for (int c = 0; c < 3; c++) {
@@ -145,10 +145,10 @@ static void dm_visit_leaves(dm_scene_state *s, const dm_surface *f, const dm_sur
         for (uint32_t j = a == b ? i + 1 : b->start; j < b->end; j++) visit(s, f, g, i, j);
 }
 
-/* Visit the triangles of two surfaces, or of one, whose boxes are nearer than a distance: each pair once. */
+/* Visit each pair of triangles, of two surfaces or of one, whose boxes are nearer than a distance. */
 static void dm_visit_pairs(dm_scene_state *s, const dm_surface *f, const dm_surface *g, double distance,
                            dm_visit visit) {
-    enum { DM_DEEPEST = 128 }; /* pairs of nodes that wait: two trees of 2^24 / DM_LANES leaves are 22 deep, and each step adds two */
+    enum { DM_DEEPEST = 128 }; /* pairs of nodes on the stack: two trees of 2^24 / DM_LANES leaves are 22 deep, and each step adds two */
     uint32_t wait[DM_DEEPEST][2], count = 0;
     if (!f->node_count || !g->node_count) return;
     wait[count][0] = f->first_node, wait[count++][1] = g->first_node;
