@@ -5,8 +5,6 @@ import bpy
 from ..core.errors import DimpleError
 from ..core.fills import FILLS
 from ..core.messages import Message, read
-from ..operators.names import Op
-from ..operators.press import compare_materials
 from ..operators.press.sessions import sessions
 from .drawing import MaterialPanel, SidebarPanel, draw_notes, shown_if
 from .material_choice import draw_choice
@@ -105,8 +103,6 @@ class DIMPLE_PT_object_material(WithPresets, SidebarPanel, bpy.types.Panel):
         else:
             draw_choice(layout, body)
         draw_sway(context, layout, body)
-        paired = compare_materials.other(body, context.scene) is not None
-        layout.operator(Op.USE_MATERIAL if paired else Op.COMPARE_MATERIALS, icon="MOD_MIRROR")
 
 
 class DIMPLE_PT_object_constants(SidebarPanel, bpy.types.Panel):

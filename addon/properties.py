@@ -92,10 +92,6 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
         "that body",
         type=bpy.types.Object,
     )  # fmt: skip
-    twin: PointerProperty(
-        name="Twin Of", description="Original that this copy with another material is compared with",
-        type=bpy.types.Object,
-    )  # fmt: skip
     sway: FloatProperty(
         name="Sway",
         description="How much the whole body swings, sags and trembles when it, its rig or a fingertip moves; 0 is not "

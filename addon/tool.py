@@ -123,7 +123,6 @@ class DIMPLE_MT_object(bpy.types.Menu):
         layout.operator_context = "INVOKE_REGION_WIN"
         for verb in (
             Op.MAKE_SOFT, Op.POKE, Op.PLAY, Op.RECORD, Op.RESET, Op.ADD_FINGERTIP, Op.KEY_PRESS, Op.BAKE,
-            Op.COMPARE_MATERIALS, Op.USE_MATERIAL,
         ):  # fmt: skip
             layout.operator(verb)
 

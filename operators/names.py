@@ -68,8 +68,6 @@ class Op(StrEnum):
     APPLY_CALIBRATION = "dimple.apply_calibration"
     DISCARD_CALIBRATION = "dimple.discard_calibration"
     MEASURE = "dimple.measure"
-    COMPARE_MATERIALS = "dimple.compare_materials"
-    USE_MATERIAL = "dimple.use_material"
     CONNECT_DEVICE = "dimple.connect_device"
     ARM_DEVICE = "dimple.arm_device"
     DISARM_DEVICE = "dimple.disarm_device"

@@ -18,7 +18,6 @@ from ..bridge import scene_objects, sizing
 from ..messages import Note, gathered
 from . import (
     colliders,
-    compare_materials,
     fingertip_objects,
     follow_settings,
     haptic_fingertips,
@@ -74,7 +73,7 @@ def starting_all(context: bpy.types.Context) -> Parts:
     """Start a session on every candidate, in parts; see `start_all`. Closed, nothing was started."""
     bodies, messages, wrong, before = [], [], [], set(sessions.sessions)
     try:
-        for obj in compare_materials.joined(candidates(context), context.scene):
+        for obj in candidates(context):
             try:
                 body, notes = yield from sessions.starting(obj, context)
             except DimpleError as error:
@@ -98,7 +97,7 @@ def advance(
     dt: float,
     *,
     budget: float | None = None,
-    pressed: Mapping[int, Sequence[Finger | None]] | None = None,
+    pressed: Mapping[int, Sequence[Finger | None]] = {},
 ) -> list[str]:
     """Step every session and show it.
 
@@ -111,7 +110,6 @@ def advance(
         Sentences for the artist: sessions that ended, or were put back to rest.
     """
     messages = [*haptic_fingertips.read(), *showing.end_changed(context.view_layer)]
-    pressed = compare_materials.shared(pressed or {}, context.scene)
     began = time.perf_counter()
     for uid, body in list(sessions.sessions.items()):
         messages += _trying(uid, prepare, context, body, pressed.get(uid, ()))
@@ -195,7 +193,7 @@ def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger
         sessions.disarm()  # which may put it under a fingertip of the haptic device at once
     body.follow(context, obj)
     device = haptic_fingertips.fingertips(context.scene, body)
-    fingers = merged(device or pressing(context.scene, body), pressed)
+    fingers = merged(device or fingertips(context.scene, link.scale), pressed)
     body.held = {i: finger for i, finger in enumerate(merged(device, pressed)) if finger}
     before, body.poked = body.poked, frozenset(i for i, finger in enumerate(pressed) if finger)
     # one that goes from hand to hand is lifted: it would fly through the body, and a device would render the flight
@@ -217,13 +215,6 @@ def finish(body: LiveBody) -> list[str]:
             ended = body.recorder.cut_short(body.name, error)
             messages += [ended, *(each for each in sessions.end_recording(body) if not isinstance(each, Note))]
     return messages
-
-
-def pressing(scene: bpy.types.Scene, body: LiveBody) -> Sequence[Finger | None]:
-    """Return the fingertip objects that press a body, or its twin."""
-    if original := compare_materials.source(body):
-        return compare_materials.moved(fingertips(scene, original.link.scale), original, body)
-    return fingertips(scene, body.link.scale)
 
 
 def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:

@@ -16,7 +16,7 @@ from mathutils import Euler, Vector
 Check = Callable[..., None]
 FORCE_N, PAINTED = 15.0, 0.375  # past the knee, which is painted to be three quarters as deep
 LOOP, SWELL_S = 20, 2.4  # pictures of it, and how long it takes in simulated time [s]
-LEAST_N, MOST_N = 1.0, 30.0
+DEEPEST = 0.25  # of the side of a cube: how deep the press of two is
 ROOM = Vector((0.7, 0.0, 0.0))  # [m] to the left of the two cubes, for their charts
 
 
@@ -107,59 +107,55 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 
 
 def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
-    """Press twins of two materials by one force."""
+    """Press two materials side by side by as much."""
     as_measured()
-    settings, view = bpy.context.scene.dimple, robot.area().spaces.active.region_3d
-    bpy.ops.ed.undo_push(message="Before the twin")
-    yield from clicking.search("Compare Materials", at)
-    yield from robot.until(lambda: "Cube B" in bpy.data.objects, "a twin stands beside", 30)
-    twin = bpy.data.objects["Cube B"]
-    twin.active_material.dimple.K1, twin.active_material.dimple.x0 = 1.83, 5.0
+    settings, view, cube = bpy.context.scene.dimple, robot.area().spaces.active.region_3d, bpy.data.objects["Cube"]
+    bpy.ops.ed.undo_push(message="Before the second cube")
+    other = cube.copy()
+    other.name, other.data = "Cube B", cube.data.copy()
+    other.active_material = cube.active_material.copy()
+    bpy.context.collection.objects.link(other)
+    other.location.x += 2.5
+    other.active_material.dimple.K1, other.active_material.dimple.x0 = 1.83, 5.0
     before = view.view_distance, view.view_location.copy(), view.view_rotation.copy()
     view.view_distance = 7.0
-    across = np.arctan2(*reversed(twin.matrix_world.translation.xy))
-    view.view_rotation = Euler((0.7, 0.0, float(across))).to_quaternion()  # side by side, seen from above
-    view.view_location = 0.5 * twin.matrix_world.translation - view.view_rotation @ ROOM
+    view.view_rotation = Euler((0.7, 0.0, 0.0)).to_quaternion()  # side by side, seen from above
+    view.view_location = 0.5 * other.matrix_world.translation - view.view_rotation @ ROOM
     settings.show_field = "DEPTH"
     robot.area().spaces.active.show_region_ui = False  # both are seen whole
-    yield from robot.redrawn()
-    here = robot.on_screen((0.0, 0.0, 1.0))
-    yield from tuning.leave_resting(here)
+    tips = []
+    for each in (cube, other):
+        with bpy.context.temp_override(window=robot.window(), area=robot.area(), object=each, active_object=each):
+            bpy.ops.dimple.add_fingertip()
+        tips.append(bpy.context.object)
+    for each in (cube, other):
+        each.select_set(True)
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.play("INVOKE_DEFAULT")
+    yield from robot.until(lambda: tuning.body() is not None and tuning.body().frame.time > 0, "both play", 60)
     bodies = robot.extension("operators.press.sessions").sessions
-    yield from tuning.settle("both rest")
-    depths = {body.name: 1e3 * float(body.frame.depths[0]) for body in bodies.values()}
-    shown = ", ".join(f"{name} {depth:.2f} mm" for name, depth in depths.items())
-    check("one press presses both, the softer one deeper", depths["Cube"] > 1.5 * depths["Cube B"] > 0, shown)
-    yield from robot.redrawn(3)
-    robot.screenshot(out / "0-two-materials.png")
-    yield from tuning.leave(here)
-    yield from loop(here, out)
-    settings.show_field, settings.press_force_n = "NONE", FORCE_N
-    view.view_distance, view.view_location, view.view_rotation = before
-    robot.area().spaces.active.show_region_ui = True
-    yield from clicking.search("Use This Material", at)
-    yield from robot.until(lambda: "Cube B" not in bpy.data.objects, "the one that is used stays alone", 30)
-    check("the one that is used stays alone", "Cube B" not in bpy.data.objects)
-    yield from robot.redrawn()
-
-
-def loop(at: tuple[int, int], out: Path) -> robot.Waits:
-    """Photograph one swell of the force, which `run.py` makes a looping picture of."""
-    settings, readout = bpy.context.scene.dimple, robot.extension("addon.readout")
+    readout = robot.extension("addon.readout")
     rate, readout.rate_hz = readout.rate_hz, lambda _frame: 0.0  # how slow this machine is belongs in no picture
-    settings.active_finger, settings.press_force_n = 1, LEAST_N
-    yield from robot.move(*at)
-    yield from robot.button(*at, "PRESS")
-    yield from tuning.settle("it rests")
-    for number in range(LOOP):
-        settings.press_force_n = LEAST_N + (MOST_N - LEAST_N) * (0.5 - 0.5 * np.cos(2 * np.pi * number / LOOP))
+    up = tips[0].location.z
+    for number in range(LOOP):  # `run.py` makes a looping picture of it
+        for tip in tips:
+            tip.location.z = up - DEEPEST * (0.5 - 0.5 * np.cos(2 * np.pi * number / LOOP))
         begun = tuning.body().frame.time
         yield from robot.until(lambda begun=begun: tuning.body().frame.time > begun + SWELL_S / LOOP, "it goes on", 60)
         yield from robot.redrawn(1)
         robot.screenshot(out / f"loop-{number:02}.png")
+        if number == LOOP // 2:
+            forces = {body.name: float(max(body.frame.pushes)) for body in bodies.values()}
+    shown = ", ".join(f"{name} {force:.2f} N" for name, force in forces.items())
+    check("pressed as deep, the softer one gives less force", forces["Cube B"] > 1.5 * forces["Cube"] > 0, shown)
     readout.rate_hz = rate
-    yield from robot.button(*at, "RELEASE")
     yield from tuning.leave(at)
+    settings.show_field = "NONE"
+    view.view_distance, view.view_location, view.view_rotation = before
+    robot.area().spaces.active.show_region_ui = True
+    for each in (other, *tips):
+        bpy.data.objects.remove(each)
+    yield from robot.redrawn()
 
 
 def weight(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
