@@ -42,13 +42,13 @@ class ReductionSettings:
                                      "more accurate",
         default=1000, min=60, max=16000, soft_min=100, **FIXED,
     )  # fmt: skip
-    plan_key: kept_text("Plan Key", "Checksum of everything the plan depends on; a new plan is made when it differs")
-    plan_vertices: IntProperty(name="Planned Vertices", description="Of the proxy; 0 is the full mesh", **FIXED)
     plan_reason: kept_text("Plan", "What is simulated, and why")
 
-    def to_plan(self) -> dict[str, int | str]:
-        """Return simulated, "auto", "mesh" or "proxy", and vertices, of the proxy."""
-        return {"simulated": self.simulated.lower(), "vertices": self.proxy_vertices}
+    def to_plan(self) -> dict[str, int | str | bool]:
+        """Return simulated, "auto", "mesh" or "proxy", and vertices, of the proxy; and self_contact."""
+        return {
+            "simulated": self.simulated.lower(), "vertices": self.proxy_vertices, "self_contact": self.self_contact
+        }  # fmt: skip
 
 
 class ContactSettings:

@@ -96,12 +96,14 @@ def law_at(body: bpy.types.Object, depth_mm: float) -> float:
 
 def summary_row(body: bpy.types.Object, table: Sequence[dict[str, float]]) -> dict[str, object]:
     """Return what the summary says of one body: forces at the deepest frame that is held, the worst volume."""
+    from bl_ext.user_default.dimple.core.messages import read
+
     finger, held = finger_of(table), table[HELD - 1]
-    vertices = len(body.data.vertices)
+    vertices, planned = len(body.data.vertices), read(body.dimple.plan_reason).values
     return {
         "name": body.name,
         "vertices": vertices,
-        "moving_vertices": body.dimple.plan_vertices or vertices,  # of the proxy, where one is simulated in its place
+        "moving_vertices": planned.get("vertices", vertices),  # of the proxy, where one is simulated in its place
         "steps": int(table[-1]["steps"]),
         "max_depth_mm": max(row[f"depth_{finger}_mm"] for row in table),
         "force_n": held[f"force_{finger}_n"],

@@ -27,6 +27,7 @@ SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 16_000  # more take over a second to choose
 STIFFER = stiffness_of(0.0) / stiffness_of(1.0)  # what is painted so is a spacing apart
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
+KEPT = 4  # proxies: of bodies that are alike one is made, and of one body while its constants are tuned
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +57,31 @@ class Proxy:
     def offset(self) -> float:
         """Return the distance [m] that it holds from what it meets, see `held_distance`."""
         return held_distance(self.mesh, self.model.mesh, self.cells, self.spacing)
+
+
+_made: list[Proxy] = []  # the last ones
+
+
+def proxy_of(model: Model, vertices: int) -> Proxy:
+    """Return a proxy of about the given number of vertices; one that such a mesh, painted so, had before only needs
+    other constants.
+
+    Raises:
+        DimpleError: it cannot be made; the message says why.
+    """
+    mesh, stiffer = model.mesh, painted(model)
+    spacing = mean_spacing(mesh, vertices)
+    for old in [*_made]:
+        if old.spacing == spacing and np.array_equal(old.painted, stiffer) and _are_alike(old.mesh, mesh):
+            return with_constants(old, model)
+    _made[KEPT - 1 :] = []
+    _made.insert(0, build_proxy(model, vertices))
+    return _made[0]
+
+
+def _are_alike(mesh: Mesh, other: Mesh) -> bool:
+    pairs = (mesh.rest_positions, other.rest_positions), (mesh.triangles, other.triangles)
+    return mesh is other or all(np.array_equal(*pair) for pair in pairs)
 
 
 def build_proxy(model: Model, vertices: int) -> Proxy:

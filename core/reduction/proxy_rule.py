@@ -7,20 +7,17 @@ whatever else the computer does.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
 from ..base import TICK, DimpleError
 from ..body.model import Model
 from ..messages import Message
-from .proxy import SMALLEST, Proxy, build_proxy, most_of
+from .proxy import SMALLEST, Proxy, most_of, proxy_of
 
 BUDGET = 0.6  # [s] per second for the simulation; Blender needs the rest to draw
 COST = 1.4e-8  # [s] a vertex and step: measured once (tests/bench), and kept
 ESTIMATED = 1.05  # times the budget may what runs live be expected to cost: no cost is known better than that
-
-Maker = Callable[[Model, int], Proxy]  # of a proxy with a number of vertices
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,13 +38,12 @@ class Plan:
     reason: str
 
 
-def plan(model: Model, *, radius: float = 0.01, budget: float = BUDGET, build: Maker = build_proxy) -> Plan:
+def plan(model: Model, *, radius: float = 0.01, budget: float = BUDGET) -> Plan:
     """Choose between the full mesh and its proxies, and make the proxy.
 
     Args:
         radius: of the fingertips [m].
         budget: processor time [s] for a second of motion.
-        build: makes a proxy of a model and a number of vertices.
 
     Raises:
         DimpleError: the material is too stiff for the mesh, and no proxy can be made.
@@ -65,7 +61,7 @@ def plan(model: Model, *, radius: float = 0.01, budget: float = BUDGET, build: M
     asked = most_of(model)
     if cost < math.inf:  # steps grow no faster than edges shrink, so the work no faster than vertices to 3/2
         asked = min(asked, int(len(model.mass) * (budget / cost) ** (2 / 3)))
-    make = partial(plan_proxy, model, radius=radius, budget=budget, because=because, build=build)
+    make = partial(plan_proxy, model, radius=radius, budget=budget, because=because)
     try:
         chosen = make(max(asked, SMALLEST))
         fewer = int(chosen.asked * budget / chosen.cost)  # they take no more steps
@@ -93,26 +89,20 @@ def plan_full_mesh(model: Model, *, budget: float = BUDGET, because: str = "As c
 
 
 def plan_proxy(
-    model: Model,
-    vertices: int,
-    *,
-    radius: float,
-    budget: float = BUDGET,
-    because: str = "As chosen",
-    build: Maker = build_proxy,
+    model: Model, vertices: int, *, radius: float, budget: float = BUDGET, because: str = "As chosen"
 ) -> Plan:
     """Return the plan that simulates a proxy of about the given number of vertices.
 
     Where no proxy of that size can be made, somewhat larger ones are tried.
 
     Args:
-        radius, budget, build: as for `plan`.
+        radius, budget: as for `plan`.
         because: how the reason of the plan begins.
 
     Raises:
         DimpleError: no such proxy can be made; the message says why.
     """
-    proxy, asked = _first(vertices, lambda n: build(model, n))
+    proxy, asked = _first(model, vertices)
     cost, error = cost_of(proxy.model), surface_error(proxy.spacing, radius)
     speed = "runs live" if cost <= ESTIMATED * budget else "runs at {speed} real time"
     reason = Message(
@@ -133,8 +123,8 @@ def surface_error(spacing: float, radius: float) -> float:
     return spacing**2 / (8 * radius)
 
 
-def _first(vertices: int, make: Callable[[int], Proxy]) -> tuple[Proxy, int]:
-    """Return what `make` returns for a number of vertices, or for up to twice as many, and that number.
+def _first(model: Model, vertices: int) -> tuple[Proxy, int]:
+    """Return a proxy of a number of vertices, or of up to twice as many, and that number.
 
     Raises:
         DimpleError: no number of vertices works; the message is that of the first.
@@ -142,7 +132,7 @@ def _first(vertices: int, make: Callable[[int], Proxy]) -> tuple[Proxy, int]:
     why: DimpleError | None = None
     for asked in (vertices * quarters // 4 for quarters in (4, 5, 6, 8)):
         try:
-            return make(asked), asked
+            return proxy_of(model, asked), asked
         except DimpleError as error:
             why = why or error
     assert why is not None

@@ -130,20 +130,17 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
 
 def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
     """Plan again for constants that were tuned, once nothing presses: a proxy takes a while to make."""
-    if body.changed_at is None:
+    if body.changed_at is None or body.frame.time < body.changed_at + UNTOUCHED_S:
         return []
-    session, before, around = body.session, body.around, object_plan.around(context.scene, obj)
-    if not (before and around.itself > before.itself):  # then every vertex is simulated from now on
-        if body.frame.time < body.changed_at + UNTOUCHED_S:
-            return []
-        touches = any(body.link.uid in each.uids and each.world.meeting.touching for each in sessions.worlds)
-        if body.recording or body.refused or touches or any(session.fingers):
-            return []
-    body.changed_at, body.around = None, around
-    finer = before and around.radius_mm < before.radius_mm
+    session = body.session
+    touches = any(body.link.uid in each.uids and each.world.meeting.touching for each in sessions.worlds)
+    if body.recording or body.refused or touches or any(session.fingers):
+        return []
+    before, body.changed_at, body.around = body.around, None, object_plan.around(context.scene, obj)
+    finer = before and body.around[0] < before[0]
     coarse = finer and final_mesh.cuts_of(context, obj, final_mesh.evaluated(context, obj))
     try:
-        proxy = at_once(object_plan.planning_for(context.scene, obj, session.model, session.proxy))
+        proxy = at_once(object_plan.planning_for(context.scene, obj, session.model))
         if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
             session.change(session.model, proxy=proxy)
     except DimpleError as error:

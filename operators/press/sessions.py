@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from ...core.steps import Parts
     from ..bridge.body_model import Settings
     from .colliders import LiveWorld
-    from .object_plan import Around
     from .recorder import Recorder
 
 
@@ -43,7 +42,8 @@ class LiveBody(ObjectBody):
     refused: str = ""  # "" or why
     change: Generator[float, None, list[str]] | None = None  # of a large body to other settings, under way in a thread
     changed_at: float | None = None  # when they were changed last, None where they were planned for [s]
-    around: Around | None = None  # what it was planned for besides its settings, None before its first step
+    # what it was planned for besides its settings, see `object_plan.around`; None before its first step
+    around: tuple[float, float] | None = None
     painted_at: float = 0.0  # when weights that are painted were read last [s]
     fingers: tuple[Finger | None, ...] = (None, None, None)  # the fingertips to be drawn, in the session's space
     poked: frozenset[int] = frozenset()  # which fingertips are the poke's

@@ -114,15 +114,16 @@ def test_the_cost_counts_vertices_and_steps(round_model: Model) -> None:
 
 
 def test_where_none_of_any_size_can_be_made_the_full_mesh_is_simulated_or_its_stiffness_is_said(
-    round_model: Model,
+    round_model: Model, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def build(model: Model, vertices: int) -> Proxy:
         raise DimpleError("its surface is too crumpled.")
 
-    chosen = plan(round_model, budget=1e-9, build=build)
+    monkeypatch.setattr(proxy_rule, "proxy_of", build)
+    chosen = plan(round_model, budget=1e-9)
     assert chosen.proxy is None and chosen.reason.endswith("simulated anyway: its surface is too crumpled.")
     with pytest.raises(DimpleError, match="so stiff or light on this mesh"):
-        plan(replace(round_model, omega_squared=1e20), build=build)
+        plan(replace(round_model, omega_squared=1e20))
 
 
 def test_a_budget_that_pays_for_nothing_gets_the_smallest_proxy(round_model: Model) -> None:

@@ -105,7 +105,7 @@ def ready_in(out: Path, check: Check, measured: dict) -> robot.Waits:
     yield from robot.redrawn(1)
     words = f"{seconds:.2f} s, {cpu:.2f} s of processor, {time.perf_counter() - begun:.2f} s until it is drawn"
     measured["make_soft"] = {"vertices": len(cube.data.vertices), "seconds": round(seconds, 3)}
-    check("10,000 vertices are soft by one click", cube.dimple.enabled and bool(cube.dimple.plan_key), words)
+    check("10,000 vertices are soft by one click", cube.dimple.enabled and bool(cube.dimple.plan_reason), words)
     at = robot.on_screen((0.0, 0.0, 1.0))
     yield from robot.move(*at)
     begun = time.perf_counter()

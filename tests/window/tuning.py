@@ -71,7 +71,7 @@ def make_soft(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     cube = bpy.data.objects["Cube"]
     tool = bpy.context.workspace.tools.from_space_view3d_mode("OBJECT")
     chosen = tool.idname if tool else ""
-    planned = len(cube.data.vertices) == 8 and bool(cube.dimple.plan_key)
+    planned = len(cube.data.vertices) == 8 and bool(cube.dimple.plan_reason)
     check("the bare cube is soft and planned, its mesh as it was", planned)
     check("the poke is the tool of the viewport", chosen == "dimple.poke_tool", chosen)
 

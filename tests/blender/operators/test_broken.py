@@ -46,10 +46,10 @@ def test_of_fifty_bodies_pressed_at_once_each_is_prepared_once(
 ) -> None:
     from bl_ext.user_default.dimple.core.reduction import proxy
     from bl_ext.user_default.dimple.operators.bridge import scene_objects
-    from bl_ext.user_default.dimple.operators.press import object_plan, progress, sessions
+    from bl_ext.user_default.dimple.operators.press import progress, sessions
 
     bodies, calls, poke = balls(bpy, MANY), Counter[str](), hand("poke")
-    for module, name in ((scene_objects, "_mesh"), (object_plan, "build_proxy"), (proxy, "held_distance")):
+    for module, name in ((scene_objects, "_mesh"), (proxy, "build_proxy"), (proxy, "held_distance")):
         counted(monkeypatch, calls, module, name)
     monkeypatch.setattr(progress, "LARGE", 1e9)  # at once, not between Blender's events
     assert poke.invoke() == {"RUNNING_MODAL"}

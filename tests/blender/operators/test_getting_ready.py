@@ -33,19 +33,18 @@ def keyed(bpy: ModuleType, scene: Any, ball: Callable[..., Any]) -> Any:
 @pytest.fixture
 def slow(monkeypatch: pytest.MonkeyPatch) -> Iterator[SimpleNamespace]:
     """What says that a proxy is begun, and lets it be made: until then it takes for ever."""
-    from bl_ext.user_default.dimple.operators.press import object_plan
+    from bl_ext.user_default.dimple.core.reduction import proxy
 
     found = SimpleNamespace(begun=threading.Event(), go_on=threading.Event())
-    build = object_plan._proxy
+    build = proxy.build_proxy
 
     def waiting(*given: Any) -> Any:
         found.begun.set()
         assert found.go_on.wait(LONGEST_S), "nobody went on meanwhile"
         return build(*given)
 
-    object_plan._choices.clear()  # of another test
-    object_plan._moving.clear()
-    monkeypatch.setattr(object_plan, "_proxy", waiting)
+    proxy._made.clear()  # of another test
+    monkeypatch.setattr(proxy, "build_proxy", waiting)
     yield found
     found.go_on.set()
 
@@ -69,7 +68,9 @@ def test_a_bake_makes_its_proxy_between_events_with_progress_and_esc_leaves_noth
     run.invoke()
     while (state := run.ticks(1)) == {"RUNNING_MODAL"}:
         assert "%" in run.context.said
-    assert state == {"FINISHED"} and keyed.dimple.plan_vertices == 1000
+    from bl_ext.user_default.dimple.core.messages import read
+
+    assert state == {"FINISHED"} and "A proxy of 1,000 vertices" in read(keyed.dimple.plan_reason)
     path = Path(cache_of(keyed).filepath)
     beside = path.read_bytes()
     bpy.ops.dimple.unbake()

@@ -27,7 +27,7 @@ def test_a_bare_cube_is_ready_for_its_first_press_and_keeps_its_mesh(
     settings = bare.active_material.dimple
     assert settings.K1 == pytest.approx(0.61) and "Hosei" in settings.provenance
     assert bare.dimple.enabled and bare.dimple.size_mode == "CUSTOM" and bare.dimple.size_mm == 165
-    assert bare.dimple.plan_key, "it is planned already"
+    assert bare.dimple.plan_reason, "it is planned already"
     bpy.ops.dimple.poke(**PRESS)
     seen = shown(bare)
     assert seen[np.hypot(seen[:, 0], seen[:, 1]) < 0.1][:, 2].max() < 1.0 - 0.02
