@@ -17,8 +17,7 @@ from . import (
     translations,
 )
 
-# in order of dependence: operators read the properties, panels name the operators and the presets' popover,
-# the preferences move the panels
+# in order of dependence: operators read the properties, panels name the operators and the presets' popover
 PARTS = (
     translations, material_choice, properties, operators, my_materials, panels, preferences, surface_colours,
     overlay, fingertip_gizmo, tool, still_warning,

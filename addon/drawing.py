@@ -8,7 +8,6 @@ from ..operators.messages import wrapped
 from ..operators.translation import translated
 from . import readout
 
-TAB = "Dimple"
 CHARACTER = 6.5  # [px] mean width of a character of a note, at most, at a resolution scale of 1
 FRAME = 80.0  # [px] width of the icon and borders beside it
 
@@ -26,7 +25,7 @@ class SidebarPanel:
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
-    bl_category = TAB
+    bl_category = "Dimple"
 
 
 def shown_if(is_met: Callable[[bpy.types.Context], object]) -> classmethod:

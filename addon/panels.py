@@ -12,7 +12,7 @@ from ..operators.names import Op
 from ..operators.press.fingertip_objects import body_of
 from ..operators.press.sessions import sessions
 from . import calibration, device, experiment, materials, physics_panels, readout, room
-from .drawing import TAB, SidebarPanel, draw_linked, draw_notes, draw_prop, draw_rows, shown_if
+from .drawing import SidebarPanel, draw_linked, draw_notes, draw_prop, draw_rows, shown_if
 from .tool import draw_amount
 
 
@@ -66,19 +66,6 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
             return
         draw_rows(layout, readout.more_rows(entry.frame, entry.session.clock.tick))
         draw_notes(context, layout, [note for note in entry.session.model.notes if isinstance(note, Note)])
-
-
-class DIMPLE_PT_state(SidebarPanel, bpy.types.Panel):
-    """What the session is doing: below the material, so that no field of it moves away under the mouse."""
-
-    bl_label = ""
-    bl_parent_id = "DIMPLE_PT_object_material"
-    bl_options = {"HIDE_HEADER"}
-
-    poll = shown_if(lambda context: context.window_manager.dimple.state)
-
-    def draw(self, context: bpy.types.Context) -> None:
-        draw_notes(context, self.layout, [context.window_manager.dimple.state])
 
 
 class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
@@ -165,30 +152,9 @@ class DIMPLE_PT_display(SidebarPanel, bpy.types.Panel):
 
 # in the order of work, then the laboratory
 _SIDEBAR = (
-    DIMPLE_PT_session, DIMPLE_PT_readout, *materials.SIDEBAR, DIMPLE_PT_state, DIMPLE_PT_fingertips, DIMPLE_PT_animate,
+    DIMPLE_PT_session, DIMPLE_PT_readout, *materials.SIDEBAR, DIMPLE_PT_fingertips, DIMPLE_PT_animate,
     DIMPLE_PT_bake, DIMPLE_PT_display, *calibration.SIDEBAR, *device.SIDEBAR, *experiment.SIDEBAR,
 )  # fmt: skip
-_register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)
-_register_properties, _unregister_properties = bpy.utils.register_classes_factory(
-    [*materials.PROPERTIES, *physics_panels.PROPERTIES, *calibration.PROPERTIES]
+register, unregister = bpy.utils.register_classes_factory(
+    [*materials.PROPERTIES, *physics_panels.PROPERTIES, *calibration.PROPERTIES, *_SIDEBAR]
 )
-
-
-def move_to_tab(name: str) -> None:
-    """Move the panels of the sidebar to a tab; Blender reads a panel's tab only when it is registered."""
-    if name == DIMPLE_PT_session.bl_category:
-        return
-    _unregister_sidebar()
-    for panel in _SIDEBAR:
-        panel.bl_category = name or TAB
-    _register_sidebar()
-
-
-def register() -> None:
-    _register_properties()
-    _register_sidebar()
-
-
-def unregister() -> None:
-    _unregister_sidebar()
-    _unregister_properties()

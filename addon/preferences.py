@@ -1,23 +1,16 @@
-"""The preferences of the extension: the name of its tab and the folder for recordings."""
+"""The preferences of the extension: the folder for recordings."""
 
 import bpy
 from bpy.props import StringProperty
 
 from ..operators.names import Op
-from . import panels
-
-PACKAGE = __package__.rpartition(".")[0]  # the extension itself: bl_ext.<repository>.dimple
 
 
 class DIMPLE_AP_preferences(bpy.types.AddonPreferences):
     """The settings that are the same in every file."""
 
-    bl_idname = PACKAGE
+    bl_idname = __package__.rpartition(".")[0]  # the extension itself: bl_ext.<repository>.dimple
 
-    tab_name: StringProperty(
-        name="Sidebar Tab", description="Show the panels in a tab of this name, in the sidebar of the 3D viewport",
-        default=panels.TAB, update=lambda preferences, _context: panels.move_to_tab(preferences.tab_name),
-    )  # fmt: skip
     cache_dir: StringProperty(
         name="Default Cache Folder",
         description="Folder for recordings and bakes of unsaved files, unless the scene names one. Empty: Dimple's own"
@@ -28,21 +21,8 @@ class DIMPLE_AP_preferences(bpy.types.AddonPreferences):
     def draw(self, _context: bpy.types.Context) -> None:
         layout = self.layout
         layout.use_property_split = True
-        layout.prop(self, "tab_name")
         layout.prop(self, "cache_dir")
         layout.operator(Op.COPY_REPORT, icon="COPYDOWN")
 
 
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory([DIMPLE_AP_preferences])
-
-
-def register() -> None:
-    """Register the preferences and move the sidebar's panels to the tab the user chose."""
-    _register_classes()
-    addon = bpy.context.preferences.addons.get(PACKAGE)
-    if addon is not None:  # enabled without being kept in the preferences, as a script may do
-        panels.move_to_tab(addon.preferences.tab_name)
-
-
-def unregister() -> None:
-    _unregister_classes()
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_AP_preferences])

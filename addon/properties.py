@@ -230,7 +230,6 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
 class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
     """The state of the interface, which is never saved."""
 
-    state: StringProperty(name="State", description="What the session is doing", options={"SKIP_SAVE"})
     radius_zoom: FloatVectorProperty(
         name="Zoom", description="Pixels in a millimetre of the fingertip's radius", size=2, get=tool.radius_zoom,
         options={"SKIP_SAVE"},

@@ -1,4 +1,4 @@
-"""The modal operators that drive the sessions: each has a timer, a state for the panel and a text in the status bar.
+"""The modal operators that drive the sessions: each has a timer and a text in the status bar.
 
 Whatever ends a session from outside (a file is loaded, the extension is switched off, an undo takes the object away)
 also closes what drives it.
@@ -19,10 +19,9 @@ from pathlib import Path
 import bpy
 
 from ...core.messages import Message
+from ..translation import tip_
 
-PAUSED = "Paused: Play goes on, Esc ends and puts the rest shape back"
 STATUS_S = 0.5  # [s] between two times that a text is set: a field that is typed into and a stroke of a brush clear it
-PAUSED_POKE = "Paused: Space or Play goes on, Esc ends and puts the rest shape back"
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -31,7 +30,6 @@ class ModalRun:
 
     kind: str  # "poke", "play", or another of what nothing may disturb
     timer: bpy.types.Timer | None  # what wakes it
-    state: str = ""  # what it does, for the panel
     shown: tuple[str, str] = ("", "")  # the workspace that shows which text in the status bar
     shown_at: float = 0.0  # when it was set last [s]
     paused: bool = False  # time stands still
@@ -50,22 +48,15 @@ def at_work() -> bool:
 
 
 def open_run(context: bpy.types.Context, kind: str, state: str, *, interval: float = 1 / 60) -> ModalRun:
-    """Register a modal operator and give it a timer; an earlier one that drives the sessions is closed."""
+    """Register a modal operator, give it a timer and show its state; an earlier one that drives the sessions is closed.
+    """
     for run in list(runs):
         close_run(run)
     manager = context.window_manager
-    run = ModalRun(kind=kind, timer=manager.event_timer_add(interval, window=context.window), state=state)
+    run = ModalRun(kind=kind, timer=manager.event_timer_add(interval, window=context.window))
     runs.append(run)
-    manager.dimple.state = state
+    show_status(context, run, tip_(state))
     return run
-
-
-def pause(context: bpy.types.Context, run: ModalRun, paused: bool) -> None:
-    """Let time stand still, or go on, and say so."""
-    run.paused = paused
-    said = PAUSED_POKE if run.kind == "poke" else PAUSED
-    context.window_manager.dimple.state = said if paused else run.state
-    redraw()
 
 
 def show_status(context: bpy.types.Context, run: ModalRun, text: str) -> None:
@@ -94,12 +85,10 @@ def close_run(run: ModalRun) -> None:
         return
     run.closed = True
     runs.remove(run)
-    manager = bpy.context.window_manager
     if run.timer:
-        manager.event_timer_remove(run.timer)
+        bpy.context.window_manager.event_timer_remove(run.timer)
         run.timer = None
     clear_status()
-    manager.dimple.state = ""
     redraw()
     if run.leave:
         run.leave()

@@ -10,6 +10,9 @@ from ..messages import gathered, report, say
 from ..names import Op
 from . import modal_runs, polls, progress, sessions, showing
 
+PLAYING = "Playing: Esc ends and puts the rest shape back"
+PAUSED = "Paused: Play goes on, Esc ends and puts the rest shape back"
+
 
 class Driving(polls.Declared):
     """An operator that also drives the sessions live: `begin` starts it, and `handle` takes each event."""
@@ -103,13 +106,13 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
         """Start, pause or go on."""
         if modal_runs.runs:
             run = modal_runs.runs[0]
-            modal_runs.pause(context, run, not run.paused)
+            run.paused = not run.paused
             return {"FINISHED"}
         if self.starts_later(context, "play"):
             return {"CANCELLED"}
         self.start(context)
         self._frame = context.scene.frame_current
-        return self.drive(context, "play", "Playing: Esc ends and puts the rest shape back")
+        return self.drive(context, "play", PLAYING)
 
     def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Step by the clock, or along the timeline while that plays; everything but Esc is Blender's."""
@@ -123,6 +126,7 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
         from . import live_step
 
         wall = self.passed()
+        modal_runs.show_status(context, self._run, polls.tip_(PAUSED if self._run.paused else PLAYING))
         if self._run.paused:
             messages = showing.end_changed(context.view_layer)
         elif timeline.is_playing(context):

@@ -161,8 +161,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
 
         was_pressing = self._state.pressing
         self._state, effects = on_event(self._state, event)
-        if self._run.paused != self._state.paused:
-            modal_runs.pause(context, self._run, self._state.paused)
+        self._run.paused = self._state.paused
         if self._state.pressing and not was_pressing:
             # a drag follows the surface as it was: the dent would lead the fingertip deeper and deeper
             self._shapes = {uid: body.session.positions() for uid, body in sessions.sessions.items()}

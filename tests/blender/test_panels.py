@@ -225,7 +225,7 @@ def test_the_sidebar_is_in_the_order_of_work_and_the_laboratory_is_closed(bpy: M
         "Press", "Material", "Fingertips", "Animate", "Display", "Calibration", "Haptic Device", "Sensory Comparison"
     ]  # fmt: skip
     assert not any("DEFAULT_CLOSED" in getattr(panel, "bl_options", ()) for panel in first[:4])
-    children = [panel for panel in panels._SIDEBAR if panel not in (*first, panels.DIMPLE_PT_state)]
+    children = [panel for panel in panels._SIDEBAR if panel not in first]
     assert all("DEFAULT_CLOSED" in getattr(panel, "bl_options", ()) for panel in [*first[4:], *children])
 
 

@@ -124,14 +124,13 @@ def test_a_soft_body_is_not_offered_as_a_fingertip(empty_file: ModuleType) -> No
     assert not properties._is_fingertip(scene.dimple, body)
 
 
-def test_settings_are_kept_in_the_file_and_the_state_is_not(empty_file: ModuleType, tmp_path: Path) -> None:
+def test_settings_are_kept_in_the_file(empty_file: ModuleType, tmp_path: Path) -> None:
     body = empty_file.data.objects.new("Body", empty_file.data.meshes.new("Body"))
     empty_file.context.collection.objects.link(body)
     body.data.materials.append(empty_file.data.materials.new("Skin"))
     body.dimple.enabled, body.dimple.pin_group = True, "Neck"
     body.data.materials[0].dimple.x0 = 36.3
     empty_file.context.scene.dimple.finger_1 = body
-    empty_file.context.window_manager.dimple.state = "Running"
     path = str(tmp_path / "kept.blend")
     empty_file.ops.wm.save_as_mainfile(filepath=path)
     empty_file.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
@@ -140,22 +139,6 @@ def test_settings_are_kept_in_the_file_and_the_state_is_not(empty_file: ModuleTy
     assert body.dimple.enabled and body.dimple.pin_group == "Neck"
     assert body.data.materials[0].dimple.to_params()["x0"] == 0.0363
     assert empty_file.context.scene.dimple.finger_1 == body
-    assert empty_file.context.window_manager.dimple.state == ""
-
-
-def test_the_sidebar_moves_to_the_tab_the_preferences_name(bpy: ModuleType) -> None:
-    chosen = bpy.context.preferences.addons[ROOT].preferences
-    sidebar = [name for name in dir(bpy.types) if name.startswith("DIMPLE_PT_")]
-    try:
-        chosen.tab_name = "Soft"
-        tabs = {
-            getattr(bpy.types, name).bl_category for name in sidebar if hasattr(getattr(bpy.types, name), "bl_category")
-        }
-        assert tabs == {"Soft"} and len(sidebar) > 10
-        chosen.tab_name = ""
-        assert bpy.types.DIMPLE_PT_session.bl_category == "Dimple"
-    finally:
-        chosen.tab_name = "Dimple"
 
 
 def test_a_material_of_ones_own_is_kept_and_found_again(

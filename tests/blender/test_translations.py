@@ -15,7 +15,7 @@ BASES = ("Panel", "Menu", "Operator", "PropertyGroup", "AddonPreferences")
 # whatever Blender gives to a class of ours is translated by Blender: the name of a preset operator's preset
 BLENDERS_OWN = {"rna_type", "name", "remove_name", "remove_active"}
 
-STATES = ("PAUSED", "PAUSED_POKE", "running")  # the names of what the panel says while something runs
+STATES = ("PAUSED", "PLAYING", "running")  # the names of what the status bar says while something runs
 
 
 def classes(bpy: ModuleType) -> Iterator[type]:
