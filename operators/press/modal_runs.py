@@ -47,7 +47,7 @@ def at_work() -> bool:
     return any(run.kind not in ("poke", "play") for run in runs)
 
 
-def open_run(context: bpy.types.Context, kind: str, state: str, *, interval: float = 1 / 60) -> ModalRun:
+def open_run(context: bpy.types.Context, kind: str, state: str = "", *, interval: float = 1 / 60) -> ModalRun:
     """Register a modal operator, give it a timer and show its state; an earlier one that drives the sessions is closed.
     """
     for run in list(runs):
@@ -55,7 +55,8 @@ def open_run(context: bpy.types.Context, kind: str, state: str, *, interval: flo
     manager = context.window_manager
     run = ModalRun(kind=kind, timer=manager.event_timer_add(interval, window=context.window))
     runs.append(run)
-    show_status(context, run, tip_(state))
+    if state:
+        show_status(context, run, tip_(state))
     return run
 
 

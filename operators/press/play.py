@@ -36,7 +36,7 @@ class Driving(polls.Declared):
         if messages:
             say(self, {"INFO"}, *gathered(messages))
 
-    def drive(self, context: bpy.types.Context, kind: str, state: str) -> set[str]:
+    def drive(self, context: bpy.types.Context, kind: str, state: str = "") -> set[str]:
         """Take a timer and all events from now on; see `modal_runs.open_run`."""
         self._run, self._clock = modal_runs.open_run(context, kind, state), time.perf_counter()
         context.window_manager.modal_handler_add(self)

@@ -88,7 +88,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         self._state = PokeState(**self._tool)
         self.start(context)
         self._shapes: dict[int, object] = {}
-        result = self.drive(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
+        result = self.drive(context, "poke")
         self._settings = {uid: body.settings for uid, body in sessions.sessions.items()}
         self._contacts, self._typed = _contacts(context), {}
         modal_runs.show_status(context, self._run, self._help(context))
@@ -161,7 +161,9 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
 
         was_pressing = self._state.pressing
         self._state, effects = on_event(self._state, event)
-        self._run.paused = self._state.paused
+        if self._run.paused != self._state.paused:
+            self._run.paused = self._state.paused
+            modal_runs.redraw()
         if self._state.pressing and not was_pressing:
             # a drag follows the surface as it was: the dent would lead the fingertip deeper and deeper
             self._shapes = {uid: body.session.positions() for uid, body in sessions.sessions.items()}
