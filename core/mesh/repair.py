@@ -1,23 +1,17 @@
 """The repair of a surface: near vertices are welded, winding is made consistent, closed parts face outward.
 
-trimesh does what it can with numpy alone. What joins pieces (`connected`, `consistent_winding`, parts) is ours: there
-trimesh needs scipy or networkx, and Blender has neither.
+trimesh's own functions for these need scipy or networkx, and Blender has neither.
 """
 
 from __future__ import annotations
 
-from collections import deque
-from itertools import product
-
 import numpy as np
-from trimesh.grouping import unique_rows
 
 from ..base import Bools, Floats, Ints, sums_at
 from ..constants import EXACT
-from .edges import edges_of
+from .edges import Edges, edges_of
 
-SLANTED = np.array([0.3517, 0.5843, 0.7313])  # no longer than 1; hardly any two points of a mesh are level along it
-LEVEL = 64  # points that may be level, before all are compared the long way
+SLANTED = np.array([0.3517, 0.5843, 0.7313])  # of length 1; hardly any two points of a mesh are level along it
 
 
 def connected(pairs: Ints, n: int) -> Ints:
@@ -35,83 +29,46 @@ def connected(pairs: Ints, n: int) -> Ints:
 
 
 def weld(positions: Floats, cell: float) -> tuple[Ints, Ints]:
-    """Find the vertices to merge: all that are nearer than half a cell [m], none farther than a few cells.
+    """Find the vertices to merge: all that are nearer than half a cell [m] along each axis, and so on from each to the
+    next.
 
     trimesh's own `merge_vertices` rounds to one grid, and so leaves near vertices apart where a grid line runs between.
 
     Args:
         positions: (N, 3) [m].
-        cell: size of a grid cell [m].
 
     Returns:
         one vertex of each merged group (n,), and the group of every vertex (N,).
     """
-    itself = np.arange(len(positions))
-    if _all_apart(positions, cell):
-        return itself, itself
-    pairs = []
-    # near points may lie on two sides of a grid line, but not of both of two grids half a cell apart
-    for shift in product((0.0, 0.5), repeat=3):
-        first, place = unique_rows(np.floor(positions / cell + shift).astype(np.int64))
-        mate = first[place]
-        moved = np.flatnonzero(mate != np.arange(len(mate)))
-        pairs.append(np.stack([mate[moved], moved], axis=1))
-    label = connected(np.concatenate(pairs), len(positions))
-    kept, source = np.unique(label, return_inverse=True)
+    along = positions @ SLANTED
+    order = np.argsort(along)
+    along, left, pairs = along[order], np.arange(len(order)), [np.zeros((0, 2), np.int64)]
+    for step in range(1, len(order)):  # in this order near vertices are few places apart
+        left = left[: np.searchsorted(left, len(order) - step)]
+        left = left[along.take(left + step) - along.take(left) <= cell]
+        if not len(left):
+            break
+        both = np.stack([order.take(left), order.take(left + step)], axis=1)
+        apart = np.abs(positions[both[:, 0]] - positions[both[:, 1]]).max(axis=1)
+        pairs.append(both[apart < cell / 2])
+        left = left[apart > 0]  # one at the very same place is near to the same ones
+    kept, source = np.unique(connected(np.concatenate(pairs), len(positions)), return_inverse=True)
     return kept, source
 
 
-def _all_apart(positions: Floats, cell: float) -> bool:
-    """Tell whether no two points (N, 3) [m] are within a cell [m] along all axes; False where that takes too long.
-
-    Such points are within sqrt(3) cells along any direction.
-    """
-    along = positions @ SLANTED
-    order = np.argsort(along)
-    along = along[order]
-    level = np.arange(len(order))
-    for step in range(1, LEVEL):
-        level = level[: np.searchsorted(level, len(order) - step)]
-        level = near = level[along.take(level + step) - along.take(level) <= 2 * cell]
-        if not len(level):
-            return True
-        for axis in positions.T:
-            near = near[np.abs(axis[order.take(near + step)] - axis[order.take(near)]) <= cell]
-        if len(near):
-            return False
-    return False
-
-
-def consistent_winding(faces: Ints, adjacency: Ints) -> Ints:
+def consistent_winding(faces: Ints, edges: Edges) -> Ints:
     """Return the faces (t, 3) wound as their neighbours are; most faces of each part keep their winding.
 
-    Args:
-        faces: (t, 3).
-        adjacency: (a, 2) faces that share an edge.
+    Each face stands twice, as it is and turned over, and is joined to its neighbours as they are wound alike: so each
+    part stands twice too, and a part that cannot be wound alike, a Moebius strip, once.
     """
-    neighbours: list[list[int]] = [[] for _ in faces]
-    for a, b in adjacency:
-        neighbours[a].append(int(b))
-        neighbours[b].append(int(a))
-    turned, seen = faces.copy(), np.zeros(len(faces), bool)
-    for start in range(len(faces)):
-        if seen[start]:
-            continue
-        seen[start], queue, part = True, deque([start]), [start]
-        while queue:
-            here = queue.popleft()
-            edges = {(int(turned[here, c]), int(turned[here, (c + 1) % 3])) for c in range(3)}
-            for there in neighbours[here]:
-                if not seen[there]:
-                    a, b, c = (int(v) for v in turned[there])
-                    if edges & {(a, b), (b, c), (c, a)}:
-                        turned[there] = (c, b, a)
-                    seen[there] = True
-                    queue.append(there)
-                    part.append(there)
-        if 2 * (turned[part] != faces[part]).any(axis=1).sum() > len(part):
-            turned[part] = turned[part][:, ::-1]
-    return turned
+    t, (one, other) = len(faces), edges.adjacency.T
+    turn = np.where(edges.excess[edges.count == 2] != 0, t, 0)
+    label = connected(np.concatenate([[one, other + turn], [one + t, other + t - turn]], axis=1).T, 2 * t)
+    part = np.minimum(label[:t], label[t:])
+    turned = label[:t] != part
+    turned ^= (2 * np.bincount(part, turned, t) > np.bincount(part, minlength=t))[part]
+    return np.where(turned[:, None], faces[:, ::-1], faces)
 
 
 def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, flipped: Bools, volume: float) -> Bools:

@@ -145,7 +145,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
 
     flipped, edges = np.zeros(len(triangles), bool), edges_of(triangles)
     if not edges.consistent:
-        consistent = consistent_winding(triangles, edges.adjacency)
+        consistent = consistent_winding(triangles, edges)
         flipped = (consistent != triangles).any(axis=1)
         notes.append(Message(
             "{flipped} faces were flipped to match the normals of their neighbours.", flipped=int(flipped.sum())
