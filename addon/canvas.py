@@ -3,7 +3,7 @@
 `gpu` is imported only when there is something to draw, so the extension also registers where nothing can be drawn.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import bpy
@@ -19,6 +19,21 @@ LINE_WIDTH = 2.0  # in units of Blender's own line width
 TEXT_SIZE = 12.0
 LINE_HEIGHT = 17.0
 MARGIN = 16.0
+
+
+def drawing(in_scene: Callable[[], None], on_top: Callable[[], None]) -> tuple[Callable[[], None], Callable[[], None]]:
+    """Return what begins to draw in the scene of each viewport and on top of its picture, and what ends it."""
+    view, handlers = bpy.types.SpaceView3D, list[object]()
+
+    def register() -> None:
+        for draw, moment in ((in_scene, "POST_VIEW"), (on_top, "POST_PIXEL")):
+            handlers.append(view.draw_handler_add(draw, (), "WINDOW", moment))
+
+    def unregister() -> None:
+        while handlers:
+            view.draw_handler_remove(handlers.pop(), "WINDOW")
+
+    return register, unregister
 
 
 class Screen(NamedTuple):

@@ -1,49 +1,32 @@
 """Colours for numbers: as far apart to the eye as the numbers are, and lighter the higher, so that grey says it too.
 
-The colours run evenly through the space OKLab (Ottosson 2020), in which equal steps look equal.
+They run evenly through the space OKLab (Ottosson 2020), in which equal steps look equal.
 """
 
-import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import numpy as np
 
 STEPS = 256
-# lightness, chroma and hue [degrees] of evenly spaced colours
-RISING = ((0.44, 0.09, 275.0), (0.56, 0.11, 235.0), (0.68, 0.12, 180.0), (0.81, 0.16, 130.0), (0.95, 0.17, 105.0))
-SIGNED = ((0.45, 0.16, 255.0), (0.70, 0.10, 235.0), (0.95, 0.0, 0.0), (0.75, 0.12, 55.0), (0.48, 0.16, 30.0))
+# sRGB of evenly spaced colours, from the low end to the high one; of the second the middle is 0, and both ends are dark
+RISING = (
+    "444d84 40598e 3a6597 2f71a1 1c7eab 198ba8 1797a4 16a4a0 18b09b "
+    "4aba90 6ac383 85cc73 9ed55f b8dd5e d0e55d e8ed5c fff45a"
+)
+SIGNED = (
+    "0052ab 1168b5 2c7ec0 4493ca 5aa8d4 82badb a7cce2 cbdde8 eeeeee "
+    "efd9cc eec4a9 ebaf86 e89961 d87e4f c7643f b6492f a52b1e"
+)
 
 
 def table(signed: bool = False) -> "np.ndarray":
-    """Return the colours (STEPS, 3) of a scale as sRGB, from its low end to its high one.
-
-    Args:
-        signed: the middle is 0, and both ends are dark.
-    """
+    """Return the colours (STEPS, 3) of a scale as sRGB, from its low end to its high one."""
     import numpy as np
 
-    corners = []
-    for light, chroma, hue in SIGNED if signed else RISING:
-        corners.append((light, chroma * math.cos(math.radians(hue)), chroma * math.sin(math.radians(hue))))
-    at = np.linspace(0, len(corners) - 1, STEPS)
-    light, a, b = (np.interp(at, range(len(corners)), column) for column in zip(*corners, strict=True))
-    return _srgb(light, a, b)
-
-
-def _srgb(light: "np.ndarray", a: "np.ndarray", b: "np.ndarray") -> "np.ndarray":
-    """Return colours (n, 3) of OKLab as sRGB."""
-    import numpy as np
-
-    long = (light + 0.3963377774 * a + 0.2158037573 * b) ** 3
-    middle = (light - 0.1055613458 * a - 0.0638541728 * b) ** 3
-    short = (light - 0.0894841775 * a - 1.2914855480 * b) ** 3
-    linear = np.stack([
-        4.0767416621 * long - 3.3077115913 * middle + 0.2309699292 * short,
-        -1.2684380046 * long + 2.6097574011 * middle - 0.3413193965 * short,
-        -0.0041960863 * long - 0.7034186147 * middle + 1.7076147010 * short,
-    ], axis=1).clip(0, 1)  # fmt: skip
-    return np.where(linear > 0.0031308, 1.055 * linear ** (1 / 2.4) - 0.055, 12.92 * linear)
+    colours = np.array([list(bytes.fromhex(each)) for each in (SIGNED if signed else RISING).split()]) / 255
+    at = np.linspace(0, len(colours) - 1, STEPS)
+    return np.stack([np.interp(at, range(len(colours)), column) for column in colours.T], axis=1)
 
 
 def coloured(values: "np.ndarray", ends: tuple[float, float], signed: bool = False) -> "np.ndarray":

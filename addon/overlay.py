@@ -20,8 +20,6 @@ from .shapes import Point
 
 FEWEST = 3  # lines that numbers have at least, or there is no chart: the name, the force, the depth
 
-_handlers: list[tuple[object, str]] = []
-
 
 def draw_bodies() -> None:
     """Draw fingertips and force arrows in the scene (POST_VIEW)."""
@@ -52,7 +50,7 @@ def draw_numbers() -> None:
         if context.scene.dimple.show_chart and force_chart.fits(free, scale, FEWEST):
             end = force_chart.draw_curves(force_chart.pressed_curves(body, entry), free[:2], screen)
             free = free._replace(bottom=end + MARGIN * scale)
-        end = draw_rows(body, entry, free, scale, numbers=not room.shown_in_sidebar(context, body))
+        end = draw_rows(body, entry, free, scale)
         free = free._replace(bottom=end + MARGIN * scale)
 
 
@@ -65,12 +63,8 @@ def draw_fingers(entry: Any, screen: Screen) -> None:
             canvas.draw_lines(shapes.arrow(centre, force, radius), FORCE, screen)
 
 
-def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, numbers: bool = True) -> float:
-    """Write the numbers of a session upwards from the corner of what is free and return where they end [px].
-
-    Args:
-        numbers: leave them and the notes out where another part of the interface shows them.
-    """
+def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float) -> float:
+    """Write the numbers of a session upwards from the corner of what is free and return where they end [px]."""
     lines = [(body.name, canvas.ink())]
     if entry.recorder:
         lines.append((f"● {iface_('Recording')} {entry.recorder.frames}", FORCE))
@@ -79,11 +73,9 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, n
     lines += [(line, FORCE) for sentence in device.slow() for line in wrapped(sentence, 40)]
     if 0 < readout.rate_hz(entry.frame) * entry.session.clock.tick < 1:
         lines.append((": ".join(readout.real_time(entry.frame, entry.session.clock.tick)), canvas.ink()))
-    if numbers:
-        rows = readout.rows(entry.frame)
-        notes = readout.warnings(entry)
-        lines += [(f"{label}: {value}", canvas.ink()) for label, value in rows]
-        lines += [(line, canvas.ink()) for sentence in notes for line in wrapped(translated(sentence, iface_), 60)]
+    lines += [(f"{label}: {value}", canvas.ink()) for label, value in readout.rows(entry.frame)]
+    notes = readout.warnings(entry)
+    lines += [(line, canvas.ink()) for sentence in notes for line in wrapped(translated(sentence, iface_), 60)]
     # what finds no room is left out, the last first
     lines = lines[: max(int((free.top - free.bottom) / (LINE_HEIGHT * scale)), 0)]
     if not lines:
@@ -120,11 +112,4 @@ def _in_scene(entry: Any, finger: Any) -> tuple[Point, float]:
     return tuple(map(float, centre)), float(radius)
 
 
-def register() -> None:
-    for draw, moment in ((draw_bodies, "POST_VIEW"), (draw_numbers, "POST_PIXEL")):
-        _handlers.append((bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", moment), "WINDOW"))
-
-
-def unregister() -> None:
-    while _handlers:
-        bpy.types.SpaceView3D.draw_handler_remove(*_handlers.pop())
+register, unregister = canvas.drawing(draw_bodies, draw_numbers)

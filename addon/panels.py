@@ -11,19 +11,15 @@ from ..operators.messages import Note
 from ..operators.names import Op
 from ..operators.press.fingertip_objects import body_of
 from ..operators.press.sessions import sessions
-from . import calibration, device, experiment, materials, physics_panels, readout, room
+from . import calibration, device, experiment, materials, physics_panels, readout
 from .drawing import SidebarPanel, draw_linked, draw_notes, draw_prop, draw_rows, shown_if
 from .tool import draw_amount
 
 
 class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
-    """The operators of a press, and how hard and deep it is."""
+    """The operators of a press."""
 
     bl_label = "Press"
-
-    def draw_header(self, context: bpy.types.Context) -> None:
-        """Note that the numbers are hidden, until the open panel is drawn."""
-        room.note_readout(context.area, shown=False)
 
     def draw(self, context: bpy.types.Context) -> None:
         settings, layout, body = context.scene.dimple, self.layout, body_of(context.object, context.scene)
@@ -42,17 +38,15 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         row.prop(settings, "use_gravity")
         row.prop(settings, "use_ground")
         if not is_blind():
-            room.note_readout(context.area, shown=True)
-            draw_rows(layout, readout.rows(entry and entry.frame))
             draw_notes(context, layout, readout.warnings(entry) if entry else [], "ERROR")
         if body is None or body.type != "MESH":
             draw_notes(context, layout, ["Select a mesh to press it."])
 
 
 class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
-    """The other numbers of the session."""
+    """The numbers of the session."""
 
-    bl_label = "More Numbers"
+    bl_label = "Numbers"
     bl_parent_id = "DIMPLE_PT_session"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -64,7 +58,7 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
         if entry is None:
             layout.label(text="Nothing is being pressed")
             return
-        draw_rows(layout, readout.more_rows(entry.frame, entry.session.clock.tick))
+        draw_rows(layout, readout.rows(entry.frame) + readout.more_rows(entry.frame, entry.session.clock.tick))
         draw_notes(context, layout, [note for note in entry.session.model.notes if isinstance(note, Note)])
 
 

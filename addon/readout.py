@@ -23,11 +23,11 @@ def rate_hz(frame: Any) -> float:
     return frame.steps / frame.cost if frame.cost > 0 else 0.0
 
 
-def rows(frame: Any | None) -> list[tuple[str, str]]:
-    """Return (label, number with unit) of each press; zeros without one, so that the panel does not jump."""
+def rows(frame: Any) -> list[tuple[str, str]]:
+    """Return (label, number with unit) of each press; zeros where nothing presses."""
     # every value has a row of its own, so that a narrow sidebar does not cut off its unit
     lines = []
-    touches = enumerate(zip(frame.pushes, frame.depths, strict=True), start=1) if frame else ()
+    touches = enumerate(zip(frame.pushes, frame.depths, strict=True), start=1)
     for number, (force, depth) in [each for each in touches if each[1][1] > 0] or [(1, (0.0, 0.0))]:
         lines.append((iface_("Force {}").format(number), f"{force:.2f} N"))
         lines.append((iface_("Depth {}").format(number), f"{1e3 * depth:.2f} mm"))

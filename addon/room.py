@@ -7,8 +7,6 @@ import bpy
 from .canvas import LINE_HEIGHT, MARGIN
 
 BLENDERS_LINES = 3  # of text in the upper left corner: the view, the object, the unit
-TAB_OF = "DIMPLE_PT_session"  # the panel of the sidebar that shows the numbers too
-_readouts: set[int] = set()  # areas in whose sidebar the numbers are unfolded
 
 
 class Room(NamedTuple):
@@ -50,17 +48,3 @@ def free_room(context: bpy.types.Context, scale: float) -> Room | None:
         top -= BLENDERS_LINES * LINE_HEIGHT * scale
     margin = MARGIN * scale
     return Room(left + margin, bottom + 2 * margin, right - margin, top - margin)
-
-
-def note_readout(area: bpy.types.Area, *, shown: bool) -> None:
-    """Note whether the sidebar of an area shows the numbers: Blender does not tell which panels are collapsed."""
-    (_readouts.add if shown else _readouts.discard)(area.as_pointer())
-
-
-def shown_in_sidebar(context: bpy.types.Context, body: bpy.types.Object) -> bool:
-    """Tell whether the sidebar shows the numbers of a body already."""
-    if body != context.object or not context.space_data.show_region_ui or context.area.as_pointer() not in _readouts:
-        return False
-    sidebar = next((region for region in context.area.regions if region.type == "UI" and region.width > 1), None)
-    panel = getattr(bpy.types, TAB_OF, None)
-    return bool(sidebar and panel and sidebar.active_panel_category == panel.bl_category)

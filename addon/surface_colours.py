@@ -39,7 +39,6 @@ class Coloured(NamedTuple):
 
 _made: dict[int, Coloured] = {}
 _scales: dict[str, float] = {}  # where the scale of each quantity ends
-_handlers: list[object] = []
 
 
 def draw_surfaces() -> None:
@@ -186,12 +185,4 @@ def draw_bar(corner: tuple[float, float], size: tuple[float, float], signed: boo
     canvas.draw("TRI_STRIP", points, colours=paint)
 
 
-def register() -> None:
-    for draw, moment in ((draw_surfaces, "POST_VIEW"), (draw_scales, "POST_PIXEL")):
-        _handlers.append(bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", moment))
-
-
-def unregister() -> None:
-    while _handlers:
-        bpy.types.SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
-    _made.clear()
+register, unregister = canvas.drawing(draw_surfaces, draw_scales)
