@@ -62,7 +62,7 @@ class Body(ObjectBody):
     def release(self, *, seconds: float = 0.25) -> None:
         """Move the fingertip that pressed last out of the body."""
         if self.poke:
-            self.poke, _ = on_event(replace(self.poke, release_s=seconds), PokeEvent(kind=Kind.RELEASE))
+            self.poke = on_event(replace(self.poke, release_s=seconds), PokeEvent(kind=Kind.RELEASE))
         self.step(seconds)
 
     def step(self, seconds: float) -> None:

@@ -1,11 +1,9 @@
 """A press by a pointer: its events, its fingertips, and the ways that they went."""
 
-from .poke import Effect as Effect
 from .poke import Hit as Hit
 from .poke import Kind as Kind
 from .poke import PokeEvent as PokeEvent
 from .poke import PokeState as PokeState
-from .poke import Result as Result
 from .poke import fingers as fingers
 from .poke import lifted as lifted
 from .poke import on_event as on_event

@@ -1,7 +1,6 @@
 """The poke as data: events of mouse, tablet or script become the fingertips of a session.
 
-Pure: `on_event(state, event)` returns a new state and what must be done; nothing here knows Blender. Points
-are in the session's space [m]:
+Pure: `on_event(state, event)` returns a new state; nothing here knows Blender. Points are in the session's space [m]:
 
     Hit (what a ray meets) -> Aim (where and which way to press) -> PokeTip (how far it is) -> session.Finger
 """
@@ -28,17 +27,9 @@ class Kind(Enum):
     RELEASE = auto()
     FINGER = auto()  # [1, 2 or 3]
     PAUSE = auto()
-    KEEP = auto()
-    LEAVE = auto()
     TICK = auto()  # [s]
-
-
-class Effect(Enum):
-    """Name what the caller must do."""
-
-    STEP = auto()  # advance the sessions by the event's time
-    KEEP = auto()  # end and keep the shape
-    RESTORE = auto()  # end and put the rest shape back
+    KEEP = auto()  # it ends, as it does with
+    LEAVE = auto()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,36 +87,28 @@ class PokeState:
     paused: bool = False
 
 
-Result = tuple[PokeState, tuple[Effect, ...]]
-
-
-def on_event(state: PokeState, event: PokeEvent) -> Result:
-    """Return the state after an event, and what the caller must do."""
+def on_event(state: PokeState, event: PokeEvent) -> PokeState:
+    """Return the state after an event."""
     match event.kind:
         case Kind.MOVE:
-            return _move(state, event), ()
+            return _move(state, event)
         case Kind.PRESS:
-            return _press(state, event), ()
+            return _press(state, event)
         case Kind.RELEASE:
-            return _release(state), ()
+            return _release(state)
         case Kind.FINGER:
-            return _choose(state, int(event.amount) - 1), ()
+            return _choose(state, int(event.amount) - 1)
         case Kind.PAUSE:
-            return replace(state, paused=not state.paused), ()
-        case Kind.KEEP:
-            return state, (Effect.KEEP,)
-        case Kind.LEAVE:
-            return state, (Effect.RESTORE,)
-        case Kind.TICK:
+            return replace(state, paused=not state.paused)
+        case Kind.TICK if not state.paused:
             return _tick(state, event.amount)
+    return state
 
 
-def _tick(state: PokeState, dt: float) -> Result:
-    if state.paused:
-        return state, ()
+def _tick(state: PokeState, dt: float) -> PokeState:
     times = {"press_s": state.press_s, "release_s": state.release_s}
     tips = tuple(tip and stepped(tip, dt, amount=_amount(state, tip.by_force), **times) for tip in state.tips)
-    return replace(state, tips=tips), (Effect.STEP,)
+    return replace(state, tips=tips)
 
 
 def fingers(state: PokeState, body: int) -> tuple[Finger | None, ...]:

@@ -159,8 +159,8 @@ class DIMPLE_OT_show_trial(Driving, bpy.types.Operator):
         pressed = None
         if self._seen:
             if self._time <= PRESS_S + HOLD_S < self._time + dt:
-                self._state, _ = on_event(self._state, PokeEvent(kind=Kind.RELEASE))
-            self._state, _ = on_event(self._state, PokeEvent(kind=Kind.TICK, amount=dt))
+                self._state = on_event(self._state, PokeEvent(kind=Kind.RELEASE))
+            self._state = on_event(self._state, PokeEvent(kind=Kind.TICK, amount=dt))
             pressed = {uid: fingers(self._state, uid) for uid in sessions.sessions}
         self._time += dt
         report(self, live_step.advance(context, dt, budget=budget, pressed=pressed))

@@ -13,7 +13,7 @@ from . import fingertip_objects, modal_runs, polls, sessions, showing
 from .play import Driving
 
 if TYPE_CHECKING:
-    from ...core.poke import Effect, PokeEvent, PokeState
+    from ...core.poke import PokeEvent, PokeState
     from .poke_input import View
 
 _CONTACT = ("collider", "collider_friction", "is_prop", "prop_mass_kg", "self_contact")
@@ -156,11 +156,11 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
 
     def _take(self, context: bpy.types.Context, event: "PokeEvent") -> set[str]:
-        """Update the state by an event, and carry out its effects."""
+        """Update the state by an event, and do what it asks for."""
         from ...core.poke import Kind, on_event
 
         was_pressing = self._state.pressing
-        self._state, effects = on_event(self._state, event)
+        self._state = on_event(self._state, event)
         if self._run.paused != self._state.paused:
             self._run.paused = self._state.paused
             modal_runs.redraw()
@@ -170,31 +170,27 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         if event.kind is Kind.FINGER:
             context.scene.dimple.active_finger = self._state.active + 1
             self._tool["active"] = self._state.active
-        for effect in effects:
-            if result := self._do(context, effect, event.amount):
-                return result
-        return {"RUNNING_MODAL"}
+        if event.kind in (Kind.KEEP, Kind.LEAVE):
+            report(self, sessions.stop_all(restore=event.kind is Kind.LEAVE))
+            return {"FINISHED"} if event.kind is Kind.KEEP else {"CANCELLED"}
+        steps = event.kind is Kind.TICK and not self._state.paused
+        return (steps and self._step(context, event.amount)) or {"RUNNING_MODAL"}
 
-    def _do(self, context: bpy.types.Context, effect: "Effect", amount: float) -> set[str] | None:
-        from ...core.poke import Effect, fingers, lifted
+    def _step(self, context: bpy.types.Context, dt: float) -> set[str] | None:
+        """Advance the sessions by a time [s]; return how the operator ends when none is left."""
+        from ...core.poke import fingers, lifted
         from ..bridge import scene_objects, sizing
         from . import live_step
 
-        match effect:
-            case Effect.STEP:
-                pressed = {uid: fingers(self._state, uid) for uid in sessions.sessions}
-                scales = {uid: body.link.scale for uid, body in sessions.sessions.items()}
-                messages = live_step.advance(context, amount, budget=self._budget, pressed=pressed)
-                for uid, body in sessions.sessions.items():
-                    if body.link.scale != scales[uid]:
-                        self._state = lifted(self._state, uid)
-                        sizing.fit(context.scene, scene_objects.find(uid, body.name))
-                live_step.adapt(self._run, amount)
-                return self.went_on(messages)
-            case Effect.KEEP | Effect.RESTORE:
-                report(self, sessions.stop_all(restore=effect is Effect.RESTORE))
-                return {"FINISHED"} if effect is Effect.KEEP else {"CANCELLED"}
-        return None
+        pressed = {uid: fingers(self._state, uid) for uid in sessions.sessions}
+        scales = {uid: body.link.scale for uid, body in sessions.sessions.items()}
+        messages = live_step.advance(context, dt, budget=self._budget, pressed=pressed)
+        for uid, body in sessions.sessions.items():
+            if body.link.scale != scales[uid]:
+                self._state = lifted(self._state, uid)
+                sizing.fit(context.scene, scene_objects.find(uid, body.name))
+        live_step.adapt(self._run, dt)
+        return self.went_on(messages)
 
     def _joined(self, context: bpy.types.Context, event: bpy.types.Event, view: "View") -> "PokeEvent | None":
         """Let a soft body that was not selected join when it is pressed; return the press, None where there is none."""

@@ -71,7 +71,7 @@ def pressed(
             '"{name}" is {size:.4g} mm across, so a press of {depth:.4g} mm would go through it. Press less deep.',
             name=body.name, size=1e3 * size, depth=1e3 * state.depth
         )  # fmt: skip
-    return on_event(state, event)[0]
+    return on_event(state, event)
 
 
 def aimed(bodies: Mapping[int, ObjectBody], place: Vector | None, direction: Vector) -> PokeEvent:
@@ -123,7 +123,7 @@ def run(context: bpy.types.Context, state: PokeState, hold_s: float, messages: l
     body = sessions.sessions[tip.body]
     for seconds, begins in ((state.press_s + hold_s, None), (state.release_s, PokeEvent(kind=Kind.RELEASE))):
         if begins and seconds > 0:  # else it stays in
-            state, _ = on_event(state, begins)
+            state = on_event(state, begins)
         for step_s, now in frames(context.scene, state, seconds):
             state = now
             pressing = {uid: fingers(state, uid) for uid in sessions.sessions}
@@ -142,5 +142,5 @@ def frames(scene: bpy.types.Scene, state: PokeState | None, seconds: float) -> I
     whole = math.floor(seconds / dt + 1e-9)
     left = seconds - whole * dt
     for step_s in [dt] * whole + ([left] if left > 1e-9 else []):
-        state = state and on_event(state, PokeEvent(kind=Kind.TICK, amount=step_s))[0]
+        state = state and on_event(state, PokeEvent(kind=Kind.TICK, amount=step_s))
         yield step_s, state

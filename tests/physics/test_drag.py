@@ -36,14 +36,14 @@ def on_ball(way: float) -> Hit:
 def dragged(session: Session, state: PokeState, speed: float, dt: float) -> Iterator[tuple[float, float, float]]:
     """Press, drag and let rest; yield the time since the drag began [s], push [N] and depth [m] of each step."""
     view = tuple(-c for c in on_ball(START).normal)
-    state, _ = on_event(state, PokeEvent(kind=Kind.PRESS, hit=on_ball(START), view=view))
+    state = on_event(state, PokeEvent(kind=Kind.PRESS, hit=on_ball(START), view=view))
     time = -PRESS_S
     while time < WAY / speed + REST_S:
         for share in (0.25, 0.5, 0.75, 1.0):  # of what the pointer goes in a step
             way = START + min(max(speed * (time + share * dt), 0.0), WAY)
             hit = on_ball(way)
-            state, _ = on_event(state, PokeEvent(kind=Kind.MOVE, hit=hit, view=tuple(-c for c in hit.normal)))
-        state, _ = on_event(state, PokeEvent(kind=Kind.TICK, amount=dt))
+            state = on_event(state, PokeEvent(kind=Kind.MOVE, hit=hit, view=tuple(-c for c in hit.normal)))
+        state = on_event(state, PokeEvent(kind=Kind.TICK, amount=dt))
         session.set_fingers(fingers(state, 0))
         frame = session.step(dt)
         time += dt
