@@ -33,8 +33,6 @@ if TYPE_CHECKING:
 class Baked(ObjectBody):
     """One object of a bake."""
 
-    # its offsets (N, 3) in the last frame, and what they were made of: of what sleeps the very same
-    last: tuple[Singles, tuple[object, ...]] | None = None
     path: Path = field(init=False)  # where the PC2 file goes
     part: Path = field(init=False)  # where it is until it is whole
     cache: PointCache | None = None  # the PC2 file under way, None for shape keys
@@ -225,14 +223,10 @@ def _show_props(worlds: Sequence[colliders.LiveWorld], frame: int, poses: props.
 
 def _write(plan: BakePlan, bodies: Sequence[Baked], frame: int) -> None:
     for body in bodies:
-        now = body.matrix, body.rest, body.session.positions()
-        if body.last is None or any(a is not b for a, b in zip(now, body.last[1], strict=True)):
-            body.last = body.offsets(), now
-        offsets = body.last[0]
         if body.cache:
-            body.cache.append(offsets)
+            body.cache.append(body.offsets())
         elif (frame - plan.first) % plan.step == 0 or frame == plan.last:
-            body.shapes.append((frame, offsets))
+            body.shapes.append((frame, body.offsets()))
         body.table.append(frame, body.session.frame.time, body.session)
 
 

@@ -8,7 +8,7 @@ from itertools import chain
 import bpy
 
 from ..names import OURS
-from . import last_press, modal_runs, sessions, showing
+from . import last_press, sessions, showing
 
 
 @bpy.app.handlers.persistent
@@ -51,8 +51,6 @@ def _on_undo_pre(*_: object) -> None:
 def _on_undo(*_: object) -> None:
     """Go on where the object is still there; an undo may bring back objects that it caught pressed."""
     sessions.disarm()  # it may put anything under a fingertip of the haptic device at once
-    for run in modal_runs.runs:
-        run.shown = ("", "")  # an undo takes the text of the status bar away
     if sessions.sessions:
         from ..bridge import scene_objects, write_back
 

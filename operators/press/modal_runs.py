@@ -21,7 +21,7 @@ import bpy
 from ...core.messages import Message
 from ..translation import tip_
 
-STATUS_S = 0.5  # [s] between two times that a text is set: a field that is typed into and a stroke of a brush clear it
+STATUS_S = 0.5  # [s] between two times that a text is set: an undo, a field that is typed into and a brush clear it
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -30,7 +30,7 @@ class ModalRun:
 
     kind: str  # "poke", "play", or another of what nothing may disturb
     timer: bpy.types.Timer | None  # what wakes it
-    shown: tuple[str, str] = ("", "")  # the workspace that shows which text in the status bar
+    shown: str = ""  # text in the status bar
     shown_at: float = 0.0  # when it was set last [s]
     paused: bool = False  # time stands still
     closed: bool = False  # it has ended
@@ -61,11 +61,11 @@ def open_run(context: bpy.types.Context, kind: str, state: str = "", *, interval
 
 
 def show_status(context: bpy.types.Context, run: ModalRun, text: str) -> None:
-    """Show a text in the status bar: also after an undo and in another workspace, which both forget it."""
-    wanted, now = (getattr(context.workspace, "name", ""), text), time.monotonic()
-    if run.shown != wanted or now > run.shown_at + STATUS_S:
+    """Show a text in the status bar, of whichever workspace is shown now."""
+    now = time.monotonic()
+    if run.shown != text or now > run.shown_at + STATUS_S:
         context.workspace.status_text_set(text)
-        run.shown, run.shown_at = wanted, now
+        run.shown, run.shown_at = text, now
 
 
 def clear_status() -> None:

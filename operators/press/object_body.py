@@ -34,6 +34,7 @@ class ObjectBody:
     matrix: np.ndarray  # (4, 4) of the object when it was last stepped
     rest: Singles  # (N, 3) its shape at rest then
     triangles: np.ndarray  # (t, 3) of the vertices of the final mesh, outward
+    _offsets: tuple[tuple[object, ...], Singles] | None = None  # the last ones, and what they are of
 
     @classmethod
     def from_object(cls, obj: bpy.types.Object) -> Self:
@@ -110,10 +111,15 @@ class ObjectBody:
         return self.session.positions() / self.link.scale
 
     def offsets(self) -> Singles:
-        """Return how far (N, 3) the vertices are from the shape at rest, in the space of the object."""
+        """Return how far (N, 3) the vertices are from the shape at rest, in the space of the object: the same array as
+        long as nothing moves.
+        """
         from ..bridge import scene_objects
 
-        return scene_objects.offsets_of(self.link, self.matrix, self.rest, self.session.positions())
+        now = self.link, self.matrix, self.rest, self.session.positions()  # each is another object where it changes
+        if self._offsets is None or any(a is not b for a, b in zip(now, self._offsets[0], strict=True)):
+            self._offsets = now, scene_objects.offsets_of(*now)
+        return self._offsets[1]
 
     def to_world(self, point: Sequence[float]) -> tuple[float, float, float]:
         """Return a point of the session [m] in the scene."""

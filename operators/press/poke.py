@@ -89,8 +89,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         self.start(context)
         self._shapes: dict[int, object] = {}
         result = self.drive(context, "poke")
-        self._settings = {uid: body.settings for uid, body in sessions.sessions.items()}
-        self._contacts, self._typed = _contacts(context), {}
+        self._before = undoable(context.scene)
         modal_runs.show_status(context, self._run, self._help(context))
         if clicked:
             self._take(context, poke_input.poke_event(event, clicked, sessions.sessions, {}, pressing=False))
@@ -110,7 +109,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         pressing = self._state.pressing
         meant = poke_input.poke_event(event, view, sessions.sessions, self._shapes, pressing=pressing)
         if meant is None:
-            passes = poke_input.passes(event, view, pressing=pressing, undo=self._tuned(context))
+            passes = poke_input.passes(event, view, pressing=pressing, undo=self._before != undoable(context.scene))
             return {"PASS_THROUGH"} if passes else {"RUNNING_MODAL"}
         if view and meant.kind is Kind.PRESS and self._chosen(context, view):
             return {"CANCELLED"}
@@ -140,11 +139,6 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
 
         asked, self._budget = live_step.ask(context.scene, self._run, self.passed())
         tool = settings_of(context.scene)
-        undone = not any(self._run.shown)  # then which finger is active, which is no step, may have gone back too
-        for name in tool:
-            if tool[name] != self._tool[name] and (name in self._typed or not undone):  # typed in a panel, or undone
-                if self._typed.setdefault(name, self._tool[name]) == tool[name]:
-                    del self._typed[name]
         self._state, self._tool = taken(self._state, self._tool, tool), tool
         modal_runs.show_status(context, self._run, self._help(context))
         if self._run.paused != self._state.paused:  # the sidebar's button
@@ -204,16 +198,9 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         except DimpleError as error:
             say(self, {"WARNING"}, str(error))
             return None
-        self._settings[body.link.uid] = body.settings
+        self._before[body.link.uid] = undoable(context.scene)[body.link.uid]
         report(self, messages)
         return poke_input.poke_event(event, view, sessions.sessions, {}, pressing=False)
-
-    def _tuned(self, context: bpy.types.Context) -> bool:
-        """Tell whether a setting was changed in a panel since the poke began, which undo may take back."""
-        begun = self._settings
-        chosen = any(uid not in begun or begun[uid] != body.seen for uid, body in sessions.sessions.items())
-        changed = chosen or self._typed or self._contacts != _contacts(context)
-        return bool(changed) and not self._state.pressing
 
     def _help(self, context: bpy.types.Context) -> str:
         if context.mode != "OBJECT":
@@ -221,10 +208,18 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         return help_text(self._state)
 
 
-def _contacts(context: bpy.types.Context) -> dict[int, tuple[float, ...]]:
-    return {
-        obj.session_uid: tuple(getattr(obj.dimple, name) for name in _CONTACT) for obj in context.scene.objects
-    }  # fmt: skip
+def undoable(scene: bpy.types.Scene) -> dict[int, object]:
+    """Return the settings of the fingertip, and of each object by its session_uid: where they are others than when the
+    poke began, there is a step since then that undo may take back.
+    """
+    from ..bridge import body_model
+
+    tool = settings_of(scene)
+    del tool["active"]  # a key chooses it, which is no step
+    return {0: tool} | {
+        obj.session_uid: (body_model.settings_of(scene, obj), *(getattr(obj.dimple, name) for name in _CONTACT))
+        for obj in scene.objects
+    }
 
 
 def settings_of(scene: bpy.types.Scene) -> dict[str, float]:

@@ -104,7 +104,7 @@ def passes(event: bpy.types.Event, view: View | None, *, pressing: bool, undo: b
         undo: there is something to undo that was done since the poke began; what was done before it stays.
     """
     if event.type == "Z" and (event.ctrl or event.oskey):
-        return undo
+        return undo and not pressing
     if view is None or event.type in PASSING or event.type.startswith(("NDOF", "NUMPAD", "TIMER", "WINDOW")):
         return True
     if event.type == SAVE and (event.ctrl or event.oskey) and not event.alt:

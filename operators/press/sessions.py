@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ...core.session import Finger
     from ...core.steps import Parts
     from ..bridge.body_model import Settings
+    from ..bridge.scene_objects import Singles
     from .colliders import LiveWorld
     from .recorder import Recorder
 
@@ -53,8 +54,7 @@ class LiveBody(ObjectBody):
     done: float = 0.0  # how far it came in the last step, that lead included [s]
     recorder: Recorder | None = None  # of the recording under way
     take: tuple[str, int] | None = None  # path and first frame of the last recording
-    # what its object shows: link, matrix, shape at rest and positions; None where that is not known
-    shown: tuple[object, ...] | None = None
+    shown: Singles | None = None  # the offsets that its object shows, None where they are not known
     objects: int = 0  # how many there were in the file when duplicates were looked for last
 
     @property

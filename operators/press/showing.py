@@ -48,13 +48,12 @@ def _rest_duplicates() -> None:
 
 def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
     """Show a session on its object, unless it shows there as it is: Blender has no work with what sleeps."""
-    from ..bridge import offset, scene_objects
+    from ..bridge import offset
 
-    positions = body.session.positions()
-    now = body.link, body.matrix, body.rest, positions  # each is another object where it changes
-    if body.shown is None or any(a is not b for a, b in zip(now, body.shown, strict=True)):
-        offset.show(obj, scene_objects.offsets_of(*now))
-        body.shown = now
+    offsets = body.offsets()
+    if offsets is not body.shown:
+        offset.show(obj, offsets)
+        body.shown = offsets
 
 
 def rest_all() -> None:
