@@ -17,16 +17,17 @@ from ..base import DimpleError, Floats, Ints, Singles, mean_of_pairs, sums_at
 from ..body.maps import stiffness_of
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
+from ..constants import OFFSET
 from ..mesh.surface import Mesh, mesh_from_triangles
 from ..native import Binding
 from .binding import bind
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
-from .protrusion import held_distance
 
 SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 16_000  # more take over a second to choose
 STIFFER = stiffness_of(0.0) / stiffness_of(1.0)  # what is painted so is a spacing apart
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
+NEAREST = 1 / 3  # of the distance that a mesh of such edges holds: nearer, what comes fast is held back by its planes
 KEPT = 4  # proxies: of bodies that are alike one is made, and of one body while its constants are tuned
 
 
@@ -55,8 +56,15 @@ class Proxy:
 
     @cached_property
     def offset(self) -> float:
-        """Return the distance [m] that it holds from what it meets, see `held_distance`."""
-        return held_distance(self.mesh, self.model.mesh, self.cells, self.spacing)
+        """Return the distance [m] that it holds from what it meets so that its mesh holds its own, half of it each: a
+        proxy of long edges would else be met sooner than the mesh that it moves.
+
+        Its mesh stands out of it, on average, by the volume between them over the area.
+        """
+        mesh, coarse = self.mesh, self.model.mesh
+        out = (mesh.volume - coarse.volume) / float(coarse.triangle_areas.sum())
+        wanted = OFFSET * float(mesh.rest_lengths.mean()) + max(out, 0.0)
+        return float(np.clip(wanted, NEAREST * OFFSET * self.spacing, OFFSET * self.spacing))
 
 
 _made: list[Proxy] = []  # the last ones

@@ -80,11 +80,6 @@ class PropWorld(World):
         motion[:3, 3] = state.centre - state.turn @ self.shapes[index].centre
         return motion
 
-    def reset(self) -> None:
-        """Put everything back to where it was at the start."""
-        self.states = {i: rigid.at_rest(shape) for i, shape in self.shapes.items()}
-        super().reset()
-
     def _way(self, index: int) -> Way:
         if index not in self.states:
             return super()._way(index)

@@ -136,14 +136,6 @@ class World:
         self.meeting = _sum(self._parts, max(done, 1) * self.sessions[0].clock.tick)
         return self.meeting
 
-    def reset(self) -> None:
-        """Put all bodies and colliders back to where they were at the start."""
-        for session in self.sessions:
-            session.reset()
-        self._at = [np.array(collider.positions, np.float64) for collider in self.colliders]
-        self._ends, self.meeting = [None] * len(self.colliders), Meeting()
-        self._place()
-
     def _make(self) -> None:
         """Make what steps, of the bodies that the sessions have now; what slept may rest on something else."""
         for session in self.sessions:
@@ -153,10 +145,6 @@ class World:
         offsets = [session.proxy.offset if session.proxy else 0.0 for session in self.sessions]
         self._scene = native.Scene(self._bodies, now, native.library(), itself=self._itself, offsets=offsets)
         self.notes = [_left_out(found) if found.pairs else "" for found in self._scene.left_out]
-
-    def _place(self) -> None:
-        for i, at in enumerate(self._at):
-            self._scene.set_collider(i, at)
 
     def _run(self, sessions: Sequence[Session], at_once: int) -> tuple[Sequence[motion.Frame], int]:
         """Run all by some ticks of the step under way."""
@@ -169,7 +157,8 @@ class World:
         part = self._scene.step(motions, ways, (done + 1) / whole, (done + ticks) / whole)
         self._parts.append(part)
         if not all(frame.finite for frame in part.frames):
-            self._place()
+            for i, at in enumerate(self._at):
+                self._scene.set_collider(i, at)
         return part.frames, ticks
 
     def _way(self, index: int) -> Way:

@@ -233,5 +233,3 @@ def test_faces_that_pass_through_others_of_a_body_at_the_start_are_left_out_of_s
     for x, passes in ((world.sessions[0].body.positions(), False), (through.sessions[0].body.positions(), True)):
         low, high = np.split(x[2], 3)[0::2]
         assert (high.min() < low.max() - 1e-3) == passes
-    world.reset()
-    world.check()

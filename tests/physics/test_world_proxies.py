@@ -44,7 +44,7 @@ def test_a_smooth_mesh_meets_a_plate_where_and_as_hard_as_it_does_without_the_pr
     _, whole, force = pressed_by_a_plate(model, None)
     most, end, by_proxy = pressed_by_a_plate(model, build_proxy(model, 1000))
     assert most < 0, "it stays clear"
-    assert 1.5 * whole < end  # its proxy has edges three times as long
+    assert 1.6 * whole < end  # its proxy has edges three times as long
     assert by_proxy == pytest.approx(force, rel=0.12)
 
 

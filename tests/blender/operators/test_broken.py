@@ -49,12 +49,11 @@ def test_of_fifty_bodies_pressed_at_once_each_is_prepared_once(
     from bl_ext.user_default.dimple.operators.press import progress, sessions
 
     bodies, calls, poke = balls(bpy, MANY), Counter[str](), hand("poke")
-    for module, name in ((scene_objects, "_mesh"), (proxy, "build_proxy"), (proxy, "held_distance")):
+    for module, name in ((scene_objects, "_mesh"), (proxy, "build_proxy")):
         counted(monkeypatch, calls, module, name)
     monkeypatch.setattr(progress, "LARGE", 1e9)  # at once, not between Blender's events
     assert poke.invoke() == {"RUNNING_MODAL"}
     assert len(sessions.sessions) == len(bodies) == calls["_mesh"] and calls["build_proxy"] <= len(bodies)
-    assert not calls["held_distance"], "nothing meets"
     said = [text for _, text in poke.reports]
     assert said and f"{MANY} bodies: 2 m across as modelled" in said[-1] and len(said[-1]) < 1000
     poke.send("ESC")
