@@ -8,11 +8,11 @@ import numpy.typing as npt
 import pytest
 
 from core.base import Floats, Ints
-from core.body.rigid import rotation
 from core.native import Body
 from core.session import Session
 from studies.reference.contact import Skin
 from studies.reference.laws import State
+from studies.reference.rigid import rotation
 
 Shape = tuple[Floats, Ints]
 REAL = ("bunny.ply", "not_convex.obj", "soup.stl", "teapot.stl")  # scans and exports as they come

@@ -16,10 +16,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from core.base import Floats, Ints
-from core.body import rigid
+from core.body.rigid import RigidState
 from core.native.scene import Fall, Falling
 
 from .constants import BACK, HELD, PART, REST_SPEED, REST_TIME, ROLL_ARM, ROUNDING, SWEEPS
+from .rigid import rotation
 
 SIDES = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]])  # of the ground
 NOBODY = -1  # surface of the ground
@@ -58,7 +59,7 @@ class Prop:
         self.at_start = np.asarray(np.linalg.inv(self.what.shape.inertia), np.float64)
 
     @property
-    def state(self) -> rigid.RigidState:
+    def state(self) -> RigidState:
         assert self.fall
         return self.fall.state
 
@@ -87,7 +88,7 @@ class Prop:
         """Return its centre and turn after so much of its way in a substep; it is lifted out of the ground."""
         assert self.fall
         centre = self.state.centre + share * (dt * self.state.velocity + self.apart[:3])
-        turn = rigid.rotation(share * (dt * self.spin + self.apart[3:])) @ self.state.turn
+        turn = rotation(share * (dt * self.spin + self.apart[3:])) @ self.state.turn
         if self.fall.ground > -np.inf and share == 1 and centre[2] - self.radius < self.fall.ground:
             centre[2] = max(centre[2], self.fall.ground - float((self.what.seen @ turn[2]).min()))
         return centre, turn

@@ -15,6 +15,7 @@ from core.native.scene import Collider
 from core.session import Session
 from core.world import World
 from core.world.props import PropWorld, shrunk, touching_gap
+from studies.reference import rigid as turning
 from studies.scenes import cube
 
 G, SIDE = 9.81, 0.165
@@ -125,12 +126,12 @@ def test_what_falls_free_falls_as_newton_says_and_keeps_its_spin() -> None:
     world = falling(Session(vinyl(2)), points + [0.5, 0, 0], faces, 2.0)
     state = world.states[0]
     state.momentum = momentum = shape.inertia @ [2.0, 9.0, 1.0]
-    before = rigid.energy(shape, state, np.zeros(3))
+    before = turning.energy(shape, state, np.zeros(3))
     world.step(1.0)
     assert state.centre[2] == pytest.approx(-G / 2, rel=2e-3)
     np.testing.assert_array_equal(state.momentum, momentum)
     state.velocity[:] = 0
-    assert rigid.energy(shape, state, np.zeros(3)) == pytest.approx(before, rel=0.02)
+    assert turning.energy(shape, state, np.zeros(3)) == pytest.approx(before, rel=0.02)
     gaps = np.linalg.norm(rigid.positions(shape, state)[:, None] - rigid.positions(shape, state), axis=2)
     np.testing.assert_allclose(gaps, np.linalg.norm(points[:, None] - points, axis=2), atol=1e-12)
 
@@ -139,10 +140,10 @@ def test_energy_does_not_grow() -> None:
     model, (start, faces) = vinyl(), disc()
     session, gravity = Session(model, backend="native64"), np.array([0.0, 0.0, -G])
     world = falling(session, start, faces, 1.0)
-    begun, left = rigid.energy(world.shapes[0], world.states[0], gravity), [0.0]
+    begun, left = turning.energy(world.shapes[0], world.states[0], gravity), [0.0]
     for _ in range(250):
         world.step(0.001)
-        left.append(held_by(session, model) + rigid.energy(world.shapes[0], world.states[0], gravity) - begun)
+        left.append(held_by(session, model) + turning.energy(world.shapes[0], world.states[0], gravity) - begun)
     lowest = np.minimum.accumulate(left)
     assert lowest[-1] < -0.008, "it has sunk in"
     # a tick's speed is half a tick ahead of its place
@@ -168,7 +169,7 @@ def test_a_ball_that_lands_beside_the_middle_of_a_ball_rolls_off_it() -> None:
     world = falling(session, np.array(small.vertices) + [0.05, 0, 0.095], np.array(small.faces), 0.1)
     world.step(0.5)
     assert world.states[0].centre[0] > 0.1 and world.states[0].centre[2] < 0.02
-    assert rigid.spin(world.shapes[0], world.states[0])[1] > 1.0, "it turns as it rolls"
+    assert turning.spin(world.shapes[0], world.states[0])[1] > 1.0, "it turns as it rolls"
 
 
 def test_a_prop_without_mass_or_faces_is_refused() -> None:
@@ -191,12 +192,12 @@ def test_a_sheet_is_a_shell_whose_centre_is_its_own() -> None:
 def test_what_falls_beside_the_body_comes_to_rest_on_the_ground(tilt: float) -> None:
     """A block of 60 x 40 x 20 mm, flat and on an edge; it settles on a face, and its energy never grows."""
     points, faces = block((0.06, 0.04, 0.02))
-    turned = points @ rigid.rotation(np.array([0.0, tilt, 0.1])).T + [0.3, 0.0, 0.0]
+    turned = points @ turning.rotation(np.array([0.0, tilt, 0.1])).T + [0.3, 0.0, 0.0]
     world = falling(Session(vinyl(4)), turned, faces, 0.2, -SIDE / 2)
     energies = []
     for _ in range(20):
         world.step(0.05)
-        energies.append(rigid.energy(world.shapes[0], world.states[0], np.array([0.0, 0.0, -G])))
+        energies.append(turning.energy(world.shapes[0], world.states[0], np.array([0.0, 0.0, -G])))
     heights = (world.pose(0)[:3, :3] @ turned.T).T[:, 2] + world.pose(0)[2, 3] + SIDE / 2
     assert np.sort(heights)[:4] == pytest.approx(0.0, abs=2e-5) and heights.min() > -1e-9, "four corners are on it"
     assert np.linalg.norm(world.states[0].velocity) < 1e-3

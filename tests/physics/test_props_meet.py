@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError, Floats, Ints
-from core.body import rigid
 from core.body.model import Model, build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices
 from core.native.scene import Collider
 from core.session import Session
 from core.world.props import PropWorld
+from studies.reference import rigid as turning
 from studies.scenes import cube
 from tests.bodies import block, sheet
 
@@ -28,7 +28,7 @@ def soft(cells: int = 3) -> Model:
 
 def table(width: float = 0.6, turn: Sequence[float] = (0.0, 0.0, 0.0)) -> Shape:
     points, faces = sheet(6, width)
-    return points @ rigid.rotation(np.array(turn)).T + [1.0, 0.0, 0.0], faces
+    return points @ turning.rotation(np.array(turn)).T + [1.0, 0.0, 0.0], faces
 
 
 def bowl() -> Shape:
@@ -92,7 +92,7 @@ def test_what_lands_comes_to_rest_at_one_place_whatever_the_frame_rate(frames: i
 def test_on_an_inclined_table_a_weight_sticks_or_slides_as_coulomb_says(friction: float, degrees: float) -> None:
     angle = np.deg2rad(degrees)
     tilt, (points, faces) = (0.0, angle, 0.0), block((0.08, 0.08, 0.02), (-0.3, 0.003, 0.0101))
-    start = points @ rigid.rotation(np.array(tilt)).T + [1.0, 0.0, 0.0], faces
+    start = points @ turning.rotation(np.array(tilt)).T + [1.0, 0.0, 0.0], faces
     world = meeting([table(1.2, tilt)], [start], [0.3], friction=friction)
     down = np.array([np.cos(angle), 0, -np.sin(angle)])
     world.step(0.1)
@@ -109,11 +109,11 @@ def test_on_an_inclined_table_a_weight_sticks_or_slides_as_coulomb_says(friction
 def test_a_weight_that_falls_into_a_bowl_stays_there_and_its_energy_never_grows() -> None:
     start = block((0.05, 0.04, 0.03), (1.06, 0.02, 0.2), (0.3, 0.5, 0.1))
     world, gravity = meeting([bowl()], [start], [0.2], friction=0.3), np.array([0.0, 0.0, -G])
-    left = [rigid.energy(world.shapes[1], world.states[1], gravity)]
+    left = [turning.energy(world.shapes[1], world.states[1], gravity)]
     for _ in range(60):
         world.step(0.02)
         world.check()
-        left.append(rigid.energy(world.shapes[1], world.states[1], gravity))
+        left.append(turning.energy(world.shapes[1], world.states[1], gravity))
     assert (left - np.minimum.accumulate(left)).max() < 1e-8 * left[0]
     assert np.linalg.norm(world.states[1].velocity) < 1e-6 and abs(world.states[1].centre[2] - 0.02) < 0.005
     world.step(0.5)
