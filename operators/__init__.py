@@ -10,7 +10,7 @@ from types import ModuleType
 import bpy
 
 from . import bug_report
-from .animate import add_fingertip, bake, key_press
+from .animate import bake, fingertips
 from .calibrate import apply_preset, apply_result, from_file, measure, paint_softness
 from .device import connect_device
 from .experiment import comparison
@@ -18,8 +18,8 @@ from .export import command_line, export_dialog
 from .press import handlers, make_soft, play, poke, progress, record
 
 PARTS = (
-    bug_report, make_soft, progress, poke, play, record, bake, export_dialog, apply_preset, add_fingertip, key_press,
-    from_file, apply_result, paint_softness, measure, connect_device, comparison, command_line,
+    bug_report, make_soft, progress, poke, play, record, bake, export_dialog, apply_preset, fingertips, from_file,
+    apply_result, paint_softness, measure, connect_device, comparison, command_line,
     handlers,
 )  # fmt: skip
 

@@ -97,11 +97,8 @@ def _not_a_mesh(body: bpy.types.Object) -> str:
             "Instances Real.",
             name=body.name,
         )
-    kind = body.bl_rna.properties["type"].enum_items[body.type].name.lower()
-    article = "an" if kind[0] in "aeiou" else "a"
-    what = Message('"{name}" is {article} {kind}, not a mesh.', name=body.name, article=article, kind=kind)
-    can = body.type in _CONVERTIBLE
-    return in_a_row([what, "Make Soft converts it to a mesh." if can else "Select a mesh to press."])
+    what = "Make Soft converts it to a mesh." if body.type in _CONVERTIBLE else "Select a mesh to press."
+    return in_a_row([Message('"{name}" is not a mesh.', name=body.name), what])
 
 
 def check_writable(body: bpy.types.Object) -> None:

@@ -150,7 +150,7 @@ def test_what_is_not_a_mesh_is_refused_with_what_to_do(bpy: ModuleType, add: Cal
 
     add().select_set(False)
     bpy.ops.object.text_add()
-    with pytest.raises(RuntimeError, match='"Text" is a text, not a mesh.*Make Soft converts'):
+    with pytest.raises(RuntimeError, match='"Text" is not a mesh.*Make Soft converts'):
         bpy.ops.dimple.poke(**QUICK)
     assert not sessions.sessions
 
@@ -176,7 +176,7 @@ def test_what_has_no_mesh_is_refused_in_a_sentence(bpy: ModuleType, empty_file: 
     name, given = NOT_MESHES[kind]
     getattr(bpy.ops.object, name)(**given)
     for verb in (lambda: bpy.ops.dimple.poke(**QUICK), bpy.ops.dimple.play, lambda: bpy.ops.dimple.bake(frame_end=3)):
-        with pytest.raises(RuntimeError, match=f"is {kind}, not a mesh\\. ") as caught:
+        with pytest.raises(RuntimeError, match=r"not a mesh\. ") as caught:
             verb()
         assert "Traceback" not in str(caught.value) and not sessions.sessions
 
