@@ -20,7 +20,6 @@ import numpy as np
 
 from core.base import Floats, Ints
 from core.session import Session
-from core.world.props import PropWorld
 
 from .contact_cost import measure_cost
 from .contact_laws import measure_laws
@@ -89,8 +88,8 @@ class Referee:
         shapes = [x[part] for part in self.parts]
         weights = []
         for i, collider in enumerate(world.colliders):
-            if isinstance(world, PropWorld) and collider.falling:
-                state = world.states[i]
+            if world.props and collider.falling:
+                state = world.props[i].state
                 shapes[self.bodies + i] = collider.falling.seen @ state.turn.T + state.centre
                 weights.append(self.bodies + i)
         pairs = [pair for i in weights for j in range(len(shapes)) if i != j for pair in ((i, j), (j, i))]

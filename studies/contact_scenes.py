@@ -18,7 +18,6 @@ from core.material import Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from core.world import Collider, World
-from core.world.props import PropWorld
 
 Shape = tuple[Floats, Ints]
 Lead = Callable[[float], Floats]  # vertices (m, 3) [m] at a share of the time, 0 to 1
@@ -221,7 +220,7 @@ def _let_fall(bodies: Sequence[Shape], led: Sequence[Shape], props: Sequence[Sha
     ]
     colliders = [Collider(points.T.copy(), faces, 0.4) for points, faces in (*led, *props)]
     masses = [*[None] * len(led), *[0.2] * len(props)]
-    world = PropWorld(sessions, colliders, masses=masses, itself=[True] * len(sessions))
+    world = World(sessions, colliders, masses=masses, itself=[True] * len(sessions))
     return Played(world=world, ticks=ticks, colliders=[None] * len(colliders), pins=[None] * len(sessions))
 
 

@@ -19,7 +19,6 @@ from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.reduction.proxy_rule import BUDGET, Plan, plan, plan_full_mesh
 from core.session import Session
 from core.world import Collider, World
-from core.world.props import PropWorld
 
 from . import bodies, contact_cost
 from .primitives import icosphere, sized
@@ -67,18 +66,18 @@ def meet(scene: str, body: Session) -> str:
     start = other.rest_positions + top + (0, 0, GAP)
     collider = Collider(start.T.copy(), other.triangles)
     weight = scene == "weight"
-    world = PropWorld([body], [collider], masses=[WEIGHT]) if weight else World([body], [collider])
+    world = World([body], [collider], masses=[WEIGHT]) if weight else World([body], [collider])
     for frame in range(1, round((REST_S if weight else DOWN_S + HOLD_S) / FRAME) + 1):
         if not weight:
             world.set_colliders([start - (0, 0, (DEPTH + GAP) * min(frame * FRAME / DOWN_S, 1.0))])
         began = time.process_time()
         meeting = world.step(FRAME)
         spent += time.process_time() - began
-        pose = world.pose(0) if isinstance(world, PropWorld) else np.eye(4)
+        pose = world.props[0].pose() if world.props else np.eye(4)
         way = np.zeros(3) if weight else world.collider(0)[0] - start[0]
         seen = (body.positions().astype(np.float64) - pose[:3, 3]) @ pose[:3, :3] - (top + (0, 0, GAP) + way)
         overlaps.append(1e3 * float(reach(seen).max()))
-    depth = f"depth {-1e3 * world.pose(0)[2, 3] - 1e3 * GAP:.2f} mm" if isinstance(world, PropWorld) else ""
+    depth = f"depth {-1e3 * world.props[0].pose()[2, 3] - 1e3 * GAP:.2f} mm" if world.props else ""
     return (
         f"overlap {overlaps[-1]:.2f} mm at the end, {max(overlaps):.2f} at most, "
         f"{depth or f'force {-meeting.forces[0, 2]:.2f} N'}, {spent / body.frame.time:.2f} s a second"

@@ -12,18 +12,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..base import Floats
 from ..body import rigid
-from ..body.rigid import RigidShape
+from ..body.rigid import RigidShape, RigidState
 from ..constants import OFFSET
-from ..native import motion
-from ..native.scene import Collider, Fall, Falling, Way
+from ..native.scene import Collider, Fall, Falling
 from ..session import Session
-from .world import World
 
 LEAST_SHARE = 0.1  # of the lightest body's mass: what a prop has at least when it moves
 SETTLING = 0.05  # of the critical damping is the least that a prop has, so that it comes to rest
@@ -31,67 +29,51 @@ THIN = 0.5  # of volume by area: the farthest that faces are moved inwards
 FLAT = 0.02  # below this share of the greatest, nothing is known of where the faces of a vertex look
 
 
-class PropWorld(World):
-    """Step sessions with colliders some of which fall.
+@dataclass(slots=True, kw_only=True)
+class Prop:
+    """A collider that falls.
 
-    gravity: (3,) that pulls props [m/s2]; may be changed between steps, as may
-    ground: height [m] of a plane that props land on, or None; one that begins below it lies as low as it begins.
-
-    Args:
-        sessions, colliders, itself, names: as for a World.
-        masses: of the colliders [kg], None for one that is led.
-
-    Raises:
-        DimpleError: a prop without mass or faces, or something passes through something else.
+    falling: what touches of it.
+    share: of the mass that it moves as, its weight.
+    state: where it is.
+    lowest: height of its lowest vertex at the start [m]: the ground lies no higher.
     """
 
-    def __init__(
-        self,
-        sessions: Sequence[Session],
-        colliders: Sequence[Collider],
-        *,
-        masses: Sequence[float | None],
-        gravity: Sequence[float] = (0.0, 0.0, -9.81),
-        ground: float | None = None,
-        itself: Sequence[bool] | None = None,
-        names: Sequence[str] = (),
-    ) -> None:
-        gap = min(map(touching_gap, sessions))
-        self.gravity, self.ground = np.array(gravity, np.float64), ground
-        self.masses = {i: float(mass) for i, mass in enumerate(masses) if mass is not None}
-        falling = {i: _falling(colliders[i], mass, gap, sessions) for i, mass in self.masses.items()}
-        self.shapes = {i: each.shape for i, each in falling.items()}
-        self.states = {i: rigid.at_rest(shape) for i, shape in self.shapes.items()}
-        self._lowest = {i: float(colliders[i].positions[2].min()) for i in self.masses}
-        touching = [
-            c._replace(positions=np.ascontiguousarray(self.positions(i).T), falling=falling[i]) if i in falling else c
-            for i, c in enumerate(colliders)
-        ]
-        super().__init__(sessions, touching, itself=itself, names=names)
+    falling: Falling
+    share: float
+    state: RigidState
+    lowest: float
 
-    def positions(self, index: int) -> Floats:
-        """Return where the vertices (m, 3) [m] are of what touches of a prop."""
-        return rigid.positions(self.shapes[index], self.states[index])
+    def positions(self) -> Floats:
+        """Return where the vertices (3, m) [m] are of what touches."""
+        return np.ascontiguousarray(rigid.positions(self.falling.shape, self.state).T)
 
-    def pose(self, index: int) -> Floats:
-        """Return the rigid motion (4, 4) of a prop since the start; translations in [m]."""
-        state, motion = self.states[index], np.eye(4)
+    def pose(self) -> Floats:
+        """Return its rigid motion (4, 4) since the start; translations in [m]."""
+        state, motion = self.state, np.eye(4)
         motion[:3, :3] = state.turn
-        motion[:3, 3] = state.centre - state.turn @ self.shapes[index].centre
+        motion[:3, 3] = state.centre - state.turn @ self.falling.shape.centre
         return motion
 
-    def _way(self, index: int) -> Way:
-        if index not in self.states:
-            return super()._way(index)
-        pull = self.masses[index] / self.shapes[index].mass * self.gravity  # its own weight, whatever it moves as
-        ground = -math.inf if self.ground is None else min(self.ground, self._lowest[index])
-        return Fall(self.states[index], pull, ground)
+    def way(self, gravity: Floats, ground: float | None) -> Fall:
+        """Return how it falls."""
+        return Fall(self.state, self.share * gravity, -math.inf if ground is None else min(ground, self.lowest))
 
-    def _run(self, sessions: Sequence[Session], at_once: int) -> tuple[Sequence[motion.Frame], int]:
-        found = super()._run(sessions, at_once)
-        for i in self.states:
-            self._at[i] = np.ascontiguousarray(self.positions(i).T)
-        return found
+
+def prop_of(seen: Collider, mass: float, sessions: Sequence[Session]) -> Prop:
+    """Return a collider that falls with a mass [kg] among sessions.
+
+    Raises:
+        DimpleError: it has no mass or no faces.
+    """
+    shape = rigid.rigid_shape(seen.positions.T, seen.triangles, mass)
+    gap = min(map(touching_gap, sessions))
+    touching, by = shrunk(seen, gap)
+    moves = _heavier(replace(shape, arms=touching.positions.T - shape.centre), sessions)
+    falling = Falling(moves, shape.arms, _damping(moves.mass, sessions), by or gap)
+    return Prop(
+        falling=falling, share=mass / moves.mass, state=rigid.at_rest(moves), lowest=float(seen.positions[2].min())
+    )
 
 
 def touching_gap(session: Session) -> float:
@@ -117,13 +99,6 @@ def shrunk(collider: Collider, by: float) -> tuple[Collider, float]:
         np.add.at(sums, triangles[:, k], areas[:, None] * normals)
     way = -by * np.einsum("mij,mj->mi", np.linalg.pinv(squares, rcond=FLAT, hermitian=True), sums)
     return collider._replace(positions=np.ascontiguousarray((x + way).T)), by
-
-
-def _falling(seen: Collider, mass: float, gap: float, sessions: Sequence[Session]) -> Falling:
-    shape = rigid.rigid_shape(seen.positions.T, seen.triangles, mass)
-    touching, by = shrunk(seen, gap)
-    moves = _heavier(replace(shape, arms=touching.positions.T - shape.centre), sessions)
-    return Falling(moves, shape.arms, _damping(moves.mass, sessions), by or gap)
 
 
 def _heavier(shape: RigidShape, sessions: Sequence[Session]) -> RigidShape:

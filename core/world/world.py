@@ -19,6 +19,7 @@ from ..native.scene import Collider as Collider
 from ..native.scene import ColliderMotion, Crossings, SceneFrame, Way
 from ..session import Session
 from ..session.clock import step_all
+from .props import prop_of
 
 
 class Meeting(NamedTuple):
@@ -46,16 +47,20 @@ class World:
     """Step sessions together.
 
     notes: for each session, "" or what is left out of its self contact, for the artist.
+    props: the colliders that fall, by their number.
+    gravity: (3,) that pulls props [m/s2]; may be changed between steps, as may
+    ground: height [m] of a plane that props land on, or None; one that begins below it lies as low as it begins.
 
     Args:
         sessions: of one tick and one precision.
         colliders: where they are now.
+        masses: of the colliders [kg], None for one that is led, as all are where there are no masses.
         itself: whether each body meets itself too. Where it passes through itself at the start, those faces are left
             out of that.
         names: of the bodies, then of the colliders, for messages.
 
     Raises:
-        DimpleError: something passes through something else, with what and where.
+        DimpleError: a prop without mass or faces, or something passes through something else, with what and where.
     """
 
     def __init__(
@@ -63,10 +68,17 @@ class World:
         sessions: Sequence[Session],
         colliders: Sequence[Collider] = (),
         *,
+        masses: Sequence[float | None] = (),
+        gravity: Sequence[float] = (0.0, 0.0, -9.81),
+        ground: float | None = None,
         itself: Sequence[bool] | None = None,
         names: Sequence[str] = (),
     ) -> None:
         self.sessions, self.colliders = list(sessions), list(colliders)
+        self.gravity, self.ground = np.array(gravity, np.float64), ground
+        self.props = {i: prop_of(colliders[i], mass, sessions) for i, mass in enumerate(masses) if mass is not None}
+        for i, prop in self.props.items():
+            self.colliders[i] = colliders[i]._replace(positions=prop.positions(), falling=prop.falling)
         self._itself = list(itself) if itself is not None else [False] * len(self.sessions)
         self._names = [*names, *(f"{i + 1}" for i in range(len(names), len(self.sessions) + len(self.colliders)))]
         if len({(session.clock.tick, session.backend) for session in self.sessions}) > 1:
@@ -159,10 +171,14 @@ class World:
         if not all(frame.finite for frame in part.frames):
             for i, at in enumerate(self._at):
                 self._scene.set_collider(i, at)
+        for i, prop in self.props.items():
+            self._at[i] = prop.positions()
         return part.frames, ticks
 
     def _way(self, index: int) -> Way:
         """Return the way of a collider in the step."""
+        if index in self.props:
+            return self.props[index].way(self.gravity, self.ground)
         end = self._ends[index]
         return None if end is None else ColliderMotion(self._at[index], end)
 

@@ -81,11 +81,8 @@ def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
     Raises:
         DimpleError: one is gone, or has other vertices.
     """
-    from ...core.world.props import PropWorld
-
     graph = context.evaluated_depsgraph_get()
-    if isinstance(live.world, PropWorld):
-        live.world.gravity, live.world.ground = _pull(context.scene)
+    live.world.gravity, live.world.ground = _pull(context.scene)
     ends = []
     for i, name in enumerate(live.colliders):
         if i in live.props:  # the world moves it
@@ -145,7 +142,6 @@ def _make(
     itself: Sequence[bool],
 ) -> LiveWorld:
     from ...core.world import Collider, World, drop_proxies
-    from ...core.world.props import PropWorld
 
     graph, made = context.evaluated_depsgraph_get(), []
     for obj in colliders:
@@ -165,11 +161,9 @@ def _make(
     falling = {i: (obj.session_uid, obj.name, obj.matrix_world.copy()) for i, obj in props}
     running = [session for _, session, _ in bodies]
     notes = drop_proxies(running, made, names)
-    kind, options = World, {}
-    if falling:
-        gravity, ground = _pull(context.scene)
-        kind, options = PropWorld, {"masses": list(map(_mass_of, colliders)), "gravity": gravity, "ground": ground}
-    world = kind(running, made, itself=itself, names=names, **options)
+    gravity, ground = _pull(context.scene)
+    masses = list(map(_mass_of, colliders))
+    world = World(running, made, masses=masses, gravity=gravity, ground=ground, itself=itself, names=names)
     world.notes = [in_a_row(each) for each in zip(notes, world.notes, strict=True)]
     key = (*key[:-1], _moving(running))
     uids, colliding = tuple(obj.session_uid for obj, _, _ in bodies), tuple(obj.name for obj in colliders)

@@ -24,7 +24,7 @@ def show(live: LiveWorld) -> None:
         if obj is None:
             continue
         fallen.setdefault(uid, (name, obj.matrix_basis.copy()))
-        pose = Matrix(live.world.pose(index).tolist())
+        pose = Matrix(live.world.props[index].pose().tolist())
         pose.translation /= live.scale
         obj.matrix_world = pose @ start
 

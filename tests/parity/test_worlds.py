@@ -13,7 +13,7 @@ from core.mesh.surface import mesh_from_triangles
 from core.native.motion import Motion
 from core.native.scene import Collider, ColliderMotion
 from core.session import Session
-from core.world.props import PropWorld
+from core.world import World
 from studies.reference.twin import Twin
 from studies.reference.twin_scene import TwinScene
 from tests.bodies import ball, block, sheet
@@ -133,9 +133,9 @@ def test_props_fall_alike_on_each_other_on_a_table_and_on_the_ground() -> None:
     colliders = [Collider(np.ascontiguousarray(x.T), corners) for x, corners in shapes]
     points, faces = ball(0, 0.05)
     model = build_model(mesh_from_triangles(points, faces), [SOFT], pinned=points[:, 2] < 0)
-    worlds = [PropWorld([each], colliders, masses=[None, 0.5, 0.3, 0.2], ground=0.0) for each in sessions(model)]
+    worlds = [World([each], colliders, masses=[None, 0.5, 0.3, 0.2], ground=0.0) for each in sessions(model)]
     for world in worlds:
-        for state in world.states.values():
+        for state in [prop.state for prop in world.props.values()]:
             state.velocity = np.array([0.1, 0.0, -0.3])
     most = 0
     for _ in range(8):
@@ -143,7 +143,7 @@ def test_props_fall_alike_on_each_other_on_a_table_and_on_the_ground() -> None:
         most = max(most, found[0].touching)
         assert found[0].touching == found[1].touching and found[0].truncated == found[1].truncated
         assert np.abs(found[0].forces - found[1].forces).max() < 1e-8
-        for one, twin in zip(*(world.states.values() for world in worlds), strict=True):
+        for one, twin in zip(*([prop.state for prop in world.props.values()] for world in worlds), strict=True):
             assert np.abs(one.centre - twin.centre).max() < 1e-10 and np.abs(one.turn - twin.turn).max() < 1e-9
     assert most >= 4
 
@@ -153,12 +153,12 @@ def test_a_prop_falls_alike_on_a_soft_body() -> None:
     points, faces = ball(1, 0.05)
     model = build_model(mesh_from_triangles(points, faces), [SOFT], pinned=points[:, 2] < 0)
     start, corners = block((0.03, 0.03, 0.02), (0.01, 0.0, 0.0605), (0.1, 0.0, 0.2))
-    worlds = [PropWorld([each], [Collider(start.T.copy(), corners)], masses=[0.1]) for each in sessions(model)]
+    worlds = [World([each], [Collider(start.T.copy(), corners)], masses=[0.1]) for each in sessions(model)]
     for world in worlds:
-        world.states[0].velocity = np.array([0.0, 0.0, -0.2])
+        world.props[0].state.velocity = np.array([0.0, 0.0, -0.2])
     for _ in range(4):
         found = [world.step(0.005) for world in worlds]
         assert np.abs(found[0].forces - found[1].forces).max() < 1e-7
-        assert np.abs(worlds[0].states[0].centre - worlds[1].states[0].centre).max() < 1e-10
+        assert np.abs(worlds[0].props[0].state.centre - worlds[1].props[0].state.centre).max() < 1e-10
         assert np.abs(worlds[0].sessions[0].body.positions() - worlds[1].sessions[0].body.positions()).max() < 1e-9
     assert found[0].forces[1, 2] > 0.1

@@ -14,7 +14,7 @@ from core.mesh.surface import base_vertices
 from core.native.scene import Collider
 from core.session import Session
 from core.world import World
-from core.world.props import PropWorld, shrunk, touching_gap
+from core.world.props import shrunk, touching_gap
 from studies.reference import rigid as turning
 from studies.scenes import cube
 
@@ -44,8 +44,8 @@ def vinyl(cells: int = 12, **changes: float) -> Model:
     return build_model(mesh, [material], pinned=base_vertices(mesh))
 
 
-def falling(session: Session, start: Floats, faces: Ints, mass: float, ground: float | None = None) -> PropWorld:
-    return PropWorld([session], [Collider(np.ascontiguousarray(start.T), faces)], masses=[mass], ground=ground)
+def falling(session: Session, start: Floats, faces: Ints, mass: float, ground: float | None = None) -> World:
+    return World([session], [Collider(np.ascontiguousarray(start.T), faces)], masses=[mass], ground=ground)
 
 
 def led(model: Model, depth: float) -> float:
@@ -71,12 +71,12 @@ def test_it_rests_at_the_depth_at_which_the_body_answers_its_weight(mass: float)
     world.step(2.0)
     carried = [world.step(0.002).forces[1, 2] for _ in range(100)]
     assert np.mean(carried) == pytest.approx(mass * G, rel=0.01), "the body carries its weight"
-    depth = SIDE / 2 - float(world.states[0].centre[2] - THICK / 2)
+    depth = SIDE / 2 - float(world.props[0].state.centre[2] - THICK / 2)
     assert led(model, depth) == pytest.approx(mass * G, rel=0.05), "as much as if it were held there"
     rest, down = model.mesh.rest_positions, model.mesh.rest_positions[:, 2] - session.body.positions()[2]
     under = down[(rest[:, 2] > 0.49 * SIDE) & (np.hypot(rest[:, 0], rest[:, 1]) < DISC)]
     assert np.median(under) == pytest.approx(depth, abs=5e-4) and under.min() > depth - 1e-4, "it stands on the skin"
-    assert np.linalg.norm(world.states[0].velocity) < 0.01
+    assert np.linalg.norm(world.props[0].state.velocity) < 0.01
 
 
 @pytest.fixture(scope="module")
@@ -96,12 +96,12 @@ def test_a_flat_weight_rests_as_deep_as_the_law_says_that_was_measured_with_a_pu
     start, faces = disc()
     world = falling(session, start, faces, mass)
     world.step(4.0)
-    depth = SIDE / 2 - float(world.states[0].centre[2] - THICK / 2)
+    depth = SIDE / 2 - float(world.props[0].state.centre[2] - THICK / 2)
     ways = np.linspace(0, 2 * material.x0, 10_000)
     wanted = float(np.interp(mass * G, [material.law(way) for way in ways], ways))
     print(f"{mass} kg: {1e3 * depth:.2f} mm for {1e3 * wanted:.2f} mm by the law, {depth / wanted - 1:+.1%}")
     assert depth == pytest.approx(wanted, rel=0.2)
-    assert np.linalg.norm(world.states[0].velocity) < 0.01
+    assert np.linalg.norm(world.props[0].state.velocity) < 0.01
 
 
 @pytest.mark.parametrize("size", [(0.1, 0.06, 0.02), (0.1, 0.1, 0.1)])
@@ -124,7 +124,7 @@ def test_what_falls_free_falls_as_newton_says_and_keeps_its_spin() -> None:
     wanted = 2.0 / 12 * np.array([0.06**2 + 0.02**2, 0.1**2 + 0.02**2, 0.1**2 + 0.06**2])
     np.testing.assert_allclose(np.diag(shape.inertia), wanted, rtol=1e-2)
     world = falling(Session(vinyl(2)), points + [0.5, 0, 0], faces, 2.0)
-    state = world.states[0]
+    state = world.props[0].state
     state.momentum = momentum = shape.inertia @ [2.0, 9.0, 1.0]
     before = turning.energy(shape, state, np.zeros(3))
     world.step(1.0)
@@ -140,10 +140,11 @@ def test_energy_does_not_grow() -> None:
     model, (start, faces) = vinyl(), disc()
     session, gravity = Session(model, backend="native64"), np.array([0.0, 0.0, -G])
     world = falling(session, start, faces, 1.0)
-    begun, left = turning.energy(world.shapes[0], world.states[0], gravity), [0.0]
+    begun, left = turning.energy(world.props[0].falling.shape, world.props[0].state, gravity), [0.0]
     for _ in range(250):
         world.step(0.001)
-        left.append(held_by(session, model) + turning.energy(world.shapes[0], world.states[0], gravity) - begun)
+        moving = turning.energy(world.props[0].falling.shape, world.props[0].state, gravity)
+        left.append(held_by(session, model) + moving - begun)
     lowest = np.minimum.accumulate(left)
     assert lowest[-1] < -0.008, "it has sunk in"
     # a tick's speed is half a tick ahead of its place
@@ -168,8 +169,8 @@ def test_a_ball_that_lands_beside_the_middle_of_a_ball_rolls_off_it() -> None:
     small = trimesh.creation.icosphere(2, 0.02)
     world = falling(session, np.array(small.vertices) + [0.05, 0, 0.095], np.array(small.faces), 0.1)
     world.step(0.5)
-    assert world.states[0].centre[0] > 0.1 and world.states[0].centre[2] < 0.02
-    assert turning.spin(world.shapes[0], world.states[0])[1] > 1.0, "it turns as it rolls"
+    assert world.props[0].state.centre[0] > 0.1 and world.props[0].state.centre[2] < 0.02
+    assert turning.spin(world.props[0].falling.shape, world.props[0].state)[1] > 1.0, "it turns as it rolls"
 
 
 def test_a_prop_without_mass_or_faces_is_refused() -> None:
@@ -197,10 +198,10 @@ def test_what_falls_beside_the_body_comes_to_rest_on_the_ground(tilt: float) -> 
     energies = []
     for _ in range(20):
         world.step(0.05)
-        energies.append(turning.energy(world.shapes[0], world.states[0], np.array([0.0, 0.0, -G])))
-    heights = (world.pose(0)[:3, :3] @ turned.T).T[:, 2] + world.pose(0)[2, 3] + SIDE / 2
+        energies.append(turning.energy(world.props[0].falling.shape, world.props[0].state, np.array([0.0, 0.0, -G])))
+    heights = (world.props[0].pose()[:3, :3] @ turned.T).T[:, 2] + world.props[0].pose()[2, 3] + SIDE / 2
     assert np.sort(heights)[:4] == pytest.approx(0.0, abs=2e-5) and heights.min() > -1e-9, "four corners are on it"
-    assert np.linalg.norm(world.states[0].velocity) < 1e-3
+    assert np.linalg.norm(world.props[0].state.velocity) < 1e-3
     assert np.diff(energies).max() < 0.005 * 0.2 * G * SIDE / 2, "of what it falls"
 
 
@@ -209,8 +210,8 @@ def test_on_the_ground_it_slides_until_friction_has_taken_its_speed() -> None:
     speed = 1.0
     points, faces = block((0.06, 0.06, 0.01))
     world = falling(Session(vinyl(4)), points + [0.3, 0.0, -SIDE / 2 + 0.005], faces, 0.2, -SIDE / 2)
-    world.states[0].velocity = np.array([speed, 0.0, 0.0])
-    begun = world.states[0].centre[0]
+    world.props[0].state.velocity = np.array([speed, 0.0, 0.0])
+    begun = world.props[0].state.centre[0]
     world.step(0.6)
-    assert world.states[0].centre[0] - begun == pytest.approx(speed**2 / (2 * 0.5 * G), rel=0.02)
-    assert np.linalg.norm(world.states[0].velocity) < 1e-6
+    assert world.props[0].state.centre[0] - begun == pytest.approx(speed**2 / (2 * 0.5 * G), rel=0.02)
+    assert np.linalg.norm(world.props[0].state.velocity) < 1e-6

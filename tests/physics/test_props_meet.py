@@ -11,7 +11,7 @@ from core.material import PRESETS
 from core.mesh.surface import base_vertices
 from core.native.scene import Collider
 from core.session import Session
-from core.world.props import PropWorld
+from core.world import World
 from studies.reference import rigid as turning
 from studies.scenes import cube
 from tests.bodies import block, sheet
@@ -45,14 +45,14 @@ def bowl() -> Shape:
 def meeting(
     led: Sequence[Shape], props: Sequence[Shape], masses: Sequence[float], *, friction: float = 0.5, cells: int = 3,
     **rest: float,
-) -> PropWorld:  # fmt: skip
+) -> World:  # fmt: skip
     colliders = [Collider(np.ascontiguousarray(x.T), faces, friction) for x, faces in (*led, *props)]
-    return PropWorld([Session(soft(cells))], colliders, masses=[None] * len(led) + [*masses], **rest)
+    return World([Session(soft(cells))], colliders, masses=[None] * len(led) + [*masses], **rest)
 
 
-def seen(world: PropWorld, index: int, start: Shape) -> Floats:
+def seen(world: World, index: int, start: Shape) -> Floats:
     """Return where the vertices (m, 3) of a prop are as they are seen."""
-    pose = world.pose(index)
+    pose = world.props[index].pose()
     return start[0] @ pose[:3, :3].T + pose[:3, 3]
 
 
@@ -65,7 +65,7 @@ def test_a_weight_dropped_on_a_table_lands_flat_stands_on_it_and_drifts_nowhere_
     world.step(0.5)
     before = seen(world, 1, start)
     assert before[:, 2].min() == pytest.approx(0.0, abs=1e-6), "as it is seen it stands on the table"
-    assert world.states[1].centre[2] == pytest.approx(0.015, abs=1e-6)
+    assert world.props[1].state.centre[2] == pytest.approx(0.015, abs=1e-6)
     for step in range(100):
         world.gravity = np.array([0.0, 0.0, -G * (1 + 1e-9 * (1 - step % 2))])  # another gravity wakes it
         world.step(0.1)
@@ -84,8 +84,8 @@ def test_what_lands_comes_to_rest_at_one_place_whatever_the_frame_rate(frames: i
         world.step(1 / frames)
     wanted = meeting([table()], [start], [0.5])
     wanted.step(1.0)
-    np.testing.assert_array_equal(world.states[1].centre, wanted.states[1].centre)
-    np.testing.assert_array_equal(world.states[1].turn, wanted.states[1].turn)
+    np.testing.assert_array_equal(world.props[1].state.centre, wanted.props[1].state.centre)
+    np.testing.assert_array_equal(world.props[1].state.turn, wanted.props[1].state.turn)
 
 
 @pytest.mark.parametrize(("friction", "degrees"), [(0.5, 26.0), (0.5, 27.2), (0.3, 25.0)])
@@ -96,26 +96,26 @@ def test_on_an_inclined_table_a_weight_sticks_or_slides_as_coulomb_says(friction
     world = meeting([table(1.2, tilt)], [start], [0.3], friction=friction)
     down = np.array([np.cos(angle), 0, -np.sin(angle)])
     world.step(0.1)
-    begun, speed = world.states[1].centre, world.states[1].velocity @ down
+    begun, speed = world.props[1].state.centre, world.props[1].state.velocity @ down
     world.step(0.4)
     wanted = G * (np.sin(angle) - friction * np.cos(angle))
     if wanted < 0:
-        assert np.linalg.norm(world.states[1].centre - begun) < 1e-6, "it sticks"
+        assert np.linalg.norm(world.props[1].state.centre - begun) < 1e-6, "it sticks"
     else:
-        assert (world.states[1].velocity @ down - speed) / 0.4 == pytest.approx(wanted, rel=0.02)
+        assert (world.props[1].state.velocity @ down - speed) / 0.4 == pytest.approx(wanted, rel=0.02)
     world.check()
 
 
 def test_a_weight_that_falls_into_a_bowl_stays_there_and_its_energy_never_grows() -> None:
     start = block((0.05, 0.04, 0.03), (1.06, 0.02, 0.2), (0.3, 0.5, 0.1))
     world, gravity = meeting([bowl()], [start], [0.2], friction=0.3), np.array([0.0, 0.0, -G])
-    left = [turning.energy(world.shapes[1], world.states[1], gravity)]
+    left = [turning.energy(world.props[1].falling.shape, world.props[1].state, gravity)]
     for _ in range(60):
         world.step(0.02)
         world.check()
-        left.append(turning.energy(world.shapes[1], world.states[1], gravity))
+        left.append(turning.energy(world.props[1].falling.shape, world.props[1].state, gravity))
     assert (left - np.minimum.accumulate(left)).max() < 1e-8 * left[0]
-    assert np.linalg.norm(world.states[1].velocity) < 1e-6 and abs(world.states[1].centre[2] - 0.02) < 0.005
+    assert np.linalg.norm(world.props[1].state.velocity) < 1e-6 and abs(world.props[1].state.centre[2] - 0.02) < 0.005
     world.step(0.5)
     assert world.meeting.queries == 0, "it sleeps"
 
@@ -128,7 +128,7 @@ def test_two_weights_stacked_on_a_soft_body_rest_and_press_it_with_both_weights(
     assert forces == pytest.approx([-G, 0.6 * G, 0.4 * G], rel=0.005)
     top, bottom = (seen(world, k, stack[k])[np.argsort(stack[k][0][:, 2])] for k in (1, 0))
     assert np.abs(top[:4, 2].mean() - bottom[4:, 2].mean()) < 2e-5, "one stands on the other as they are seen"
-    assert max(np.linalg.norm(state.velocity) for state in world.states.values()) < 1e-3
+    assert max(np.linalg.norm(prop.state.velocity) for prop in world.props.values()) < 1e-3
     world.check()
 
 
@@ -137,17 +137,17 @@ def test_bars_that_lie_crosswise_hold_each_other() -> None:
     bars = [block((0.16, 0.02, 0.02), (1.0, 0.0, 0.0101)), block((0.02, 0.16, 0.02), (1.0, 0.0, 0.0305))]
     world = meeting([table()], bars, [0.2, 0.2])
     world.step(1.0)
-    assert world.states[2].centre == pytest.approx([1.0, 0.0, 0.03], abs=1e-5)
+    assert world.props[2].state.centre == pytest.approx([1.0, 0.0, 0.03], abs=1e-5)
     assert world.meeting.truncated == 0
 
 
 def test_what_two_props_give_each_other_is_equal_and_opposite() -> None:
     first = block((0.05, 0.04, 0.03), (1.0, 0.0, 0.0), (0.3, 0.1, 0.2))
     world = meeting([], [first, block((0.05, 0.05, 0.05), (1.08, 0.012, 0.008))], [0.3, 0.2], gravity=(0.0, 0.0, 0.0))
-    world.states[0].velocity = np.array([0.8, 0.0, 0.0])
+    world.props[0].state.velocity = np.array([0.8, 0.0, 0.0])
 
     def momentum() -> Floats:
-        return np.sum([world.shapes[i].mass * state.velocity for i, state in world.states.items()], axis=0)
+        return np.sum([prop.falling.shape.mass * prop.state.velocity for prop in world.props.values()], axis=0)
 
     before = momentum()
     for _ in range(20):
@@ -155,7 +155,7 @@ def test_what_two_props_give_each_other_is_equal_and_opposite() -> None:
         np.testing.assert_allclose(meet.forces[1], -meet.forces[2], rtol=0, atol=1e-12)
         np.testing.assert_allclose(meet.moments[1], -meet.moments[2], rtol=0, atol=1e-12)
         world.check()
-    assert world.states[1].velocity[0] > 0.2 and np.linalg.norm(world.states[1].momentum) > 1e-6
+    assert world.props[1].state.velocity[0] > 0.2 and np.linalg.norm(world.props[1].state.momentum) > 1e-6
     np.testing.assert_allclose(momentum(), before, rtol=0, atol=1e-13)
 
 
@@ -169,7 +169,7 @@ def test_a_keyframed_collider_pushes_a_prop_before_it(speed: float) -> None:
         world.step(tick)
         world.check()
     assert seen(world, 2, start)[:, 0].min() >= ahead[:, 0].max() - 1e-6
-    assert world.states[2].velocity[0] == pytest.approx(speed, rel=0.02)
+    assert world.props[2].state.velocity[0] == pytest.approx(speed, rel=0.02)
 
 
 @pytest.mark.parametrize("count", [4, pytest.param(10, marks=pytest.mark.slow)])
@@ -183,7 +183,7 @@ def test_a_pile_of_weights_comes_to_rest_and_none_passes_through_another(count: 
     for _ in range(30):
         world.step(0.05)
         world.check()
-    assert max(np.linalg.norm(state.velocity) for state in world.states.values()) < 1e-6
+    assert max(np.linalg.norm(prop.state.velocity) for prop in world.props.values()) < 1e-6
     assert min(seen(world, k + 1, each)[:, 2].min() for k, each in enumerate(boxes)) > -1e-5
 
 
@@ -191,13 +191,13 @@ def test_gravity_and_ground_that_change_are_followed_and_wake_what_sleeps() -> N
     start = block((0.06, 0.05, 0.03), (1.0, 0.0, 0.0151))
     world = meeting([], [start], [0.5], ground=0.0)
     world.step(1.0)
-    assert world.states[0].centre[2] == pytest.approx(0.015, abs=1e-9)
+    assert world.props[0].state.centre[2] == pytest.approx(0.015, abs=1e-9)
     world.gravity = np.array([0.0, 0.0, G])
     world.step(0.1)
-    assert world.states[0].centre[2] == pytest.approx(0.015 + G * 0.1**2 / 2, rel=0.01)
+    assert world.props[0].state.centre[2] == pytest.approx(0.015 + G * 0.1**2 / 2, rel=0.01)
     world.gravity, world.ground = np.array([0.0, 0.0, -G]), None
     world.step(1.0)
-    assert world.states[0].centre[2] < -1.0
+    assert world.props[0].state.centre[2] < -1.0
 
 
 def test_a_prop_that_intersects_a_collider_at_the_start_is_refused_with_the_place() -> None:

@@ -9,7 +9,6 @@ from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.reduction.proxy import Proxy, build_proxy
 from core.session import Session
 from core.world import Collider, World, drop_proxies
-from core.world.props import PropWorld
 from tests.bodies import ball, block, sheet
 
 GEL = Material(K1=200, K2=900, x0=0.010, k=300, density=1000, damping_ratio=0.4, fill="liquid")
@@ -53,10 +52,10 @@ def test_a_smooth_mesh_that_a_proxy_moves_overlaps_the_edges_of_a_weight_by_a_te
     corners, faces = block((0.06, 0.06, 0.03), (0, 0, RADIUS + 0.016))
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)
     body = Session(model, proxy=(proxy := build_proxy(model, 1000)))
-    world, most = PropWorld([body], [Collider(np.array(corners).T.copy(), np.array(faces))], masses=[0.5]), -np.inf
+    world, most = World([body], [Collider(np.array(corners).T.copy(), np.array(faces))], masses=[0.5]), -np.inf
     for _ in range(30):
         world.step(1 / 60)
-        pose = world.pose(0)
+        pose = world.props[0].pose()
         seen = (body.positions().astype(np.float64) - pose[:3, 3]) @ pose[:3, :3]
         most = max(most, float(np.minimum(seen - low, high - seen).min(axis=1).max()))
     assert 0 < most < 0.1 * proxy.spacing
@@ -96,7 +95,7 @@ def test_a_weight_sinks_as_deep_into_a_body_that_a_proxy_moves_as_into_its_mesh(
     depths = []
     for proxy in (None, build_proxy(model, 1000)):
         weight = Collider(np.array(corners).T.copy(), np.array(faces))
-        world = PropWorld([Session(model, proxy=proxy)], [weight], masses=[0.5])
+        world = World([Session(model, proxy=proxy)], [weight], masses=[0.5])
         world.step(1.0)
-        depths.append(-float(world.pose(0)[2, 3]))
+        depths.append(-float(world.props[0].pose()[2, 3]))
     assert depths[1] == pytest.approx(depths[0], rel=0.04)
