@@ -26,9 +26,10 @@ class Kind(Enum):
     PRESS = auto()
     RELEASE = auto()
     FINGER = auto()  # [1, 2 or 3]
-    PAUSE = auto()
     TICK = auto()  # [s]
-    KEEP = auto()  # it ends, as it does with
+    # what the state has no part in
+    PAUSE = auto()
+    KEEP = auto()
     LEAVE = auto()
 
 
@@ -71,7 +72,6 @@ class PokeState:
     active: the finger the pointer moves.
     tips: of each finger, None where it is lifted.
     pressing: the active finger follows the pointer.
-    paused: time stands still.
     """
 
     radius: float
@@ -84,7 +84,6 @@ class PokeState:
     active: int = 0
     tips: tuple[PokeTip | None, ...] = (None,) * MAX_FINGERTIPS
     pressing: bool = False
-    paused: bool = False
 
 
 def on_event(state: PokeState, event: PokeEvent) -> PokeState:
@@ -98,9 +97,7 @@ def on_event(state: PokeState, event: PokeEvent) -> PokeState:
             return _release(state)
         case Kind.FINGER:
             return _choose(state, int(event.amount) - 1)
-        case Kind.PAUSE:
-            return replace(state, paused=not state.paused)
-        case Kind.TICK if not state.paused:
+        case Kind.TICK:
             return _tick(state, event.amount)
     return state
 

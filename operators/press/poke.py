@@ -134,20 +134,18 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
 
     def _tick(self, context: bpy.types.Context) -> set[str]:
         """Let as much time pass as did since the last tick, or as this computer manages."""
-        from ...core.poke import Kind, PokeEvent
+        from ...core.poke import Kind, PokeEvent, on_event
         from . import live_step
 
         asked, self._budget = live_step.ask(context.scene, self._run, self.passed())
         tool = settings_of(context.scene)
         self._state, self._tool = taken(self._state, self._tool, tool), tool
         modal_runs.show_status(context, self._run, self._help(context))
-        if self._run.paused != self._state.paused:  # the sidebar's button
-            self._take(context, PokeEvent(kind=Kind.PAUSE))
-        if self._state.paused and (ended := self.went_on(showing.end_changed(context.view_layer))):
-            return ended
         report(self, modal_runs.save_when_due(self._run))
-        result = self._take(context, PokeEvent(kind=Kind.TICK, amount=asked))
-        return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
+        if self._run.paused:
+            return self.went_on(showing.end_changed(context.view_layer)) or {"PASS_THROUGH"}
+        self._state = on_event(self._state, PokeEvent(kind=Kind.TICK, amount=asked))
+        return self._step(context, asked) or {"PASS_THROUGH"}
 
     def _take(self, context: bpy.types.Context, event: "PokeEvent") -> set[str]:
         """Update the state by an event, and do what it asks for."""
@@ -155,8 +153,8 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
 
         was_pressing = self._state.pressing
         self._state = on_event(self._state, event)
-        if self._run.paused != self._state.paused:
-            self._run.paused = self._state.paused
+        if event.kind is Kind.PAUSE:
+            self._run.paused = not self._run.paused
             modal_runs.redraw()
         if self._state.pressing and not was_pressing:
             # a drag follows the surface as it was: the dent would lead the fingertip deeper and deeper
@@ -167,8 +165,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         if event.kind in (Kind.KEEP, Kind.LEAVE):
             report(self, sessions.stop_all(restore=event.kind is Kind.LEAVE))
             return {"FINISHED"} if event.kind is Kind.KEEP else {"CANCELLED"}
-        steps = event.kind is Kind.TICK and not self._state.paused
-        return (steps and self._step(context, event.amount)) or {"RUNNING_MODAL"}
+        return {"RUNNING_MODAL"}
 
     def _step(self, context: bpy.types.Context, dt: float) -> set[str] | None:
         """Advance the sessions by a time [s]; return how the operator ends when none is left."""
@@ -205,7 +202,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
     def _help(self, context: bpy.types.Context) -> str:
         if context.mode != "OBJECT":
             return polls.tip_("The fingertips stay where they are | Esc: leave the poke")
-        return help_text(self._state)
+        return help_text(self._state, paused=self._run.paused)
 
 
 def undoable(scene: bpy.types.Scene) -> dict[int, object]:
@@ -246,7 +243,7 @@ def taken(state: "PokeState", before: dict[str, float], now: dict[str, float]) -
     return state if state.pressing else replace(state, active=active)
 
 
-def help_text(state: "PokeState") -> str:
+def help_text(state: "PokeState", *, paused: bool) -> str:
     """Return the help on the keys for the status bar."""
     if state.by_force:
         amount, text = f"{state.force:.3g} N", polls.tip_("Left drag: press with {} | F: radius {} | Ctrl F: force")
@@ -255,7 +252,7 @@ def help_text(state: "PokeState") -> str:
         text = polls.tip_("Left drag: press {} deep | F: radius {} | Ctrl F: depth")
     keys = (
         polls.tip_("1 2 3: finger"),
-        polls.tip_("Space: go on") if state.paused else polls.tip_("Space: pause"),
+        polls.tip_("Space: go on") if paused else polls.tip_("Space: pause"),
         polls.tip_("Enter: keep | Esc: leave"),
     )
     return " | ".join((text.format(amount, f"{1e3 * state.radius:.3g} mm"), *keys))

@@ -189,12 +189,6 @@ def test_a_finger_that_does_not_exist_is_not_chosen() -> None:
     assert run(START, finger(4), finger(0)) == START
 
 
-def test_a_paused_poke_does_not_step() -> None:
-    state = run(START, press(), PokeEvent(kind=Kind.PAUSE), *ticks(0.2))
-    assert state.tips[0].reached == 0
-    assert run(state, PokeEvent(kind=Kind.PAUSE), *ticks(0.002)).tips[0].reached > 0
-
-
 def test_no_time_at_all_for_a_press_means_at_once() -> None:
     state = replace(START, press_s=0.0, release_s=0.0)
     state = run(state, press(), *ticks(0.001))
