@@ -118,7 +118,7 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     other.location.x += 2.5
     other.active_material.dimple.K1, other.active_material.dimple.x0 = 1.83, 5.0
     before = view.view_distance, view.view_location.copy(), view.view_rotation.copy()
-    view.view_distance = 7.0
+    view.view_distance = 8.5
     view.view_rotation = Euler((0.7, 0.0, 0.0)).to_quaternion()  # side by side, seen from above
     view.view_location = 0.5 * other.matrix_world.translation - view.view_rotation @ ROOM
     settings.show_field = "DEPTH"
