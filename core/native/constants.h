@@ -4,7 +4,7 @@
 #include <float.h>
 
 /* What Python must know too: `dev.py native` writes it into core/constants.py. */
-#define DM_ABI 28              /* changes with anything in dimple.h */
+#define DM_ABI 29              /* changes with anything in dimple.h */
 #define DM_MAX_FINGERTIPS 3    /* thumb, index and middle finger: those of the paper's device */
 #define DM_MAX_STEPS 1000000   /* in one call, so that none takes longer than minutes */
 #define DM_MAX_BODIES 4096     /* in one call, and in one scene: pairs of them are looked at one by one */
@@ -26,6 +26,10 @@
 
 /* Memory. */
 #define DM_MAX_VERTICES (1 << FLT_MANT_DIG) /* exact in single precision, and 32-bit offsets reach all records */
+#define DM_SHARED 256   /* groups of the least body that several threads step */
+#define DM_SLICE 64     /* groups that a thread takes at once, at least: 2 microseconds of work; taking them costs a fifth */
+#define DM_MOST_SLICES 128 /* of a body: sixteen workers have eight turns each, so that one is late by an eighth */
+#define DM_PATIENCE 200 /* of a helper for more to do before it sleeps, half a microsecond each: waking takes half as long */
 #define DM_BLOCK (2 * DM_LANES)             /* triangles that share a box, and boxes that do */
 
 /* A fingertip and the skin; lengths in radii of the fingertip. */
