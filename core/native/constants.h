@@ -26,11 +26,16 @@
 
 /* Memory. */
 #define DM_MAX_VERTICES (1 << FLT_MANT_DIG) /* exact in single precision, and 32-bit offsets reach all records */
-#define DM_SHARED 256   /* groups of the least body that several threads step */
-#define DM_SLICE 64     /* groups that a thread takes at once, at least: 2 microseconds of work; taking them costs a fifth */
-#define DM_MOST_SLICES 128 /* of a body: sixteen workers have eight turns each, so that one is late by an eighth */
-#define DM_PATIENCE 200 /* of a helper for more to do before it sleeps, half a microsecond each: waking takes half as long */
 #define DM_BLOCK (2 * DM_LANES)             /* triangles that share a box, and boxes that do */
+
+/* Threads. */
+#define DM_MAX_WORKERS 64
+#define DM_SHARED 2048    /* vertices of the least body that several threads step: a pass over them takes 15 microseconds, and
+                           * to share one out takes 2 */
+#define DM_SLICE 64       /* groups that a thread takes at once, at least: 3 microseconds of work, 0.1 to take them; */
+#define DM_MOST_SLICES 128 /* at most so many in a body, two for each worker */
+#define DM_LATE 20        /* looks, of half a microsecond each, after which others do what a worker has not come to; */
+#define DM_PATIENCE 200   /* after which a helper sleeps: it has waited as long as waking takes */
 
 /* A fingertip and the skin; lengths in radii of the fingertip. */
 #define DM_TOO_NEAR (10 * DM_ROUNDING) /* of a size: nearer to a point, the direction away from it is rounding */

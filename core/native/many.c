@@ -46,85 +46,98 @@ static int dm_start(void *(*run)(void *), void *with) {
 }
 #endif
 
-/* Parts of one kind: `left` have no thread yet, and `undone` are not finished. */
 typedef struct {
     _Alignas(64) atomic_llong left;
-    atomic_llong undone;
-    atomic_int taken; /* by the thread that shares it out */
-    int64_t count;
-    dm_part *run;
-    void *of;
-} dm_job;
+} dm_range;
 
-enum { DM_JOBS = 16 }; /* at the same time; a thread that finds all of them taken works alone */
-
-/* Helpers look here for parts. Nobody waits for a helper unless it has a part, so one that gets no core, and a process
- * that was forked, which has none, cost no time. */
+/* Helpers look here for parts of what is shared out. Each worker has a range of them, the same in pass after pass, so
+ * that its memory stays near it; what it does not come to, others take. Nobody waits for a helper unless it has a part, so
+ * one that gets no core, and a process that was forked, which has none, cost hardly any time. */
 static struct {
     dm_mutex lock;
     dm_condition changed;
-    atomic_llong threads, workers, posted, asleep; /* wanted, with the caller; jobs so far; waiting for `changed` */
-    dm_job jobs[DM_JOBS];
+    atomic_llong threads, workers, asleep; /* helpers; wanted, with the caller; helpers that wait for `changed` */
+    atomic_int taken;                      /* something is shared out, */
+    atomic_llong posted, undone, ranges;   /* after so many others; parts that are not finished */
+    dm_range range[DM_MAX_WORKERS];        /* parts that nobody has yet */
+    int64_t count; /* this and the next hold from when a part is taken until it is finished */
+    dm_part *run;
+    void *of;
 } dm_pool = {.lock = DM_MUTEX, .changed = DM_CONDITION, .workers = 1};
 
-/* Run parts of a job that no thread has, in order. What a job says holds from when a part is taken until it is done. */
-static void dm_run_parts(dm_job *job) {
+/* Run parts of a range, at most so many; return how many. */
+static int64_t dm_run_range(int64_t r, int64_t most) {
     int64_t done = 0;
-    for (int64_t part; job->left > 0 && (part = job->left--) > 0; done++) job->run(job->of, job->count - part);
-    if (done) job->undone -= done;
+    for (int64_t left; done < most && dm_pool.range[r].left > 0 && (left = dm_pool.range[r].left--) > 0; done++)
+        dm_pool.run(dm_pool.of, (r + 1) * dm_pool.count / dm_pool.ranges - left);
+    if (done) dm_pool.undone -= done;
+    return done;
 }
 
-static int dm_has_nothing(int64_t number, int64_t seen) { return dm_pool.posted == seen || number >= dm_pool.workers; }
+/* Run a part of somebody who is late; tell whether there was one. */
+static int dm_run_late_part(void) {
+    for (int64_t r = 0; r < dm_pool.ranges; r++)
+        if (dm_run_range(r, 1)) return 1;
+    return 0;
+}
+
+static int dm_is_wanted(int64_t number) { return number < dm_pool.workers; }
+
+/* Look for more than has been seen; tell whether it came soon. */
+static int dm_comes_soon(int64_t number, int64_t seen) {
+    for (int k = 0; k < DM_PATIENCE; k++) {
+        if (dm_pool.posted != seen && dm_is_wanted(number)) return 1;
+        if (k < DM_LATE || !dm_run_late_part()) dm_yield();
+    }
+    return 0;
+}
 
 /* Help, under a number that ends when fewer workers are wanted. */
 static DM_THREAD_RESULT dm_help(void *as) {
     int64_t number = (intptr_t)as, seen = 0;
     dm_flush_denormals();
-    for (;;) {
-        for (int k = 0; k < DM_PATIENCE && dm_has_nothing(number, seen); k++) dm_yield();
-        if (dm_has_nothing(number, seen)) {
-            dm_lock(&dm_pool.lock);
-            dm_pool.asleep++;
-            while (dm_has_nothing(number, seen) && number < dm_pool.workers) dm_wait(&dm_pool.changed, &dm_pool.lock);
-            dm_pool.asleep--;
-            int leaves = number >= dm_pool.workers;
-            dm_pool.threads -= leaves;
-            dm_unlock(&dm_pool.lock);
-            if (leaves) return 0;
-        }
-        seen = dm_pool.posted;
-        for (dm_job *job = dm_pool.jobs; job < dm_pool.jobs + DM_JOBS; job++) dm_run_parts(job);
+    for (;; seen = dm_pool.posted, dm_run_range(number, INT64_MAX)) {
+        if (dm_comes_soon(number, seen)) continue;
+        dm_lock(&dm_pool.lock);
+        dm_pool.asleep++;
+        while (dm_pool.posted == seen && dm_is_wanted(number)) dm_wait(&dm_pool.changed, &dm_pool.lock);
+        dm_pool.asleep--;
+        int leaves = !dm_is_wanted(number);
+        dm_pool.threads -= leaves;
+        dm_unlock(&dm_pool.lock);
+        if (leaves) return 0;
     }
 }
 
 /* Start the helpers that are missing, and wake those that sleep. */
 static void dm_call_helpers(void) {
     dm_lock(&dm_pool.lock);
-    while (dm_pool.threads < dm_pool.workers - 1 && dm_start(dm_help, (void *)(intptr_t)(dm_pool.threads + 1)))
+    while (dm_is_wanted(dm_pool.threads + 1) && dm_start(dm_help, (void *)(intptr_t)(dm_pool.threads + 1)))
         dm_pool.threads++;
     dm_signal(&dm_pool.changed);
     dm_unlock(&dm_pool.lock);
 }
 
 void dm_share_out(int64_t count, dm_part *run, void *of) {
-    int64_t workers = dm_pool.workers;
-    dm_job *end = dm_pool.jobs + DM_JOBS, *job = count > 1 && workers > 1 ? dm_pool.jobs : end;
-    while (job < end && (job->taken || atomic_exchange(&job->taken, 1))) job++;
-    if (job == end) {
+    int64_t workers = dm_pool.workers < count ? dm_pool.workers : count;
+    if (workers < 2 || dm_pool.taken || atomic_exchange(&dm_pool.taken, 1)) { /* within another, or beside it */
         for (int64_t k = 0; k < count; k++) run(of, k);
         return;
     }
-    job->count = count, job->run = run, job->of = of;
-    job->undone = count, job->left = count;
+    dm_pool.count = count, dm_pool.run = run, dm_pool.of = of;
+    dm_pool.ranges = workers, dm_pool.undone = count;
+    for (int64_t r = 0; r < workers; r++)
+        atomic_store_explicit(&dm_pool.range[r].left, (r + 1) * count / workers - r * count / workers, memory_order_release);
     dm_pool.posted++;
-    if (dm_pool.asleep || dm_pool.threads < workers - 1) dm_call_helpers();
-    dm_run_parts(job);
-    while (job->undone) dm_yield();
-    job->taken = 0;
+    if (dm_pool.asleep || dm_is_wanted(dm_pool.threads + 1)) dm_call_helpers();
+    dm_run_range(0, INT64_MAX);
+    for (int k = 0; dm_pool.undone; k++)
+        if (k >= DM_LATE && !dm_run_late_part()) dm_yield(); /* to the helper that has it */
+    dm_pool.taken = 0;
 }
 
 void dm_set_workers(int64_t workers) {
-    dm_pool.workers = workers < DM_MAX_BODIES ? workers : DM_MAX_BODIES;
+    dm_pool.workers = workers < DM_MAX_WORKERS ? workers : DM_MAX_WORKERS;
     dm_lock(&dm_pool.lock);
     dm_signal(&dm_pool.changed); /* to those that are not wanted */
     dm_unlock(&dm_pool.lock);
@@ -158,14 +171,20 @@ int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *con
     }
     dm_run *runs = malloc((size_t)(count + 1) * sizeof *runs);
     if (!runs) return DM_MEMORY;
-    int64_t awake = 0; /* one that wakes in this call may wait for a thread */
+    int64_t left = 0, workers = dm_pool.workers;
     for (int64_t k = 0; k < count; k++) {
         runs[k] = (dm_run){bodies[k], motions[k], frames[k], dm_cost(bodies[k], motions[k])};
-        awake += runs[k].cost > 0;
+        left += runs[k].cost;
     }
     qsort(runs, (size_t)count, sizeof *runs, dm_is_cheaper); /* the dearest first, or it would be the last alone */
-    dm_share_out(awake, dm_run_one, runs);
-    for (int64_t k = awake; k < count; k++) dm_run_one(runs, k);
+    for (int64_t k = 0, next; k < count; k = next) {
+        int sliced = dm_is_sliced(runs[k].body);
+        /* what is dearer than a worker's share of the rest gets all workers, in slices; what sleeps needs none */
+        if (!runs[k].cost || (sliced && runs[k].cost * workers > left)) next = k + 1;
+        else next = sliced ? count - (count - k) % workers : count;
+        dm_share_out(next - k, dm_run_one, runs + k);
+        for (; k < next; k++) left -= runs[k].cost;
+    }
     free(runs);
     return DM_OK;
 }
