@@ -307,7 +307,7 @@ int32_t dm_check_step(const dm_body *body, const dm_motion *m) {
     return DM_OK;
 }
 
-int dm_is_sliced(const dm_body *body) { return body->vertices >= DM_SHARED; }
+int dm_is_sliced(const dm_body *body) { return body->vertices >= 2 * DM_SLICE; }
 
 int64_t dm_cost(const dm_body *body, const dm_motion *m) {
     return body->does->asleep(body->state) ? 0 : body->vertices * m->substeps * m->ticks;

@@ -128,13 +128,14 @@ static int32_t dm_state_create(dm_state **made, const dm_body_def *d) {
     if (!b) return DM_MEMORY;
     int64_t n = b->n = d->vertices;
     b->groups = (n + DM_LANES - 1) / DM_LANES;
-    b->slice = (b->groups + DM_MOST_SLICES - 1) / DM_MOST_SLICES, b->slice = b->slice > DM_SLICE ? b->slice : DM_SLICE;
+    int64_t slices = n / DM_SLICE < DM_MOST_SLICES ? n / DM_SLICE : DM_MOST_SLICES;
+    b->slice = slices > 1 ? (b->groups + slices - 1) / slices : b->groups;
     b->slices = (b->groups + b->slice - 1) / b->slice;
     b->rest_area = d->rest_area, b->size = d->size;
     int32_t code = dm_allocate(b, d);
     if (code == DM_OK) {
         memcpy(b->rest, d->rest, (size_t)(3 * n) * sizeof(double));
-        for (int64_t k = 0; k < n && d->loose; k++) b->loose[k] = d->loose[k] != 0, b->any_loose |= b->loose[k];
+        for (int64_t k = 0; k < n && d->loose; k++) b->loose[k] = d->loose[k] != 0;
         code = dm_lay_out(b, d->width, d->ring, d->ring_spring);
     }
     if (code == DM_OK) code = dm_lay_rings(b, d->width, d->ring, d->ring_spring);

@@ -113,7 +113,7 @@ struct dm_state {
     dm_pass *pass;              /* which is this */
     uint32_t *place, *rank; /* of each of the caller's vertices: in memory, along a curve in space */
     uint32_t *pinned;       /* (pinned_count,) the caller's vertices without an inverse mass */
-    uint8_t *loose, any_loose, any_k1;
+    uint8_t *loose, any_k1;
     int64_t pinned_count;
     double *rest;     /* (3, n) as the caller gave it */
     double *mass;     /* (n,) in the caller's order */

@@ -29,11 +29,9 @@
 #define DM_BLOCK (2 * DM_LANES)             /* triangles that share a box, and boxes that do */
 
 /* Threads. */
-#define DM_MAX_WORKERS 64
-#define DM_SHARED 2048    /* vertices of the least body that several threads step: a pass over them takes 15 microseconds, and
-                           * to share one out takes 2 */
-#define DM_SLICE 64       /* groups that a thread takes at once, at least: 3 microseconds of work, 0.1 to take them; */
-#define DM_MOST_SLICES 128 /* at most so many in a body, two for each worker */
+#define DM_SLICE 1024     /* vertices of a slice, at least: 6 microseconds of a pass, where to share one out takes 2. A body of one
+                           * slice stays on one thread */
+#define DM_MOST_SLICES 64 /* of a body, and so threads that are of use */
 #define DM_LATE 20        /* looks, of half a microsecond each, after which others do what a worker has not come to; */
 #define DM_PATIENCE 200   /* after which a helper sleeps: it has waited as long as waking takes */
 
@@ -55,7 +53,7 @@
 #define DM_PUSH_TIME 0.02    /* [s] in which a force brings a fingertip to its depth: a tenth of a press */
 
 /* A body's life. */
-#define DM_LARGEST_GROWTH 100.0 /* times its size at rest: larger, deeper or faster than that in a tick, the simulation has diverged */
+#define DM_LARGEST_GROWTH 100.0 /* times its size: farther from its place at rest, deeper or faster than that in a tick, the simulation has diverged */
 #define DM_REST_SPEED 1e-3      /* sizes a second: half a pixel, of a body of 500 */
 #define DM_REST_TIME 0.25       /* [s] of that: what only turns round in a swing is slow for less, and a dent has come back */
 

@@ -2,7 +2,7 @@
 #include "body.h"
 
 /* Advance groups; `gone`: the farthest way of those that are near something, and of others. */
-DM_INLINE void dm_pass_ways(dm_state *b, int64_t from, int64_t to, double *gone, int fitted) {
+static void dm_pass_ways(dm_state *b, int64_t from, int64_t to, double *gone) {
     dm_lanes p = dm_splat((dm_real)(b->fill != DM_FILL_NONE ? b->pressure : 0)), dt = dm_splat((dm_real)b->dt);
     dm_real limit = (dm_real)b->skin_travel;
     dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
@@ -13,7 +13,7 @@ DM_INLINE void dm_pass_ways(dm_state *b, int64_t from, int64_t to, double *gone,
     for (int64_t g = from; g < to; g++) {
         dm_vec3 x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
         v.x += p * n.x, v.y += p * n.y, v.z += p * n.z;
-        if (fitted) { /* whatever net force and torque shape matching left is taken out */
+        if (b->free) { /* whatever net force and torque shape matching left is taken out */
             dm_vec3 spin = dm_cross(angular, x);
             dm_lanes by = dm_blend((dm_mask)(b->matter[g].inverse_mass > dm_splat(0)), dt, dm_splat(0));
             v.x -= by * (linear.x + spin.x), v.y -= by * (linear.y + spin.y), v.z -= by * (linear.z + spin.z);
@@ -37,11 +37,7 @@ DM_INLINE void dm_pass_ways(dm_state *b, int64_t from, int64_t to, double *gone,
     for (int far = 0; far < 2; far++) gone[far] = sqrt(dm_most_of(most[far]));
 }
 
-static void dm_pass_pinned_ways(dm_state *b, int64_t from, int64_t to, double *gone) { dm_pass_ways(b, from, to, gone, 0); }
-
-static void dm_pass_free_ways(dm_state *b, int64_t from, int64_t to, double *gone) { dm_pass_ways(b, from, to, gone, 1); }
-
 static void dm_advance(dm_state *b) {
-    dm_run_pass(b, b->free ? dm_pass_free_ways : dm_pass_pinned_ways);
+    dm_run_pass(b, dm_pass_ways);
     b->near_way = dm_most_of_slices(b, 0), b->way = dm_most_of_slices(b, 1);
 }

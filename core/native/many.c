@@ -59,7 +59,7 @@ static struct {
     atomic_llong threads, workers, asleep; /* helpers; wanted, with the caller; helpers that wait for `changed` */
     atomic_int taken;                      /* something is shared out, */
     atomic_llong posted, undone, ranges;   /* after so many others; parts that are not finished */
-    dm_range range[DM_MAX_WORKERS];        /* parts that nobody has yet */
+    dm_range range[DM_MOST_SLICES];        /* parts that nobody has yet */
     int64_t count; /* this and the next hold from when a part is taken until it is finished */
     dm_part *run;
     void *of;
@@ -137,7 +137,7 @@ void dm_share_out(int64_t count, dm_part *run, void *of) {
 }
 
 void dm_set_workers(int64_t workers) {
-    dm_pool.workers = workers < DM_MAX_WORKERS ? workers : DM_MAX_WORKERS;
+    dm_pool.workers = workers < DM_MOST_SLICES ? workers : DM_MOST_SLICES;
     dm_lock(&dm_pool.lock);
     dm_signal(&dm_pool.changed); /* to those that are not wanted */
     dm_unlock(&dm_pool.lock);

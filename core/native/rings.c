@@ -74,7 +74,7 @@ static __attribute__((noinline)) dm_wide dm_pass_pinned(dm_state *b, int64_t g) 
 
 /* Set what comes next of groups but for the pressure. Sums: the volume as far as rings span it; where the shape at rest
  * follows the body, the force and the moment of shape matching. */
-DM_INLINE void dm_pass_rings(dm_state *b, int64_t from, int64_t to, double *sums, int fitted) {
+DM_INLINE void dm_run_ring_groups(dm_state *b, int64_t from, int64_t to, double *sums, int fitted) {
     dm_wide volume = {0}, sum[6] = {{0}};
     dm_lanes part[6] = {{0}}, dt = dm_splat((dm_real)b->dt), sixth = dm_splat((dm_real)1 / 6);
     dm_vec3 offset = dm_splat3(b->translation), none = {dm_splat(0), dm_splat(0), dm_splat(0)};
@@ -127,17 +127,16 @@ DM_INLINE void dm_pass_rings(dm_state *b, int64_t from, int64_t to, double *sums
     for (int k = 0; fitted && k < 6; k++) sums[1 + k] = dm_sum_of(sum[k]);
 }
 
-static void dm_pass_pinned_rings(dm_state *b, int64_t from, int64_t to, double *sums) {
-    dm_pass_rings(b, from, to, sums, 0);
+static void dm_pass_rings(dm_state *b, int64_t from, int64_t to, double *sums) {
+    if (b->free) dm_run_ring_groups(b, from, to, sums, 1);
+    else dm_run_ring_groups(b, from, to, sums, 0);
 }
-
-static void dm_pass_free_rings(dm_state *b, int64_t from, int64_t to, double *sums) { dm_pass_rings(b, from, to, sums, 1); }
 
 /* Set what comes next of every group but for the pressure, and the volume as far as rings span it; of a free body, `drift`
  * becomes the rigid acceleration that shape matching must not leave. */
 static void dm_run_rings(dm_state *b) {
     double net[6];
-    dm_run_pass(b, b->free ? dm_pass_free_rings : dm_pass_pinned_rings);
+    dm_run_pass(b, dm_pass_rings);
     b->volume = dm_sum_of_slices(b, 0) / 18;
     if (!b->free) return;
     for (int k = 0; k < 6; k++) net[k] = dm_sum_of_slices(b, 1 + k);

@@ -10,8 +10,7 @@ static void dm_run_slice(void *of, int64_t k) {
 /* Run a pass over all groups of a body, slice by slice. */
 static void dm_run_pass(dm_state *b, dm_pass *pass) {
     b->pass = pass;
-    if (b->n >= DM_SHARED) dm_share_out(b->slices, dm_run_slice, b);
-    else for (int64_t k = 0; k < b->slices; k++) dm_run_slice(b, k);
+    dm_share_out(b->slices, dm_run_slice, b);
 }
 
 /* in the order of the slices, so that the bits do not depend on who ran them */
