@@ -3,10 +3,10 @@
 The library lies beside this file (a developer's machine) or in the wheel `dimple_native` (an installed extension).
 It is used only if its ABI number is this file's and a small body moves in it as it should (`check`).
 
-The C, by subject. Door: dimple.h, api, scene_door, many; constants.h has every number. Step: step, rings, integrate,
-fill, pose, sleep. Fingertips: foot, fingertip, skin_contact, facets, reach. Bodies and props that meet: scene, tree,
-query, proximity, gaps, planes, bounds, batch, crossings, islands, touching, props, falling, body_rolling. Proxies:
-cells, seeds, flips, carriers, carry. variant.c compiles them for each precision and instruction set.
+The C, by subject. Door: dimple.h, api, scene_door, many; constants.h has every number. Step: step, slices, rings,
+integrate, fill, pose, sleep. Fingertips: foot, fingertip, skin_contact, facets, reach. Bodies and props that meet:
+scene, tree, query, proximity, gaps, planes, bounds, batch, crossings, islands, touching, props, falling, body_rolling.
+Proxies: cells, seeds, flips, carriers, carry. variant.c compiles them for each precision and instruction set.
 """
 
 from __future__ import annotations

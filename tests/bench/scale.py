@@ -34,7 +34,8 @@ from tests.bench.bench import stir, straight
 
 FRAME = 1 / 60  # [s]
 CROWD, TOUCHED, FRAMES = 100, 5, 12
-WORKERS_BODIES = (8, 2562), (32, 642), (3, 10_242), (5, 10_242), (20, 10_242), (1, 10_242), (1, 40_962)  # how many, of how many vertices
+# how many bodies, of how many vertices
+WORKERS_BODIES = (8, 2562), (32, 642), (3, 10_242), (5, 10_242), (20, 10_242), (1, 10_242), (1, 40_962)
 TURNS, CALLS = 15, 4  # of each: with one worker, with two, then two processes that share nothing
 SPEEDS, HELD = (40, 10, 4), 30  # of a live press [mm/s]; frames
 MILLION, SIZE, RADIUS = 408, 0.2, 0.016  # squares along a side of the head; [m]
