@@ -1,7 +1,7 @@
-"""The preferences of the extension: the folder for recordings."""
+"""The preferences of the extension: the folder for recordings, and its share of the cores."""
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import IntProperty, StringProperty
 
 from ..operators.names import Op
 
@@ -17,11 +17,18 @@ class DIMPLE_AP_preferences(bpy.types.AddonPreferences):
                     " folder",
         subtype="DIR_PATH",
     )
+    cores: IntProperty(
+        name="Cores While Playing",
+        description="Share of the processor's cores that move soft bodies in a live press or in Play. The rest is left"
+                    " to Blender. A bake uses all cores",
+        subtype="PERCENTAGE", default=75, min=1, max=100,
+    )  # fmt: skip
 
     def draw(self, _context: bpy.types.Context) -> None:
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "cache_dir")
+        layout.prop(self, "cores")
         layout.operator(Op.COPY_REPORT, icon="COPYDOWN")
 
 

@@ -3,16 +3,17 @@
 The library lies beside this file (a developer's machine) or in the wheel `dimple_native` (an installed extension).
 It is used only if its ABI number is this file's and a small body moves in it as it should (`check`).
 
-The C, by subject. Door: dimple.h, api, scene_door, many; constants.h has every number. Step: step, rings, integrate,
-fill, pose, sleep. Fingertips: foot, fingertip, skin_contact, facets, reach. Bodies and props that meet: scene, tree,
-query, proximity, gaps, planes, bounds, batch, crossings, islands, touching, props, falling, body_rolling. Proxies:
-cells, seeds, flips, carriers, carry. variant.c compiles them for each precision and instruction set.
+The C, by subject. Door: dimple.h, api, scene_door, many; constants.h has every number. Step: step, slices, rings,
+integrate, fill, pose, sleep. Fingertips: foot, fingertip, skin_contact, facets, reach. Bodies and props that meet:
+scene, tree, query, proximity, gaps, planes, bounds, batch, crossings, islands, touching, props, falling, body_rolling.
+Proxies: cells, seeds, flips, carriers, carry. variant.c compiles them for each precision and instruction set.
 """
 
 from __future__ import annotations
 
 import ctypes
 import importlib.util
+import os
 import platform
 import sys
 from ctypes import POINTER, c_double, c_int32, c_int64, c_uint8, c_void_p
@@ -54,7 +55,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_set_state": (c_void_p, c_void_p, c_void_p),
     "dm_get_state": (c_void_p, c_void_p, c_void_p),
     "dm_step": None,  # its arguments are made once, and quicker to hand over unchecked
-    "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p, c_int64),
+    "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p),
     "dm_get_law": (c_void_p, c_int64, c_void_p, c_double, c_int64, c_void_p, c_void_p),
     "dm_carry": (POINTER(CBinding), c_void_p, c_void_p, c_void_p),
     "dm_carry_by_nodes": (c_int64, c_int64, c_void_p, c_void_p, c_void_p, c_void_p),
@@ -153,11 +154,18 @@ def load(path: Path) -> ctypes.CDLL:
     library.dm_rest_volume.argtypes, library.dm_rest_volume.restype = [c_void_p], c_double
     library.dm_farthest_first.argtypes = [c_int64, c_void_p, c_int64, c_double, c_int64, c_void_p]
     library.dm_farthest_first.restype = c_int64
+    library.dm_set_workers.argtypes, library.dm_set_workers.restype = [c_int64], None
     library.dm_default_body_def.argtypes, library.dm_default_body_def.restype = [POINTER(BodyDef)], None
     for name, arguments in _SIGNATURES.items():
         getattr(library, name).argtypes = arguments
         getattr(library, name).restype = c_int32
+    library.dm_set_workers(os.cpu_count() or 1)
     return library
+
+
+def use_cores(share: float = 1.0) -> None:
+    """Step whatever is stepped from now on by threads on this share of the cores; the bits do not depend on it."""
+    library().dm_set_workers(max(1, round(share * (os.cpu_count() or 1))))
 
 
 def use(own: ctypes.CDLL) -> None:

@@ -50,7 +50,7 @@ static const dm_methods *dm_choose(int32_t bits, int32_t set) {
 }
 
 /* Numbers too small to matter cost a hundred times as much: a body coming to rest would grow slow. */
-static uint64_t dm_flush_denormals(void) {
+uint64_t dm_flush_denormals(void) {
 #ifdef DM_X86
     uint64_t before = _mm_getcsr();
     _mm_setcsr((unsigned)before | 0x8040);
@@ -307,20 +307,22 @@ int32_t dm_check_step(const dm_body *body, const dm_motion *m) {
     return DM_OK;
 }
 
+int dm_is_sliced(const dm_body *body) { return body->vertices >= 2 * DM_SLICE; }
+
 int64_t dm_cost(const dm_body *body, const dm_motion *m) {
-    return body->does->asleep(body->state) ? 0 : body->vertices * m->substeps;
+    return body->does->asleep(body->state) ? 0 : body->vertices * m->substeps * m->ticks;
 }
 
-void dm_run_checked(dm_body *body, const dm_motion *m, int64_t from, int64_t to, dm_frame *frame) {
+void dm_run_checked(dm_body *body, const dm_motion *m, dm_frame *frame) {
     uint64_t before = dm_flush_denormals();
-    body->does->step(body->state, m, from, to, frame);
+    body->does->step(body->state, m, frame);
     dm_keep_denormals(before);
 }
 
 int32_t dm_step(dm_body *body, const dm_motion *m, dm_frame *frame) {
     if (!frame) return DM_SIZE;
     DM_CHECK(dm_check_step(body, m));
-    dm_run_checked(body, m, 0, m->ticks, frame);
+    dm_run_checked(body, m, frame);
     return DM_OK;
 }
 

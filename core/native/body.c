@@ -7,7 +7,7 @@ static void dm_state_destroy(dm_state *b) {
         b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
         b->tension, b->rest_rate, b->pull_rate,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
-        b->inverse_mass, b->friction, b->compliance, b->hits, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
+        b->inverse_mass, b->friction, b->compliance, b->hits, b->before, b->still, b->listed, b->sums, b->pin_room, b->shares, b->moved,
         b->is_moved, b->facets, b->facet_boxes, b->facet_regions, b->painted, b->laws,
     };
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
@@ -29,6 +29,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->records = dm_alloc(size, sizeof(dm_record)));
     whole = whole && (b->state = dm_alloc(b->groups, sizeof(dm_group_state)));
     whole = whole && (b->matter = dm_alloc(b->groups, sizeof(dm_group_matter)));
+    whole = whole && (b->sums = dm_alloc(b->slices, sizeof *b->sums));
     whole = whole && (b->still = dm_alloc(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->listed = dm_alloc(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->rest_rate = dm_alloc(b->groups, sizeof(dm_vec3)));
@@ -127,11 +128,14 @@ static int32_t dm_state_create(dm_state **made, const dm_body_def *d) {
     if (!b) return DM_MEMORY;
     int64_t n = b->n = d->vertices;
     b->groups = (n + DM_LANES - 1) / DM_LANES;
+    int64_t slices = n / DM_SLICE < DM_MOST_SLICES ? n / DM_SLICE : DM_MOST_SLICES;
+    b->slice = slices > 1 ? (b->groups + slices - 1) / slices : b->groups;
+    b->slices = (b->groups + b->slice - 1) / b->slice;
     b->rest_area = d->rest_area, b->size = d->size;
     int32_t code = dm_allocate(b, d);
     if (code == DM_OK) {
         memcpy(b->rest, d->rest, (size_t)(3 * n) * sizeof(double));
-        for (int64_t k = 0; k < n && d->loose; k++) b->loose[k] = d->loose[k] != 0, b->any_loose |= b->loose[k];
+        for (int64_t k = 0; k < n && d->loose; k++) b->loose[k] = d->loose[k] != 0;
         code = dm_lay_out(b, d->width, d->ring, d->ring_spring);
     }
     if (code == DM_OK) code = dm_lay_rings(b, d->width, d->ring, d->ring_spring);

@@ -102,11 +102,18 @@ typedef struct { /* a fingertip; vectors but centre and force are in the space o
     uint32_t *kept_at, kept_count;
 } dm_tip;
 
+/* What is done to some groups, from one up to another, and what is summed up in them. */
+enum { DM_MOMENTS = 27 }; /* the most sums: those of dm_pass_moments */
+typedef void dm_pass(dm_state *b, int64_t from, int64_t to, double *sums);
+
 struct dm_state {
     int64_t n, groups;
+    int64_t slice, slices; /* groups of one, and their number */
+    double (*sums)[DM_MOMENTS]; /* (slices,) of the pass under way, */
+    dm_pass *pass;              /* which is this */
     uint32_t *place, *rank; /* of each of the caller's vertices: in memory, along a curve in space */
     uint32_t *pinned;       /* (pinned_count,) the caller's vertices without an inverse mass */
-    uint8_t *loose, any_loose, any_k1;
+    uint8_t *loose, any_k1;
     int64_t pinned_count;
     double *rest;     /* (3, n) as the caller gave it */
     double *mass;     /* (n,) in the caller's order */

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import os
 import struct
 import weakref
 from collections.abc import Sequence
@@ -14,12 +13,11 @@ import numpy as np
 
 from ..base import Floats
 from ..body.model import Model
-from ..constants import MAX_BODIES, MAX_FINGERTIPS
+from ..constants import MAX_FINGERTIPS
 from .definition import Arrays, constants, define, fields
 from .motion import Frame, Motion, PinMotion, Touch
 
 BEST, BASE, AVX2 = range(3)  # instruction sets
-WORKERS = min(os.cpu_count() or 1, MAX_BODIES)  # threads; the library takes no more
 
 
 class NativeError(RuntimeError):
@@ -275,11 +273,8 @@ class Body:
             raise NativeError(f"{name}: {self.library.dm_message(code).decode()}", code)
 
 
-def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int = 0) -> list[Frame]:
+def step_many(bodies: Sequence[Body], motions: Sequence[Motion]) -> list[Frame]:
     """Run a motion of each of several bodies of one library; the bits are those of `Body.step`.
-
-    Args:
-        workers: threads, 0 for one a core.
 
     Raises:
         NativeError: a motion has a number that is none, or a body is there twice; none has moved.
@@ -290,7 +285,7 @@ def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int
     kept = [body.pack(motion, body._motion) for body, motion in zip(bodies, motions, strict=True)]
     places = [(body._handle.value, addressof(body._motion), addressof(body._frame)) for body in bodies]
     columns = [(c_void_p * count)(*column) for column in zip(*places, strict=True)]
-    code = library.dm_step_many(count, *columns, workers or WORKERS)
+    code = library.dm_step_many(count, *columns)
     del kept
     if code:
         raise NativeError(f"dm_step_many: {library.dm_message(code).decode()}", code)

@@ -4,7 +4,7 @@
 #include <float.h>
 
 /* What Python must know too: `dev.py native` writes it into core/constants.py. */
-#define DM_ABI 28              /* changes with anything in dimple.h */
+#define DM_ABI 29              /* changes with anything in dimple.h */
 #define DM_MAX_FINGERTIPS 3    /* thumb, index and middle finger: those of the paper's device */
 #define DM_MAX_STEPS 1000000   /* in one call, so that none takes longer than minutes */
 #define DM_MAX_BODIES 4096     /* in one call, and in one scene: pairs of them are looked at one by one */
@@ -28,6 +28,13 @@
 #define DM_MAX_VERTICES (1 << FLT_MANT_DIG) /* exact in single precision, and 32-bit offsets reach all records */
 #define DM_BLOCK (2 * DM_LANES)             /* triangles that share a box, and boxes that do */
 
+/* Threads. */
+#define DM_SLICE 1024     /* vertices of a slice, at least: 6 microseconds of a pass, where to share one out takes 2. A body of one
+                           * slice stays on one thread */
+#define DM_MOST_SLICES 64 /* of a body, and so threads that are of use */
+#define DM_LATE 20        /* looks, of half a microsecond each, after which others do what a worker has not come to; */
+#define DM_PATIENCE 200   /* after which a helper sleeps: it has waited as long as waking takes */
+
 /* A fingertip and the skin; lengths in radii of the fingertip. */
 #define DM_TOO_NEAR (10 * DM_ROUNDING) /* of a size: nearer to a point, the direction away from it is rounding */
 #define DM_SWEEPS 20         /* over all contacts of a substep, at most: then what is left waits for the next one */
@@ -46,7 +53,7 @@
 #define DM_PUSH_TIME 0.02    /* [s] in which a force brings a fingertip to its depth: a tenth of a press */
 
 /* A body's life. */
-#define DM_LARGEST_GROWTH 100.0 /* times its size at rest: larger, deeper or faster than that in a tick, the simulation has diverged */
+#define DM_LARGEST_GROWTH 100.0 /* times its size: farther from its place at rest, deeper or faster than that in a tick, the simulation has diverged */
 #define DM_REST_SPEED 1e-3      /* sizes a second: half a pixel, of a body of 500 */
 #define DM_REST_TIME 0.25       /* [s] of that: what only turns round in a swing is slow for less, and a dent has come back */
 

@@ -169,10 +169,12 @@ DM_API int32_t dm_step(dm_body *body, const dm_motion *motion, dm_frame *frame);
  * factors, factors_end: as of its motion. */
 DM_API int32_t dm_get_law(const dm_body *body, int64_t fingertip, const double *factors, double factors_end,
                           int64_t count, const double *depths, double *forces);
-/* Run a motion of each of several bodies, on some threads; the bits are those of dm_step. Where one is refused,
- * none is run. */
+/* Run a motion of each of several bodies; the bits are those of dm_step. Where one is refused, none is run. */
 DM_API int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *const *motions,
-                            dm_frame *const *frames, int64_t workers);
+                            dm_frame *const *frames);
+/* Let whatever is stepped from now on use so many threads, with that of the caller; 1 until then. The bits do not depend
+ * on it. */
+DM_API void dm_set_workers(int64_t workers);
 
 /* A fine surface that follows a proxy: eight vertices after the other, with a list of what any of them follows. */
 typedef struct {

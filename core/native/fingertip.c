@@ -256,6 +256,20 @@ static void dm_state_get_law(const dm_state *b, int64_t finger, const double *fa
     for (int64_t k = 0; k < count; k++) forces[k] = f.stiffer > 0 ? dm_force_at(b, &f, depths[k]) : 0;
 }
 
+/* Add the drift to the velocities. */
+static void dm_pass_reaction(dm_state *b, int64_t from, int64_t to, double *unused) {
+    dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
+    (void)unused;
+    for (int64_t g = from; g < to; g++) {
+        dm_vec3 x = b->state[g].x, v = b->state[g].v, spin = dm_cross(angular, x);
+        dm_mask moves = (dm_mask)(b->matter[g].inverse_mass > dm_splat(0));
+        v.x += dm_blend(moves, linear.x + spin.x, dm_splat(0)), v.y += dm_blend(moves, linear.y + spin.y, dm_splat(0));
+        v.z += dm_blend(moves, linear.z + spin.z, dm_splat(0));
+        b->state[g].v = v;
+        dm_scatter8(x, v, b->records + g * DM_LANES);
+    }
+}
+
 /* Let the vertices of a free body take, as one, what is missing to the reaction on the fingertips: the skin's contact gave
  * them other impulses. */
 static void dm_react(dm_state *b) {
@@ -273,14 +287,6 @@ static void dm_react(dm_state *b) {
     for (int c = 0; c < 6; c++) push[c] -= b->skin_push[c];
     if (!(dm_inner3(push, push) + dm_inner3(push + 3, push + 3) > 0)) return;
     dm_sum_moments(b, sums), dm_find_inertia(b, sums, &now);
-    dm_rigid more = dm_rigid_part(b, &now, push, push + 3);
-    dm_vec3 linear = dm_splat3(more.linear), angular = dm_splat3(more.angular);
-    for (int64_t g = 0; g < b->groups; g++) {
-        dm_vec3 x = b->state[g].x, v = b->state[g].v, spin = dm_cross(angular, x);
-        dm_mask moves = (dm_mask)(b->matter[g].inverse_mass > dm_splat(0));
-        v.x += dm_blend(moves, linear.x + spin.x, dm_splat(0)), v.y += dm_blend(moves, linear.y + spin.y, dm_splat(0));
-        v.z += dm_blend(moves, linear.z + spin.z, dm_splat(0));
-        b->state[g].v = v;
-        dm_scatter8(x, v, b->records + g * DM_LANES);
-    }
+    b->drift = dm_rigid_part(b, &now, push, push + 3);
+    dm_run_pass(b, dm_pass_reaction);
 }

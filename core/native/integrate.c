@@ -1,16 +1,19 @@
 /* Eqs. (6) to (8): from what comes next to new velocities and positions. */
 #include "body.h"
 
-DM_INLINE void dm_advance(dm_state *b, double pressure, int fitted) {
-    dm_lanes p = dm_splat((dm_real)pressure), dt = dm_splat((dm_real)b->dt);
+/* Advance groups; `gone`: the farthest way of those that are near something, and of others. */
+static void dm_pass_ways(dm_state *b, int64_t from, int64_t to, double *gone) {
+    dm_lanes p = dm_splat((dm_real)(b->fill != DM_FILL_NONE ? b->pressure : 0)), dt = dm_splat((dm_real)b->dt);
     dm_real limit = (dm_real)b->skin_travel;
     dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
-    dm_lanes most[2] = {dm_splat(0), dm_splat(0)}; /* of groups that are near something, and of others */
+    dm_lanes most[2] = {dm_splat(0), dm_splat(0)};
     const uint32_t *near = b->near_groups, *end = near + b->near_group_count;
-    for (int64_t g = 0; g < b->groups; g++) {
+    for (int64_t left = end - near, half; left > 0; left = half) /* those of the slices before */
+        if (half = left / 2, near[half] < from) near += half + 1, half = left - half - 1;
+    for (int64_t g = from; g < to; g++) {
         dm_vec3 x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
         v.x += p * n.x, v.y += p * n.y, v.z += p * n.z;
-        if (fitted) { /* whatever net force and torque shape matching left is taken out */
+        if (b->free) { /* whatever net force and torque shape matching left is taken out */
             dm_vec3 spin = dm_cross(angular, x);
             dm_lanes by = dm_blend((dm_mask)(b->matter[g].inverse_mass > dm_splat(0)), dt, dm_splat(0));
             v.x -= by * (linear.x + spin.x), v.y -= by * (linear.y + spin.y), v.z -= by * (linear.z + spin.z);
@@ -31,9 +34,10 @@ DM_INLINE void dm_advance(dm_state *b, double pressure, int fitted) {
         b->state[g] = (dm_group_state){x, v};
         dm_scatter8(x, v, b->records + g * DM_LANES);
     }
-    b->near_way = sqrt(dm_most_of(most[0])), b->way = sqrt(dm_most_of(most[1]));
+    for (int far = 0; far < 2; far++) gone[far] = sqrt(dm_most_of(most[far]));
 }
 
-static void dm_advance_pinned(dm_state *b, double pressure) { dm_advance(b, pressure, 0); }
-
-static void dm_advance_free(dm_state *b, double pressure) { dm_advance(b, pressure, 1); }
+static void dm_advance(dm_state *b) {
+    dm_run_pass(b, dm_pass_ways);
+    b->near_way = dm_most_of_slices(b, 0), b->way = dm_most_of_slices(b, 1);
+}

@@ -1,7 +1,7 @@
-/* Several bodies stepped in one call, on a few threads that wait for the next call after it: each body is stepped by one
- * thread at a time, so the bits are the same for any number of them. */
-#include "methods.h"
+/* Threads that help whoever steps: with the bodies of a call, and with the slices of a body. What is shared out comes in
+ * parts that do not depend on who runs them, so the bits are the same for any number of threads. */
 #include "many.h"
+#include "constants.h"
 #include <stdatomic.h>
 #include <stdlib.h>
 
@@ -18,12 +18,15 @@ static void dm_unlock(dm_mutex *m) { ReleaseSRWLockExclusive(m); }
 static void dm_wait(dm_condition *c, dm_mutex *m) { SleepConditionVariableSRW(c, m, INFINITE, 0); }
 static void dm_signal(dm_condition *c) { WakeAllConditionVariable(c); }
 
-static int dm_start(DWORD (WINAPI *run)(void *)) {
-    HANDLE thread = CreateThread(NULL, 0, run, NULL, 0, NULL);
+static void dm_yield(void) { SwitchToThread(); }
+
+static int dm_start(DWORD (WINAPI *run)(void *), void *with) {
+    HANDLE thread = CreateThread(NULL, 0, run, with, 0, NULL);
     return thread && CloseHandle(thread);
 }
 #else
 #include <pthread.h>
+#include <sched.h>
 typedef pthread_mutex_t dm_mutex;
 typedef pthread_cond_t dm_condition;
 #define DM_MUTEX PTHREAD_MUTEX_INITIALIZER
@@ -35,105 +38,131 @@ static void dm_unlock(dm_mutex *m) { pthread_mutex_unlock(m); }
 static void dm_wait(dm_condition *c, dm_mutex *m) { pthread_cond_wait(c, m); }
 static void dm_signal(dm_condition *c) { pthread_cond_broadcast(c); }
 
-static int dm_start(void *(*run)(void *)) {
+static void dm_yield(void) { sched_yield(); }
+
+static int dm_start(void *(*run)(void *), void *with) {
     pthread_t thread;
-    return !pthread_create(&thread, NULL, run, NULL) && !pthread_detach(thread);
+    return !pthread_create(&thread, NULL, run, with) && !pthread_detach(thread);
 }
 #endif
+
+typedef struct {
+    _Alignas(64) atomic_llong left;
+} dm_range;
+
+/* Helpers look here for parts of what is shared out. Each worker has a range of them, the same in pass after pass, so
+ * that its memory stays near it; what it does not come to, others take. Nobody waits for a helper unless it has a part, so
+ * one that gets no core, and a process that was forked, which has none, cost hardly any time. */
+static struct {
+    dm_mutex lock;
+    dm_condition changed;
+    atomic_llong threads, workers, asleep; /* helpers; wanted, with the caller; helpers that wait for `changed` */
+    atomic_int taken;                      /* something is shared out, */
+    atomic_llong posted, undone, ranges;   /* after so many others; parts that are not finished */
+    dm_range range[DM_MOST_SLICES];        /* parts that nobody has yet */
+    int64_t count; /* this and the next hold from when a part is taken until it is finished */
+    dm_part *run;
+    void *of;
+} dm_pool = {.lock = DM_MUTEX, .changed = DM_CONDITION, .workers = 1};
+
+/* Run parts of a range, at most so many; return how many. */
+static int64_t dm_run_range(int64_t r, int64_t most) {
+    int64_t done = 0;
+    for (int64_t left; done < most && dm_pool.range[r].left > 0 && (left = dm_pool.range[r].left--) > 0; done++)
+        dm_pool.run(dm_pool.of, (r + 1) * dm_pool.count / dm_pool.ranges - left);
+    if (done) dm_pool.undone -= done;
+    return done;
+}
+
+/* Run a part of somebody who is late; tell whether there was one. */
+static int dm_run_late_part(void) {
+    for (int64_t r = 0; r < dm_pool.ranges; r++)
+        if (dm_run_range(r, 1)) return 1;
+    return 0;
+}
+
+static int dm_is_wanted(int64_t number) { return number < dm_pool.workers; }
+
+/* Look for more than has been seen; tell whether it came soon. */
+static int dm_comes_soon(int64_t number, int64_t seen) {
+    for (int k = 0; k < DM_PATIENCE; k++) {
+        if (dm_pool.posted != seen && dm_is_wanted(number)) return 1;
+        if (k < DM_LATE || !dm_run_late_part()) dm_yield();
+    }
+    return 0;
+}
+
+/* Help, under a number that ends when fewer workers are wanted. */
+static DM_THREAD_RESULT dm_help(void *as) {
+    int64_t number = (intptr_t)as, seen = 0;
+    dm_flush_denormals();
+    for (;; seen = dm_pool.posted, dm_run_range(number, INT64_MAX)) {
+        if (dm_comes_soon(number, seen)) continue;
+        dm_lock(&dm_pool.lock);
+        dm_pool.asleep++;
+        while (dm_pool.posted == seen && dm_is_wanted(number)) dm_wait(&dm_pool.changed, &dm_pool.lock);
+        dm_pool.asleep--;
+        int leaves = !dm_is_wanted(number);
+        dm_pool.threads -= leaves;
+        dm_unlock(&dm_pool.lock);
+        if (leaves) return 0;
+    }
+}
+
+/* Start the helpers that are missing, and wake those that sleep. */
+static void dm_call_helpers(void) {
+    dm_lock(&dm_pool.lock);
+    while (dm_is_wanted(dm_pool.threads + 1) && dm_start(dm_help, (void *)(intptr_t)(dm_pool.threads + 1)))
+        dm_pool.threads++;
+    dm_signal(&dm_pool.changed);
+    dm_unlock(&dm_pool.lock);
+}
+
+void dm_share_out(int64_t count, dm_part *run, void *of) {
+    int64_t workers = dm_pool.workers < count ? dm_pool.workers : count;
+    if (workers < 2 || dm_pool.taken || atomic_exchange(&dm_pool.taken, 1)) { /* within another, or beside it */
+        for (int64_t k = 0; k < count; k++) run(of, k);
+        return;
+    }
+    dm_pool.count = count, dm_pool.run = run, dm_pool.of = of;
+    dm_pool.ranges = workers;
+    dm_pool.undone = count;
+    for (int64_t r = 0; r < workers; r++)
+        atomic_store_explicit(&dm_pool.range[r].left, (r + 1) * count / workers - r * count / workers, memory_order_release);
+    dm_pool.posted++;
+    if (dm_pool.asleep || dm_is_wanted(dm_pool.threads + 1)) dm_call_helpers();
+    dm_run_range(0, INT64_MAX);
+    for (int k = 0; dm_pool.undone; k++)
+        if (k >= DM_LATE && !dm_run_late_part()) dm_yield(); /* to the helper that has it */
+    dm_pool.taken = 0;
+}
+
+void dm_set_workers(int64_t workers) {
+    dm_pool.workers = workers < DM_MOST_SLICES ? workers : DM_MOST_SLICES;
+    dm_lock(&dm_pool.lock);
+    dm_signal(&dm_pool.changed); /* to those that are not wanted */
+    dm_unlock(&dm_pool.lock);
+}
 
 typedef struct {
     dm_body *body;
     const dm_motion *motion;
     dm_frame *frame;
-    int64_t done, cost; /* ticks; of each */
-    int taken; /* a thread has it, or it is done */
+    int64_t cost;
 } dm_run;
 
-typedef struct {
-    dm_mutex lock;
-    dm_run *runs;
-    int64_t count, threads;
-    atomic_llong left, dearest; /* of all that is to be done; of what no thread has */
-} dm_batch;
-
-/* Threads wait here from call to call: where other programs run too, a new one gets a core late, and one that has slept
- * soon. Whoever comes when all is done is not waited for, so a process that was forked, which has none, goes on alone. */
-static struct {
-    dm_mutex lock;
-    dm_condition changed;
-    dm_batch *batch; /* of the call under way; another call at the same time has no thread but its own */
-    int64_t threads, wanted, busy;
-} dm_pool = {.lock = DM_MUTEX, .changed = DM_CONDITION};
-
-static int64_t dm_left_of(const dm_run *r) { return r ? r->cost * (r->motion->ticks - r->done) : 0; }
-
-/* Return the dearest run that no thread has, after putting one back. */
-static dm_run *dm_take(dm_batch *batch, dm_run *back) {
-    dm_run *found = NULL, *next = NULL;
-    dm_lock(&batch->lock);
-    if (back) back->taken = 0;
-    for (dm_run *r = batch->runs; r < batch->runs + batch->count; r++) {
-        if (r->taken) continue;
-        if (!found || dm_left_of(r) > dm_left_of(found)) next = found, found = r;
-        else if (dm_left_of(r) > dm_left_of(next)) next = r;
-    }
-    if (found) found->taken = 1;
-    batch->dearest = dm_left_of(next);
-    dm_unlock(&batch->lock);
-    return found;
+static int dm_is_cheaper(const void *a, const void *b) {
+    int64_t x = ((const dm_run *)a)->cost, y = ((const dm_run *)b)->cost;
+    return (x < y) - (x > y);
 }
 
-/* Run bodies, each to its end, unless one that no thread has would then be the last, beside threads that have nothing to
- * do: from where what is left of it is no less than a thread's share of all that is left, one of them goes on with it.
- * Source: McNaughton 1959, Scheduling with deadlines and loss functions. */
-static void dm_run_bodies(dm_batch *batch) {
-    for (dm_run *r = dm_take(batch, NULL); r;) {
-        int64_t from = r->done, ticks = r->motion->ticks, to = r->cost && from + 1 < ticks ? from + 1 : ticks;
-        dm_run_checked(r->body, r->motion, from, to, r->frame);
-        r->done = to;
-        int64_t left = batch->left -= r->cost * (to - from), dearest = batch->dearest;
-        if (to == ticks) r = dm_take(batch, NULL);
-        else if (dearest > dm_left_of(r) && dearest * batch->threads >= left) r = dm_take(batch, r);
-    }
+static void dm_run_one(void *of, int64_t k) {
+    const dm_run *r = (const dm_run *)of + k;
+    dm_run_checked(r->body, r->motion, r->frame);
 }
 
-static DM_THREAD_RESULT dm_work(void *unused) {
-    (void)unused;
-    dm_lock(&dm_pool.lock);
-    for (;;) {
-        while (!dm_pool.wanted) dm_wait(&dm_pool.changed, &dm_pool.lock);
-        dm_pool.wanted--, dm_pool.busy++;
-        dm_batch *batch = dm_pool.batch;
-        dm_unlock(&dm_pool.lock);
-        dm_run_bodies(batch);
-        dm_lock(&dm_pool.lock);
-        if (!--dm_pool.busy) dm_signal(&dm_pool.changed);
-    }
-    return 0;
-}
-
-/* Run a batch on the thread of the caller and on others. */
-static void dm_run_batch(dm_batch *batch) {
-    int others = 0;
-    if (batch->threads > 1) {
-        dm_lock(&dm_pool.lock);
-        others = !dm_pool.batch;
-        while (others && dm_pool.threads < batch->threads - 1 && dm_start(dm_work)) dm_pool.threads++;
-        if (others) dm_pool.batch = batch, dm_pool.wanted = batch->threads - 1, dm_signal(&dm_pool.changed);
-        dm_unlock(&dm_pool.lock);
-    }
-    dm_run_bodies(batch);
-    if (!others) return;
-    dm_lock(&dm_pool.lock);
-    dm_pool.wanted = 0;
-    while (dm_pool.busy) dm_wait(&dm_pool.changed, &dm_pool.lock);
-    dm_pool.batch = NULL;
-    dm_unlock(&dm_pool.lock);
-}
-
-int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *const *motions, dm_frame *const *frames,
-                     int64_t workers) {
-    if (count < 0 || count > DM_MAX_BODIES || workers < 1 || workers > DM_MAX_BODIES) return DM_SIZE;
+int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *const *motions, dm_frame *const *frames) {
+    if (count < 0 || count > DM_MAX_BODIES) return DM_SIZE;
     if (count && (!bodies || !motions || !frames)) return DM_SIZE;
     for (int64_t k = 0; k < count; k++) {
         int32_t code = frames[k] ? dm_check_step(bodies[k], motions[k]) : DM_SIZE;
@@ -141,15 +170,22 @@ int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *con
         for (int64_t j = 0; j < k; j++)
             if (bodies[j] == bodies[k]) return DM_INDEX; /* it is stepped by one thread at a time */
     }
-    dm_batch batch = {.lock = DM_MUTEX, .runs = malloc((size_t)(count + 1) * sizeof *batch.runs), .count = count};
-    if (!batch.runs) return DM_MEMORY;
-    int64_t awake = 0; /* one that wakes in this call may wait for a thread */
+    dm_run *runs = malloc((size_t)(count + 1) * sizeof *runs);
+    if (!runs) return DM_MEMORY;
+    int64_t left = 0, workers = dm_pool.workers;
     for (int64_t k = 0; k < count; k++) {
-        batch.runs[k] = (dm_run){bodies[k], motions[k], frames[k], 0, dm_cost(bodies[k], motions[k]), 0};
-        awake += batch.runs[k].cost > 0, batch.left += dm_left_of(batch.runs + k);
+        runs[k] = (dm_run){bodies[k], motions[k], frames[k], dm_cost(bodies[k], motions[k])};
+        left += runs[k].cost;
     }
-    batch.threads = workers < awake ? workers : awake;
-    dm_run_batch(&batch);
-    free(batch.runs);
+    qsort(runs, (size_t)count, sizeof *runs, dm_is_cheaper); /* the dearest first, or it would be the last alone */
+    for (int64_t k = 0, next; k < count; k = next) {
+        int sliced = dm_is_sliced(runs[k].body);
+        /* what is dearer than a worker's share of the rest gets all workers, in slices; what sleeps needs none */
+        if (!runs[k].cost || (sliced && runs[k].cost * workers > left)) next = k + 1;
+        else next = sliced ? count - (count - k) % workers : count;
+        dm_share_out(next - k, dm_run_one, runs + k);
+        for (; k < next; k++) left -= runs[k].cost;
+    }
+    free(runs);
     return DM_OK;
 }

@@ -2,7 +2,7 @@
  * Arguments are those of dimple.h, checked by api.c. */
 #ifndef DM_METHODS_H
 #define DM_METHODS_H
-#include "dimple.h"
+#include "many.h"
 
 typedef struct dm_state dm_state; /* of one body; what it holds depends on the precision */
 
@@ -19,7 +19,7 @@ typedef struct {
     void (*get_state)(const dm_state *state, double *positions, double *velocities);
     int64_t (*pinned)(const dm_state *state);
     int (*asleep)(const dm_state *state);
-    void (*step)(dm_state *state, const dm_motion *motion, int64_t from, int64_t to, dm_frame *frame);
+    void (*step)(dm_state *state, const dm_motion *motion, dm_frame *frame);
     void (*get_law)(const dm_state *state, int64_t fingertip, const double *factors, double factors_end, int64_t count,
                     const double *depths, double *forces);
     void (*carry)(const dm_binding *binding, const float *motions, float *skin);

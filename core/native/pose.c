@@ -87,12 +87,12 @@ static dm_rigid dm_rigid_part(const dm_state *b, const dm_inertia *at, const dou
 
 /* The moments that both fits ask for, in one pass. With q the place at rest from its centre, sum k1 q = 0; the tension
  * takes part by its pull p, sum p = 0. */
-enum { DM_K_X = 0, DM_K_XQ = 3, DM_M_X = 12, DM_M_XX = 15, DM_M_V = 21, DM_M_XV = 24, DM_MOMENTS = 27 };
+enum { DM_K_X = 0, DM_K_XQ = 3, DM_M_X = 12, DM_M_XX = 15, DM_M_V = 21, DM_M_XV = 24 };
 
-static void dm_sum_moments(const dm_state *b, double *sums) {
+static void dm_pass_moments(dm_state *b, int64_t from, int64_t to, double *sums) {
     dm_wide sum[DM_MOMENTS] = {{0}};
     dm_lanes part[DM_MOMENTS] = {{0}};
-    for (int64_t g = 0; g < b->groups; g++) {
+    for (int64_t g = from; g < to; g++) {
         dm_vec3 x = b->state[g].x, v = b->state[g].v, q = b->matter[g].rest, p = b->matter[g].pull;
         dm_lanes k = b->matter[g].k1, at[3] = {x.x, x.y, x.z}, m = b->matter[g].mass;
         dm_lanes kx[3] = {k * x.x, k * x.y, k * x.z};
@@ -113,6 +113,11 @@ static void dm_sum_moments(const dm_state *b, double *sums) {
     }
     dm_fold(part, sum, DM_MOMENTS);
     for (int k = 0; k < DM_MOMENTS; k++) sums[k] = dm_sum_of(sum[k]);
+}
+
+static void dm_sum_moments(dm_state *b, double *sums) {
+    dm_run_pass(b, dm_pass_moments);
+    for (int k = 0; k < DM_MOMENTS; k++) sums[k] = dm_sum_of_slices(b, k);
 }
 
 /* Fit the shape at rest to the body: least squares weighted by k1 and the tension. */

@@ -2,29 +2,20 @@
  * lists with a margin, which are valid until something has moved that far (Verlet 1967). */
 #include "body.h"
 
-static double dm_greatest_root(dm_lanes squares) {
-    dm_real most = 0;
-    for (int l = 0; l < DM_LANES; l++) most = squares[l] > most ? squares[l] : most;
-    return sqrt((double)most);
-}
-
 static double dm_greatest_speed(const dm_state *b) {
     dm_lanes most = dm_splat(0);
-    for (int64_t g = 0; g < b->groups; g++) {
-        dm_vec3 v = b->state[g].v;
-        most = dm_vmax(dm_dot(v, v), most);
-    }
-    return dm_greatest_root(most);
+    for (int64_t g = 0; g < b->groups; g++) most = dm_vmax(dm_dot(b->state[g].v, b->state[g].v), most);
+    return sqrt(dm_most_of(most));
 }
 
-/* Return the farthest that a vertex can have moved since the lists were made. */
-static double dm_greatest_way(const dm_state *b) {
+/* Return the farthest that a vertex is from where it was. */
+static double dm_greatest_way(const dm_state *b, const dm_vec3 *was) {
     dm_lanes most = dm_splat(0);
     for (int64_t g = 0; g < b->groups; g++) {
-        dm_vec3 way = dm_sub(b->state[g].x, b->listed[g]);
+        dm_vec3 way = dm_sub(b->state[g].x, was[g]);
         most = dm_vmax(dm_dot(way, way), most);
     }
-    return dm_greatest_root(most);
+    return sqrt(dm_most_of(most));
 }
 
 static void dm_bound_boxes(dm_state *b) {
@@ -181,7 +172,7 @@ static int dm_is_listed(const dm_state *b, const dm_near *to, double asked, doub
 static void dm_find_near(dm_state *b, const dm_motion *m) {
     b->skin_travel = 0;
     if (!b->finger_count) return;
-    double speed = dm_greatest_speed(b), gone = dm_greatest_way(b), asked[DM_MAX_FINGERTIPS];
+    double speed = dm_greatest_speed(b), gone = dm_greatest_way(b, b->listed), asked[DM_MAX_FINGERTIPS];
     int hold = !b->moving;
     for (int k = 0; k < b->finger_count; k++) {
         const dm_near *to = b->touches + k;

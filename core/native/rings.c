@@ -72,9 +72,9 @@ static __attribute__((noinline)) dm_wide dm_pass_pinned(dm_state *b, int64_t g) 
     return dm_widen(dm_dot(x, normal));
 }
 
-/* Set what comes next of every group but for the pressure, and the volume as far as rings span it; where the shape at
- * rest follows the body, `drift` becomes the rigid acceleration that shape matching must not leave. */
-DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
+/* Set what comes next of groups but for the pressure. Sums: the volume as far as rings span it; where the shape at rest
+ * follows the body, the force and the moment of shape matching. */
+DM_INLINE void dm_run_ring_groups(dm_state *b, int64_t from, int64_t to, double *sums, int fitted) {
     dm_wide volume = {0}, sum[6] = {{0}};
     dm_lanes part[6] = {{0}}, dt = dm_splat((dm_real)b->dt), sixth = dm_splat((dm_real)1 / 6);
     dm_vec3 offset = dm_splat3(b->translation), none = {dm_splat(0), dm_splat(0), dm_splat(0)};
@@ -83,7 +83,7 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
     dm_vec3 rows[3] = {dm_splat3(b->rotation), dm_splat3(b->rotation + 3), dm_splat3(b->rotation + 6)};
     dm_vec3 turning[3] = {dm_splat3(b->turning), dm_splat3(b->turning + 3), dm_splat3(b->turning + 6)};
     dm_vec3 shifting = dm_splat3(b->turning + 9);
-    for (int64_t g = 0; g < b->groups; g++) {
+    for (int64_t g = from; g < to; g++) {
         const dm_group_matter *m = b->matter + g;
         if (!fitted && !dm_any_of((dm_mask)(m->inverse_mass > dm_splat(0)))) {
             volume += dm_pass_pinned(b, g);
@@ -122,14 +122,23 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
         by *= sixth;
         b->next[g].per_pascal = (dm_vec3){by * normal.x, by * normal.y, by * normal.z};
     }
-    b->volume = dm_sum_of(volume) / 18;
-    if (!fitted) return;
-    dm_fold(part, sum, 6);
-    double net[6];
-    for (int k = 0; k < 6; k++) net[k] = dm_sum_of(sum[k]);
-    b->drift = dm_rigid_part(b, &b->moments, net, net + 3);
+    sums[0] = dm_sum_of(volume);
+    if (fitted) dm_fold(part, sum, 6);
+    for (int k = 0; fitted && k < 6; k++) sums[1 + k] = dm_sum_of(sum[k]);
 }
 
-static void dm_ring_pass_pinned(dm_state *b) { dm_ring_pass(b, 0); }
+static void dm_pass_rings(dm_state *b, int64_t from, int64_t to, double *sums) {
+    if (b->free) dm_run_ring_groups(b, from, to, sums, 1);
+    else dm_run_ring_groups(b, from, to, sums, 0);
+}
 
-static void dm_ring_pass_free(dm_state *b) { dm_ring_pass(b, 1); }
+/* Set what comes next of every group but for the pressure, and the volume as far as rings span it; of a free body, `drift`
+ * becomes the rigid acceleration that shape matching must not leave. */
+static void dm_run_rings(dm_state *b) {
+    double net[6];
+    dm_run_pass(b, dm_pass_rings);
+    b->volume = dm_sum_of_slices(b, 0) / 18;
+    if (!b->free) return;
+    for (int k = 0; k < 6; k++) net[k] = dm_sum_of_slices(b, 1 + k);
+    b->drift = dm_rigid_part(b, &b->moments, net, net + 3);
+}

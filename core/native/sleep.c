@@ -59,16 +59,7 @@ static void dm_fall_asleep(dm_state *b, const dm_motion *m) {
 }
 
 /* Return whether every vertex is still close to where it was when the body became slow. */
-static int dm_stays(const dm_state *b) {
-    dm_lanes most = dm_splat(0);
-    for (int64_t g = 0; g < b->groups; g++) {
-        dm_vec3 way = dm_sub(b->state[g].x, b->still[g]);
-        most = dm_vmax(dm_dot(way, way), most);
-    }
-    for (int l = 0; l < DM_LANES; l++)
-        if (sqrt((double)most[l]) > DM_ROUNDING * b->size) return 0;
-    return 1;
-}
+static int dm_stays(const dm_state *b) { return dm_greatest_way(b, b->still) <= DM_ROUNDING * b->size; }
 
 /* Return whether all fingertips stand still. The skin that they hold back has a velocity but does not move. */
 static int dm_may_be_held(const dm_state *b) {

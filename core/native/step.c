@@ -24,10 +24,10 @@ static void dm_substep(dm_state *b, int64_t left, dm_frame *frame) {
         DM_TIMED(DM_FITS, dm_fit_body(b));
         dm_press_free(b, left, frame);
     }
-    DM_TIMED(DM_RINGS, (b->free ? dm_ring_pass_free : dm_ring_pass_pinned)(b));
+    DM_TIMED(DM_RINGS, dm_run_rings(b));
     if (b->free) dm_take_moment(b);
     DM_TIMED(DM_IRREGULAR_AND_FILL, dm_apply_fill(b));
-    DM_TIMED(DM_ADVANCE, (b->free ? dm_advance_free : dm_advance_pinned)(b, b->fill != DM_FILL_NONE ? b->pressure : 0));
+    DM_TIMED(DM_ADVANCE, dm_advance(b));
 }
 
 DM_SMALL
@@ -124,50 +124,32 @@ static void dm_move_origin(dm_state *b, const double *centre) {
     dm_place_pose(b);
 }
 
-/* Tell whether every number is finite and the body neither far larger than at rest nor far too fast; find its
- * middle. */
-static int dm_is_finite(dm_state *b, double tick, double *centre) {
+/* Find: three moments of mass; NaN where a number is not finite; the fastest; and the farthest from its place at rest. */
+static void dm_pass_looks(dm_state *b, int64_t from, int64_t to, double *found) {
     dm_wide sum[3] = {{0}};
-    dm_lanes part[3] = {{0}}, probe = dm_splat(0), fastest = dm_splat(0);
-    dm_vec3 low = b->state[0].x, high = low;
-    for (int64_t g = 0; g < b->groups; g++) {
-        dm_vec3 x = b->state[g].x, v = b->state[g].v;
+    dm_lanes part[3] = {{0}}, probe = dm_splat(0), fastest = probe, farthest = probe;
+    dm_vec3 rows[3] = {dm_splat3(b->rotation), dm_splat3(b->rotation + 3), dm_splat3(b->rotation + 6)};
+    dm_vec3 offset = dm_splat3(b->translation);
+    for (int64_t g = from; g < to; g++) {
+        dm_vec3 x = b->state[g].x, v = b->state[g].v, way = dm_sub(x, dm_rotated(rows, b->matter[g].rest, offset));
         dm_lanes m = b->matter[g].mass;
-        dm_mask counts = (dm_mask)(m > dm_splat(0));
         part[0] += m * x.x, part[1] += m * x.y, part[2] += m * x.z;
-        probe += (x.x + x.y + x.z + v.x + v.y + v.z) * dm_splat(0); /* NaN where one is not finite */
-        fastest = dm_vmax(dm_dot(v, v), fastest);
-        low.x = dm_blend(counts & (dm_mask)(x.x < low.x), x.x, low.x);
-        high.x = dm_blend(counts & (dm_mask)(x.x > high.x), x.x, high.x);
-        low.y = dm_blend(counts & (dm_mask)(x.y < low.y), x.y, low.y);
-        high.y = dm_blend(counts & (dm_mask)(x.y > high.y), x.y, high.y);
-        low.z = dm_blend(counts & (dm_mask)(x.z < low.z), x.z, low.z);
-        high.z = dm_blend(counts & (dm_mask)(x.z > high.z), x.z, high.z);
+        probe += (x.x + x.y + x.z + v.x + v.y + v.z) * dm_splat(0);
+        fastest = dm_vmax(dm_dot(v, v), fastest), farthest = dm_vmax(dm_dot(way, way), farthest);
         if (g % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 3);
     }
     dm_fold(part, sum, 3);
-    for (int c = 0; c < 3; c++) centre[c] = dm_sum_of(sum[c]) / b->mass_total;
-    b->fastest = 0;
-    for (int l = 0; l < DM_LANES; l++) {
-        double speed = sqrt((double)fastest[l]);
-        if (!(probe[l] == 0 && speed * tick < DM_LARGEST_GROWTH * b->size)) return 0;
-        b->fastest = speed > b->fastest ? speed : b->fastest;
-    }
-    double bottom[3] = {INFINITY, INFINITY, INFINITY}, top[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (int64_t k = 0; b->any_loose && k < b->n; k++) /* what belongs to no face may be anywhere */
-        for (int c = 0; c < 3 && !b->loose[k]; c++) {
-            double x = b->records[b->place[k]].x[c];
-            bottom[c] = x < bottom[c] ? x : bottom[c], top[c] = x > top[c] ? x : top[c];
-        }
-    for (int l = 0; l < DM_LANES && !b->any_loose; l++) {
-        if ((int64_t)l >= b->n) break;
-        double at[2][3] = {{low.x[l], low.y[l], low.z[l]}, {high.x[l], high.y[l], high.z[l]}};
-        for (int c = 0; c < 3; c++)
-            bottom[c] = at[0][c] < bottom[c] ? at[0][c] : bottom[c], top[c] = at[1][c] > top[c] ? at[1][c] : top[c];
-    }
-    for (int c = 0; c < 3; c++)
-        if (!(top[c] - bottom[c] < DM_LARGEST_GROWTH * b->size)) return 0;
-    return 1;
+    for (int c = 0; c < 3; c++) found[c] = dm_sum_of(sum[c]);
+    found[3] = dm_sum_of(dm_widen(probe)), found[4] = sqrt(dm_most_of(fastest)), found[5] = sqrt(dm_most_of(farthest));
+}
+
+/* Tell whether every number is finite and nothing far too fast or too far from where it rests; find the body's middle. */
+static int dm_is_finite(dm_state *b, double tick, double *centre) {
+    double most = DM_LARGEST_GROWTH * b->size;
+    dm_run_pass(b, dm_pass_looks);
+    for (int c = 0; c < 3; c++) centre[c] = dm_sum_of_slices(b, c) / b->mass_total;
+    b->fastest = dm_most_of_slices(b, 4);
+    return dm_sum_of_slices(b, 3) == 0 && b->fastest * tick < most && dm_most_of_slices(b, 5) < most;
 }
 
 static void dm_begin_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
@@ -229,18 +211,15 @@ static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
     dm_show_fingertips(b, m, frame);
 }
 
-/* Run the ticks of a motion from one to before another: the first begins it, and the last ends it. */
-static void dm_state_step(dm_state *b, const dm_motion *m, int64_t from, int64_t to, dm_frame *frame) {
-    if (!from) {
-        dm_begin_motion(b, m, frame);
-        memset(b->resisted, 0, sizeof b->resisted), b->sag = 0, b->meets = 0, b->changes++;
-    }
-    for (int64_t t = from; t < to && frame->finite; t++) {
+static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
+    dm_begin_motion(b, m, frame);
+    memset(b->resisted, 0, sizeof b->resisted), b->sag = 0, b->meets = 0, b->changes++;
+    for (int64_t t = 0; t < m->ticks && frame->finite; t++) {
         dm_begin_tick(b, m, t, frame);
         for (int64_t s = 0; s < m->substeps && !b->asleep; s++) dm_run_substep(b, m->substeps - 1 - s, frame);
         dm_end_tick(b, m, t, frame);
         if (b->rested) dm_fall_asleep(b, m);
     }
-    if (to == m->ticks) dm_end_motion(b, m, frame);
+    dm_end_motion(b, m, frame);
 }
 DM_FAST

@@ -8,6 +8,7 @@ DM_SMALL
 #include "layout.c"
 #include "irregular.c"
 DM_FAST
+#include "slices.c"
 #include "pose.c"
 #include "rings.c"
 #include "integrate.c"

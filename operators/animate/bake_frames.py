@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ...core import native
 from ...core.base import DimpleError
 from ...core.messages import Message, about
 from ...core.recording import PointCache
@@ -88,6 +89,7 @@ def simulate(
     """
     scene = context.scene
     before = scene.frame_current, scene.frame_subframe
+    native.use_cores()
     with contextlib.ExitStack() as files, cache_files.plain_os_errors("The bake"):
         _check(plan)
         files.callback(go_to, scene, before)

@@ -21,7 +21,7 @@ from . import keyframes, offset, rendered_mesh
 from .modifiers import is_cache
 
 LONGEST_NAME = 91  # bytes; a name has two, a number and endings, and a disk takes 255
-_PACKAGE = (__package__ or "").partition(".operators")[0]
+PACKAGE = (__package__ or "").partition(".operators")[0]
 
 
 def take_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
@@ -75,7 +75,7 @@ def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
     elif bpy.data.filepath:
         folder = Path(bpy.data.filepath).parent
     else:
-        settings = bpy.context.preferences.addons.get(_PACKAGE)
+        settings = bpy.context.preferences.addons.get(PACKAGE)
         chosen = settings.preferences.cache_dir if settings else ""
         # not the extension's own folder: Blender deletes that with the extension, and scenes go on playing these files
         folder = Path(bpy.path.abspath(chosen) if chosen else bpy.utils.user_resource("DATAFILES", path="dimple"))

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
+from ...core import native
 from ...core.base import DimpleError
 from ...core.constants import MAX_FINGERTIPS
 from ...core.messages import about, in_a_row
 from ...core.session import Finger
 from ...core.session.clock import step_all
 from ...core.steps import Parts, at_once
-from ..bridge import scene_objects, sizing
+from ..bridge import cache_files, scene_objects, sizing
 from ..messages import Note, gathered
 from . import (
     colliders,
@@ -109,6 +110,8 @@ def advance(
     Returns:
         Sentences for the artist: sessions that ended, or were put back to rest.
     """
+    settings = context.preferences.addons.get(cache_files.PACKAGE)
+    native.use_cores(settings.preferences.cores / 100 if settings else 1.0)
     messages = [*haptic_fingertips.read(), *showing.end_changed(context.view_layer)]
     began = time.perf_counter()
     for uid, body in list(sessions.sessions.items()):

@@ -393,13 +393,14 @@ class Twin:
         self._state.pose_rate, self._led = None, False
 
     def _is_finite(self, tick: float) -> bool:
-        """Tell whether every number is finite and the body neither far larger than at rest nor far too fast."""
+        """Tell whether every number is finite and nothing far too fast or too far from where it rests."""
         state, mesh = self._state, self.model.mesh
         speed = float(np.sqrt((state.velocities**2).sum(axis=0).max()))
         if not (np.isfinite(state.positions).all() and speed * tick < LARGEST_GROWTH * mesh.size):
             return False
-        used = state.positions[:, ~mesh.loose]
-        return bool(np.ptp(used, axis=1).max() < LARGEST_GROWTH * mesh.size)
+        rotation, translation = self._pose()
+        ways = state.positions - rotation @ self.model.matching.rest - translation[:, None]
+        return bool(np.sqrt((ways**2).sum(axis=0).max()) < LARGEST_GROWTH * mesh.size)
 
 
 def _moved(here: Floats, tip: FingertipMotion, share: float, pushed: float) -> Floats:

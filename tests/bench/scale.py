@@ -34,7 +34,8 @@ from tests.bench.bench import stir, straight
 
 FRAME = 1 / 60  # [s]
 CROWD, TOUCHED, FRAMES = 100, 5, 12
-WORKERS_BODIES = (8, 2562), (32, 642), (3, 10_242), (5, 10_242), (20, 10_242)  # how many, of how many vertices
+# how many bodies, of how many vertices
+WORKERS_BODIES = (8, 2562), (32, 642), (3, 10_242), (5, 10_242), (20, 10_242), (1, 10_242), (1, 40_962)
 TURNS, CALLS = 15, 4  # of each: with one worker, with two, then two processes that share nothing
 SPEEDS, HELD = (40, 10, 4), 30  # of a live press [mm/s]; frames
 MILLION, SIZE, RADIUS = 408, 0.2, 0.016  # squares along a side of the head; [m]
@@ -118,7 +119,8 @@ def pressed_crowd(count: int, size: int) -> list[native.Body]:
     model = scenes.poke_ball(subdivisions).model
     group = [native.Body(model, native.library()) for _ in range(count)]
     down = Motion(8, model.substeps(TICK), TICK, straight(TOP, TOP - 0.01, 8, 1))
-    step_many(group, [down] * count, workers=1)
+    native.library().dm_set_workers(1)
+    step_many(group, [down] * count)
     return group
 
 
@@ -132,7 +134,8 @@ def stir_all(group: Sequence[native.Body]) -> None:
 def press_on(group: Sequence[native.Body], workers: int, ticks: int = 8) -> None:
     """Step pressed balls by half a frame."""
     still = Motion(ticks, group[0].model.substeps(TICK), TICK, straight(TOP - 0.01, TOP - 0.01, ticks, 1))
-    step_many(group, [still] * len(group), workers=workers)
+    native.library().dm_set_workers(workers)
+    step_many(group, [still] * len(group))
 
 
 def stepping(count: int, size: int) -> float:

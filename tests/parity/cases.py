@@ -86,6 +86,7 @@ WHOLE = {
     "no fill": Case(shape=lambda: ball(2), material=replace(SOFT, fill="none")),
     "free": Case(shape=lambda: ball(2), hold="free", thrown=True),
     "free on the ground": Case(shape=lambda: ball(2), hold="free", options={"ground": -0.5, "gravity": (0, 0, -9.81)}),
+    "in slices": Case(shape=lambda: ball(4), hold="free", ticks=4, options={"ground": -0.5, "gravity": (0, 0, -9.81)}),
     "lifted by three": Case(shape=lambda: ball(2), hold="free", fingers=3, options={"gravity": (1, 0, -9.81)}),
     "moving pins": Case(shape=lambda: ball(2), moved=True, thrown=True),
     "slippery": Case(shape=lambda: ball(2), material=replace(SOFT, friction=0.0)),

@@ -7,7 +7,6 @@ import pytest
 
 from core import native
 from core.native import Body
-from core.native import body as native_body
 from core.native.motion import Frame as MotionFrame
 from core.native.motion import Motion
 from core.session import Finger, Session, clock
@@ -30,10 +29,9 @@ def pressed() -> list[Session]:
 
 
 @pytest.mark.parametrize("workers", [1, 2, 7])
-def test_bodies_stepped_together_move_to_the_bits_of_each_alone(
-    workers: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(native_body, "WORKERS", workers)
+def test_bodies_stepped_together_move_to_the_bits_of_each_alone(workers: int, request: pytest.FixtureRequest) -> None:
+    native.library().dm_set_workers(workers)
+    request.addfinalizer(native.use_cores)
     alone, together = pressed(), pressed()
     expected = [session.step(dt) for session, dt in zip(alone, SECONDS, strict=True)]
     for frame, wanted, a, b in zip(step_all(together, SECONDS), expected, together, alone, strict=True):
