@@ -135,7 +135,9 @@ static void dm_pass_looks(dm_state *b, int64_t from, int64_t to, double *found) 
         dm_lanes m = b->matter[g].mass;
         part[0] += m * x.x, part[1] += m * x.y, part[2] += m * x.z;
         probe += (x.x + x.y + x.z + v.x + v.y + v.z) * dm_splat(0);
-        fastest = dm_vmax(dm_dot(v, v), fastest), farthest = dm_vmax(dm_dot(way, way), farthest);
+        dm_mask held = (dm_mask)(b->matter[g].k1 > dm_splat(0)); /* vertices without a face may be anywhere */
+        fastest = dm_vmax(dm_dot(v, v), fastest);
+        farthest = dm_vmax(dm_blend(held, dm_dot(way, way), dm_splat(0)), farthest);
         if (g % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 3);
     }
     dm_fold(part, sum, 3);

@@ -400,7 +400,8 @@ class Twin:
             return False
         rotation, translation = self._pose()
         ways = state.positions - rotation @ self.model.matching.rest - translation[:, None]
-        return bool(np.sqrt((ways**2).sum(axis=0).max()) < LARGEST_GROWTH * mesh.size)
+        farthest = (ways**2).sum(axis=0)[self.model.matching.k1 > 0].max(initial=0)
+        return bool(np.sqrt(farthest) < LARGEST_GROWTH * mesh.size)
 
 
 def _moved(here: Floats, tip: FingertipMotion, share: float, pushed: float) -> Floats:
