@@ -6,7 +6,6 @@ What cannot be used now is greyed out, not hidden; a tooltip from the operator's
 import bpy
 
 from ..operators.bridge import sizing
-from ..operators.experiment.blind_trial import is_blind
 from ..operators.messages import Note
 from ..operators.names import Op
 from ..operators.press.fingertip_objects import body_of
@@ -41,10 +40,9 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         row = layout.row()
         row.prop(settings, "use_gravity")
         row.prop(settings, "use_ground")
-        if not is_blind():
-            room.note_readout(context.area, shown=True)
-            draw_rows(layout, readout.rows(entry and entry.frame))
-            draw_notes(context, layout, readout.warnings(entry) if entry else [], "ERROR")
+        room.note_readout(context.area, shown=True)
+        draw_rows(layout, readout.rows(entry and entry.frame))
+        draw_notes(context, layout, readout.warnings(entry) if entry else [], "ERROR")
         if body is None or body.type != "MESH":
             draw_notes(context, layout, ["Select a mesh to press it."])
 
@@ -55,8 +53,6 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
     bl_label = "More Numbers"
     bl_parent_id = "DIMPLE_PT_session"
     bl_options = {"DEFAULT_CLOSED"}
-
-    poll = shown_if(lambda _: not is_blind())  # a participant judges alone
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, body = self.layout, body_of(context.object, context.scene)
