@@ -4,7 +4,6 @@
 import bpy
 from bpy.props import FloatProperty, FloatVectorProperty, StringProperty
 
-from ..operators.experiment.blind_trial import is_blind
 from ..operators.names import Op
 from ..operators.press import haptic_fingertips
 from .drawing import SidebarPanel, draw_notes, draw_rows
@@ -68,8 +67,8 @@ class DIMPLE_PT_device(SidebarPanel, bpy.types.Panel):
         if connection is None:
             return
         body = context.object
-        material = body.active_material.dimple if body and body.active_material and not is_blind() else None
-        draw_rows(layout, rows(connection.report, material)[: 1 if is_blind() else None])
+        material = body.active_material.dimple if body and body.active_material else None
+        draw_rows(layout, rows(connection.report, material))
         draw_notes(context, layout, notes(connection.report, material))
         if connection.report.note:
             draw_notes(context, layout, [connection.report.note], "ERROR")

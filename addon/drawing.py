@@ -4,12 +4,18 @@ from collections.abc import Callable
 
 import bpy
 
+from ..operators.experiment.blind_trial import is_blind
 from ..operators.messages import wrapped
 from ..operators.translation import translated
 from . import readout
 
 CHARACTER = 6.5  # [px] mean width of a character of a note, at most, at a resolution scale of 1
 FRAME = 80.0  # [px] width of the icon and borders beside it
+
+
+def shown_if(is_met: Callable[[bpy.types.Context], object]) -> classmethod:
+    """Return the poll of a panel that is shown where a condition is met, and no participant judges blind."""
+    return classmethod(lambda _cls, context: not is_blind() and bool(is_met(context)))
 
 
 class MaterialPanel:
@@ -27,10 +33,7 @@ class SidebarPanel:
     bl_region_type = "UI"
     bl_category = "Dimple"
 
-
-def shown_if(is_met: Callable[[bpy.types.Context], object]) -> classmethod:
-    """Return the poll of a panel that is shown where a condition is met."""
-    return classmethod(lambda _cls, context: bool(is_met(context)))
+    poll = shown_if(lambda _: True)
 
 
 def draw_notes(

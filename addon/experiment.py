@@ -1,8 +1,9 @@
-"""The sensory comparison in the sidebar: the text to agree to, the trial under its blind label, and the answers."""
+"""The sensory comparison in the sidebar: the text to agree to, the trial, and the answers."""
 
 import bpy
 
-from ..operators.experiment import blind_trial
+from ..core.messages import Message
+from ..operators.experiment.blind_trial import experiments
 from ..operators.names import Op
 from .drawing import SidebarPanel, draw_notes
 from .readout import iface_
@@ -14,40 +15,43 @@ class DIMPLE_PT_experiment(SidebarPanel, bpy.types.Panel):
     bl_label = "Sensory Comparison"
     bl_options = {"DEFAULT_CLOSED"}
 
+    poll = classmethod(lambda _cls, _context: True)  # in a blind trial too
+
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the next step, without a hint at which object it is."""
-        layout, under_way = self.layout, blind_trial.get()
-        if under_way is None:
+        """Draw the next step, without a hint at what is presented."""
+        layout = self.layout
+        if not experiments:
             layout.operator(Op.OPEN_EXPERIMENT, icon="FILE_FOLDER")
             return
-        if not under_way.agreed:
-            draw_notes(context, layout, [under_way.experiment.plan.consent])
-            layout.operator(Op.AGREE_EXPERIMENT, icon="CHECKMARK")
+        experiment, left = experiments[0], experiments[0].left()
+        plan, trial = experiment.plan, experiment.trial
+        if not experiment.agreed:
+            minutes = sum(plan.trial_s + each.rest_s for each in left) / 60
+            draw_notes(context, layout, [
+                experiment.participant, plan.consent,
+                Message("{count} trials, about {minutes:.0f} minutes", count=len(left), minutes=minutes),
+            ])  # fmt: skip
+            layout.operator(Op.CONTINUE_EXPERIMENT, text="I Agree, Begin", icon="CHECKMARK")
+        elif trial is None:
+            draw_notes(context, layout, ["All trials are answered. Thank you."], "CHECKMARK")
         else:
-            draw_trial(context, layout, under_way)
+            of = iface_("Trial {} of {}").format(trial.number, len(experiment.trials))
+            layout.label(text=of, translate=False)
+            if experiment.rests:
+                draw_notes(context, layout, ["Rest until you can go on."])
+            for label in {each.real for each in trial.show if each.real and not experiment.intervals}:
+                draw_notes(context, layout, [Message("Experimenter: put object {label} in front.", label=label)])
+            draw_notes(context, layout, [plan.instruction])
+            for number, stimulus in enumerate(trial.show):
+                row = layout.row()
+                row.enabled = number == experiment.due
+                what = iface_("Touch the real object") if stimulus.real else iface_("Touch the virtual object")
+                row.operator(Op.CONTINUE_EXPERIMENT, text=what, translate=False)
+            draw_notes(context, layout, [plan.question])
+            column = layout.column(align=True)
+            for choice, words in enumerate(plan.answers, start=1):
+                column.operator(Op.ANSWER_TRIAL, text=words, translate=False).choice = choice
         layout.operator(Op.STOP_EXPERIMENT, icon="CANCEL")
-
-
-def draw_trial(context: bpy.types.Context, layout: bpy.types.UILayout, under_way: object) -> None:
-    """Draw the trial that is next."""
-    trial = blind_trial.trial()
-    if trial is None:
-        draw_notes(context, layout, ["All trials are answered. Thank you."], "CHECKMARK")
-        return
-    label = iface_("Trial {} of {}, Object {}").format(trial.number, trial.of, trial.label)
-    layout.label(text=label, translate=False)
-    ordinals = iface_("First"), iface_("Second")
-    row = layout.row(align=True)
-    for interval in range(1, len(trial.shown) + 1):
-        name = iface_("Present") if len(trial.shown) == 1 else ordinals[interval - 1]
-        button = row.operator(Op.SHOW_TRIAL, text=name, translate=False, icon="HIDE_OFF")
-        button.interval = interval
-    rating = trial.task.kind == "rating"
-    layout.label(text="How like the real object is it?" if rating else "Which was stiffer?")
-    column = layout.column(align=True)
-    for choice, words in enumerate(map(iface_, trial.task.steps) if rating else ordinals, start=1):
-        button = column.operator(Op.ANSWER_TRIAL, text=words, translate=False)
-        button.choice = choice
 
 
 SIDEBAR = (DIMPLE_PT_experiment,)

@@ -6,13 +6,12 @@ What cannot be used now is greyed out, not hidden; a tooltip from the operator's
 import bpy
 
 from ..operators.bridge import sizing
-from ..operators.experiment.blind_trial import is_blind
 from ..operators.messages import Note
 from ..operators.names import Op
 from ..operators.press.fingertip_objects import body_of
 from ..operators.press.sessions import sessions
 from . import calibration, device, experiment, materials, physics_panels, readout
-from .drawing import SidebarPanel, draw_linked, draw_notes, draw_prop, draw_rows, shown_if
+from .drawing import SidebarPanel, draw_linked, draw_notes, draw_prop, draw_rows
 from .tool import draw_amount
 
 
@@ -37,8 +36,7 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         row = layout.row()
         row.prop(settings, "use_gravity")
         row.prop(settings, "use_ground")
-        if not is_blind():
-            draw_notes(context, layout, readout.warnings(entry) if entry else [], "ERROR")
+        draw_notes(context, layout, readout.warnings(entry) if entry else [], "ERROR")
         if body is None or body.type != "MESH":
             draw_notes(context, layout, ["Select a mesh to press it."])
 
@@ -49,8 +47,6 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
     bl_label = "Numbers"
     bl_parent_id = "DIMPLE_PT_session"
     bl_options = {"DEFAULT_CLOSED"}
-
-    poll = shown_if(lambda _: not is_blind())  # a participant judges alone
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, body = self.layout, body_of(context.object, context.scene)

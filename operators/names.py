@@ -73,7 +73,6 @@ class Op(StrEnum):
     DISARM_DEVICE = "dimple.disarm_device"
     CENTRE_DEVICE = "dimple.centre_device"
     OPEN_EXPERIMENT = "dimple.open_experiment"
-    AGREE_EXPERIMENT = "dimple.agree_experiment"
-    SHOW_TRIAL = "dimple.show_trial"
+    CONTINUE_EXPERIMENT = "dimple.continue_experiment"
     ANSWER_TRIAL = "dimple.answer_trial"
     STOP_EXPERIMENT = "dimple.stop_experiment"

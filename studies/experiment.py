@@ -1,7 +1,7 @@
-"""`dev.py core experiment`: the sensory comparison of chapter 5, with simulated observers or the answers in a file.
+"""`dev.py core experiment`: plans for the sensory comparison of chapter 5, simulated participants, and the analysis.
 
-Observers of known point of equality and just-noticeable difference go through the whole experiment: plan, order,
-answers, log, fit. psignifit, where it is installed, fits some of them too. Nothing here stands for a person.
+Participants who are simulated go through the whole experiment: plan, order, staircases, answers, log, fit. Nothing here
+stands for a person.
 """
 
 from __future__ import annotations
@@ -10,241 +10,183 @@ import argparse
 import json
 import math
 import random
-import subprocess
-import sys
-import tempfile
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import util
 from pathlib import Path
+from statistics import NormalDist
 
 import numpy as np
 
 from core.base import DimpleError
-from core.experiment.log import CUT, Log, Row, read_rows
-from core.experiment.plan import ExperimentPlan, Trial, make_plan
+from core.everyday_presets import OBJECTS
+from core.experiment.plan import Plan, Stimulus, Trial, read_plan
 from core.experiment.run import Experiment
-from studies.experiment_results import Comparison, Ratings, compared, rated, sentences
-from studies.psychometric import QUARTER, Psychometric, shares
+from studies.experiment_plans import KINDS, LEVELS, REPEATS, make
+from studies.experiment_results import QUARTER, Pairs, Ratings, group, read, summary, totals
 
-LEVELS = [0.55, 0.65, 0.75, 0.85, 0.95, 1.05, 1.15, 1.25, 1.35, 1.45]
-OBJECTS = ("Object 1", "Object 2", "Object 3")
 PEOPLE = 8  # as many as the paper asked
-REFEREED = 50  # observers that psignifit fits too: it takes seconds for each
-KILLS = 10
-PLAN = {
-    "name": "simulated", "seed": 5,
-    "tasks": [
-        {"kind": "comparison", "method": "constant", "object": "Object 2", "levels": LEVELS, "repeats": 24},
-        {"kind": "comparison", "method": "staircase", "object": "Object 3", "repeats": 160, "start": 1.4, "step": 0.08},
-    ],
-}  # fmt: skip
-RATING = {
-    "name": "ratings", "seed": 5,
-    "tasks": [{"kind": "rating", "object": name, "repeats": 3} for name in OBJECTS],
-}  # fmt: skip
-LIKENESS = {"Object 1": 2.6, "Object 2": 3.1, "Object 3": 2.9}  # of the simulated raters, made up
+PSE, PSE_SPREAD = 1.03, 0.08  # of the simulated people: mean, and standard deviation between them
+JND, JND_SPREAD = 0.12, 0.3  # geometric mean, and standard deviation of the logarithm
+NOISE = 0.6  # steps by which a simulated rating scatters
+STRICT = 5.0  # steps of a rating that a factor of e on the stiffness costs
+MANNERS = ("good", "good", "good", "good", "swapped", "guessing", "lapsing", "one button")
+LAPSING = 0.12  # share of answers at random
+PHI = NormalDist().cdf
+MATERIALS = {each.name: each.material for each in OBJECTS}
 
 
-@dataclass(frozen=True, slots=True)
-class Observer:
-    """A simulated observer.
+@dataclass(slots=True)
+class Person:
+    """A simulated participant: how they answer, point of equality and just-noticeable difference, and their dice."""
 
-    pse, jnd: factors on the stiffness.
-    lapse: share of answers at random, on each side.
-    dice: of its answers.
-    """
-
+    manner: str
     pse: float
     jnd: float
-    lapse: float
     dice: random.Random
 
-    def answer(self, trial: Trial) -> int:
-        """Answer a trial as a person would: from 1 on."""
-        if trial.task.kind == "rating":
-            felt = self.dice.gauss(LIKENESS[trial.task.object], 0.7)
-            return min(max(round(felt), 1), len(trial.task.steps))
-        stiffer = self.dice.random() < float(shares(np.array(trial.level), self.pse, self.jnd / QUARTER, self.lapse))
-        return 1 if stiffer == trial.test_first else 2
+    def answer(self, plan: Plan, trial: Trial) -> int:
+        """Answer a trial, from 1 on."""
+        steps = len(plan.answers)
+        if self.manner == "guessing" or (self.manner == "lapsing" and self.dice.random() < LAPSING):
+            return self.dice.randint(1, steps)
+        if self.manner == "one button":
+            return 1
+        stiff = [self.felt(plan, each) for each in trial.show]
+        if plan.made["kind"] == "rating":
+            rated = steps - STRICT * abs(math.log(stiff[0] / stiff[1])) + self.dice.gauss(0, NOISE)
+            chosen = min(max(round(rated), 1), steps)
+        else:
+            chosen = 1 if stiff[0] + self.dice.gauss(0, self.jnd / QUARTER) > stiff[1] else 2
+        return steps + 1 - chosen if self.manner == "swapped" else chosen
+
+    def felt(self, plan: Plan, stimulus: Stimulus) -> float:
+        """Return how stiff a stimulus is to them: the standard as stiff as the test at their point of equality."""
+        if plan.made["kind"] == "rating":
+            level = 1.0 if stimulus.real else stimulus.level
+            return level * MATERIALS[plan.objects[stimulus.real or stimulus.object]].K1
+        return self.pse if stimulus.real or stimulus.object == plan.made["standard"] else stimulus.level
+
+
+def person(manner: str, dice: random.Random) -> Person:
+    """Return a participant at random."""
+    return Person(manner, dice.gauss(PSE, PSE_SPREAD), math.exp(dice.gauss(math.log(JND), JND_SPREAD)), dice)
 
 
 def add_experiment(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_experiment)
     what = command.add_mutually_exclusive_group(required=True)
-    what.add_argument("--simulate", type=int, metavar="N", help="simulate N observers")
-    what.add_argument("--analyse", type=Path, nargs="+", metavar="CSV", help="files of answers")
-    what.add_argument("--observe", type=Path, metavar="CSV", help="one simulated observer, answers kept in a file")
+    what.add_argument("--plan", choices=KINDS, help="write a plan to --out")
+    what.add_argument("--simulate", type=Path, metavar="PLAN.json", help="let simulated people take part, into --out")
+    what.add_argument("--analyse", type=Path, nargs="+", metavar="CSV", help="files of answers; they are only read")
+    what.add_argument("--groups", type=int, metavar="N", help="how often the intervals of N simulated groups hold")
+    command.add_argument("--out", type=Path, help="file of the plan, or folder of the simulated answers")
+    command.add_argument("--participants", type=int, default=PEOPLE, metavar="N")
+    command.add_argument("--objects", nargs="+", default=[], metavar="NAME", help="presets or materials of the plan")
+    command.add_argument("--real", action="store_true", help="the standard of a pair is the real object")
     command.add_argument("--seed", type=int, default=1)
-    command.add_argument("--referee", type=int, default=REFEREED, metavar="N", help="have psignifit fit N of them too")
-    command.add_argument("--json", type=Path, metavar="OUT", help="write the figures")
-    command.add_argument("--plot", type=Path, metavar="OUT.png", help="draw answers and ratings")
+    command.add_argument("--plot", type=Path, metavar="OUT.png", help="draw ratings and psychometric functions")
 
 
 def run_experiment(options: argparse.Namespace) -> int:
-    """Simulate, or analyse."""
-    if options.observe:
-        observe(make_plan(PLAN), options.observe, options.seed)
+    """Write a plan, simulate, or analyse."""
+    if options.groups:
+        for name, value in held(options.groups, options.seed).items():
+            print(f"{name:<12} {value:.3f}")
         return 0
-    if options.analyse:
+    if not options.out and not options.analyse:
+        raise DimpleError("--plan and --simulate need --out.")
+    if options.plan:
+        plan = make(
+            options.plan, participants=options.participants, seed=options.seed, objects=options.objects,
+            real=options.real,
+        )  # fmt: skip
         try:
-            rows = [row for path in options.analyse for row in read_rows(path)]
+            with options.out.open("x", encoding="utf-8") as file:  # never over a plan that is in use
+                file.write(written(plan))
         except OSError as error:
-            raise DimpleError(f"The answers cannot be read: {error}.") from None
-        print("\n".join(sentences(rows)) or "There are no answers yet.")
-        if options.plot:
-            draw(rated(rows), compared(rows), options.plot, simulated=False)
+            raise DimpleError(f"{options.out} cannot be written: {error.strerror}.") from None
         return 0
-    figures, comparisons = simulate(options.simulate, seed=options.seed, referee=options.referee)
-    figures |= killed(options.seed)
-    ratings = simulated_ratings(options.seed)
-    for name, value in figures.items():
-        print(f"{name:<22} {value:.6g}")
-    if options.json:
-        try:
-            options.json.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
-        except OSError as error:
-            raise DimpleError(f"{options.json} cannot be written: {error.strerror}.") from None
+    people, paths = dict[str, Person](), options.analyse
+    if options.simulate:
+        people, paths = simulate(read_plan(options.simulate), options.out, options.seed)
+    pairs, ratings, notes = read(paths)
+    lines = {each.participant: each.sentence() for each in pairs}
+    lines |= {each.participant: each.sentence() for each in ratings}
+    for code, line in lines.items():
+        truth = people.get(code)
+        print((f"{truth.manner:<10} true {truth.pse:.3f}, {truth.jnd:.1%} | " if truth else "") + line)
+    print("\n".join([*summary(pairs, ratings), *notes]))
     if options.plot:
-        draw(ratings, comparisons, options.plot, simulated=True)
+        draw(pairs, ratings, options.plot, simulated=bool(people))
     return 0
 
 
-def observer(dice: random.Random) -> Observer:
-    """Return an observer at random."""
-    return Observer(dice.uniform(0.88, 1.12), dice.uniform(0.08, 0.18), dice.uniform(0.0, 0.03), dice)
+def written(plan: dict[str, object]) -> str:
+    """Return a plan as the text of its file, a trial a line."""
+    people = plan["participants"]
+    assert isinstance(people, dict)
+    lists = (f'"{code}": [\n' + ",\n".join(map(json.dumps, trials)) + "\n]" for code, trials in people.items())
+    whole = '"participants": {\n' + ",\n".join(lists) + "\n}"
+    return json.dumps({**plan, "participants": {}}, indent=1).replace('"participants": {}', whole) + "\n"
 
 
-def go_through(plan: ExperimentPlan, who: Observer, path: Path, participant: str, *, sync: bool) -> Experiment:
+def simulate(plan: Plan, folder: Path, seed: int) -> tuple[dict[str, Person], list[Path]]:
+    """Let people take part; return them and their files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    people, paths = {}, []
+    for i, code in enumerate(plan.participants):
+        people[code] = person(MANNERS[i % len(MANNERS)], random.Random(f"{seed} {code}"))
+        paths.append(folder / f"{code}.csv")
+        take_part(plan, code, paths[-1], people[code].answer)
+    return people, paths
+
+
+def take_part(
+    plan: Plan, code: str, path: Path, answer: Callable[[Plan, Trial], int], *, pause_s: float = 0.0
+) -> None:
     """Answer all that is left of an experiment."""
-    experiment = Experiment(plan, participant, Log(path, sync=sync))
-    while trial := experiment.next():
-        experiment.answer(who.answer(trial), samples=[(0.0, 0.001, 0.5), (0.1, 0.002, 1.0)] if sync else ())
-    return experiment
+    materials = {label: MATERIALS[name] for label, name in plan.objects.items()}
+    experiment = Experiment(plan, code, path, materials, {"device": "simulated"})
+    experiment.agree()
+    while trial := experiment.trial:
+        for _ in trial.show:
+            experiment.begin()
+            experiment.intervals[-1].feel([(0.001 * i, *(0.0,) * 18) for i in range(20)], math.inf)
+            experiment.intervals[-1].seconds = plan.exposure_s
+        experiment.answer(answer(plan, trial))
+        time.sleep(pause_s)
+    experiment.log.file.close()
 
 
-def simulate(count: int, *, seed: int = 1, referee: int = 0) -> tuple[dict[str, float], list[Comparison]]:
-    """Return the figures of so many observers, and the comparisons of the last."""
-    plan, dice = make_plan(PLAN), random.Random(seed)
-    inside: dict[str, list[bool]] = {f"{m}_{w}": [] for m in ("constant", "staircase") for w in ("pse", "jnd")}
-    errors: dict[str, list[float]] = {"pse": [], "jnd": [], "pse_as_it_comes": [], "jnd_as_it_comes": []}
-    comparisons: list[Comparison] = []
-    with tempfile.TemporaryDirectory(prefix="dimple-") as folder:
-        for i in range(count):
-            who = observer(dice)
-            path = Path(folder) / f"{i}.csv"
-            comparisons = compared(go_through(plan, who, path, str(i), sync=False).log.rows)
-            path.unlink()
-            for method, each in zip(("constant", "staircase"), comparisons, strict=True):
-                fitted = each.fitted
-                for what, true in (("pse", who.pse), ("jnd", who.jnd)):
-                    low, high = getattr(fitted, f"{what}_95", (math.nan, math.nan))
-                    inside[f"{method}_{what}"].append(low <= true <= high)
-            for each in comparisons if i < referee else ():
-                tails = ("", "_as_it_comes") if each is comparisons[0] else ("",)  # that takes minutes for many levels
-                for tail in tails:
-                    judged = by_psignifit(each, as_it_comes=bool(tail))
-                    for what in ("pse", "jnd") if judged and isinstance(each.fitted, Psychometric) else ():
-                        errors[what + tail].append(abs(getattr(each.fitted, what) / judged[what] - 1))
-    figures = {"observers": float(count), "coverage": float(np.mean(inside["constant_pse"] + inside["constant_jnd"]))}
-    figures |= {f"coverage_{name}": float(np.mean(each)) for name, each in inside.items()}
-    for what, found in errors.items():
-        if found:
-            name, _, tail = what.partition("_")
-            name += "_error" + (f"_{tail}" if tail else "")
-            figures |= {name: max(found), f"{name}_median": float(np.median(found)), f"{name}_fits": float(len(found))}
-    return figures, comparisons
+def held(groups: int, seed: int) -> dict[str, float]:
+    """Return how often the intervals of groups of PEOPLE hold the mean of all people.
 
-
-def by_psignifit(each: Comparison, *, as_it_comes: bool = False) -> dict[str, float]:
-    """Return PSE and JND by psignifit, nothing where it is not installed.
-
-    Both take the maximum of the posterior, and the lapses of both sides for one number with a prior of Beta(1, 10) for
-    each side.
-
-    Args:
-        as_it_comes: with psignifit's other priors too, which keep the width within the levels, and answers that
-            scatter more than a binomial's; else, as ours, without.
+    A maximum-likelihood grid stands in for psignifit, which takes seconds for each person.
     """
-    if util.find_spec("psignifit") is None:
-        return {}
-    import psignifit
-
-    data = np.array([each.levels, each.stiffer, each.trials]).T
-    ours = {} if as_it_comes else {
-        "fixed_parameters": {"eta": 1e-9}, "priors": {"threshold": np.ones_like, "width": np.ones_like},
-    }  # fmt: skip
-    result = psignifit.psignifit(
-        data, experiment_type="equal asymptote", sigmoid="norm", estimate_type="MAP", verbose=False, **ours
-    )
-    found = result.parameter_estimate
-    ninety = 2 * 1.6448536269514722  # standard deviations from 5 to 95 %
-    return {"pse": found["threshold"], "jnd": found["width"] / ninety * QUARTER}
-
-
-def observe(plan: ExperimentPlan, path: Path, seed: int) -> None:
-    """Let one observer answer, each trial with a seed of its own: an interrupted one goes on as it would have."""
-    experiment = Experiment(plan, str(seed), Log(path))
-    while trial := experiment.next():
-        who = observer(random.Random(seed))
-        who.dice.seed(f"{seed} {trial.number}")
-        samples = [(0.01 * i, 1e-4 * i, 0.1 * i) for i in range(20)]
-        experiment.answer(who.answer(trial), seconds=1.0, samples=samples)
-        time.sleep(0.002)
+    dice = np.random.default_rng(seed)
+    levels, centres = np.array(LEVELS), np.linspace(0.6, 1.5, 91)
+    spreads = np.geomspace(0.03, 0.8, 41) / QUARTER
+    phi = np.vectorize(PHI)
+    table = phi((levels - centres[:, None, None]) / spreads[None, :, None]).reshape(-1, len(levels))
+    table = np.clip(table, 1e-6, 1 - 1e-6)
+    inside = np.zeros(2)
+    for _ in range(groups):
+        pse = dice.normal(PSE, PSE_SPREAD, PEOPLE)
+        jnd = np.exp(dice.normal(math.log(JND), JND_SPREAD, PEOPLE))
+        k = dice.binomial(REPEATS, phi((levels - pse[:, None]) * QUARTER / jnd[:, None]))
+        best = (k @ np.log(table).T + (REPEATS - k) @ np.log1p(-table).T).argmax(axis=1)
+        at, wide = np.unravel_index(best, (len(centres), len(spreads)))
+        for i, (values, true) in enumerate(((centres[at], PSE), (np.log(QUARTER * spreads[wide]), math.log(JND)))):
+            _, low, high = group(values.tolist())
+            inside[i] += low <= true <= high
+    return {"pse_held": inside[0] / groups, "jnd_held": inside[1] / groups}
 
 
-def killed(seed: int, kills: int = KILLS) -> dict[str, float]:
-    """Kill an observer's program at so many moments; return what was lost or is there twice."""
-    plan, dice = make_plan(PLAN), random.Random(seed)
-    with tempfile.TemporaryDirectory(prefix="dimple-") as name:
-        path, whole, done = Path(name) / "killed.csv", Path(name) / "whole.csv", 0
-        words = [sys.executable, "-m", "studies", "experiment", "--seed", str(seed), "--observe"]
-        while done < kills:
-            before = len(path.read_bytes().splitlines()) if path.exists() else 0
-            process = subprocess.Popen([*words, str(path)], cwd=Path(__file__).parents[1])
-            grown = before + dice.randint(2, 30)  # moments are counted in rows: computers differ
-            while process.poll() is None and (not path.exists() or len(path.read_bytes().splitlines()) < grown):
-                time.sleep(0.001)
-            time.sleep(dice.uniform(0, 0.005))
-            if process.poll() is None:
-                process.kill()
-                done += 1
-            process.wait()
-        with path.open("ab") as file:
-            file.write(b"17,half a ro")
-        observe(plan, path, seed)
-        observe(plan, whole, seed)
-        mine, all_of_it = Log(path).rows, Log(whole).rows
-        answers = [[(row.trial, row.level, row.response) for row in rows] for rows in (mine, all_of_it)]
-        touches = [touched(path, mine), touched(whole, all_of_it)]
-        doubled = len(mine) - len({row.trial for row in mine})
-        lost = sum(a != b for a, b in zip(*answers, strict=False)) + abs(len(mine) - len(all_of_it))
-        return {
-            "killed": float(kills), "lost": float(lost), "doubled": float(doubled),
-            "touch_rows_off": float(abs(touches[0] - touches[1])),
-        }  # fmt: skip
-
-
-def touched(path: Path, rows: list[Row]) -> int:
-    """Return how many samples of touch belong to the answers of a file."""
-    answered = {f"{row.trial},{row.time}" for row in rows}
-    lines = path.with_name(f"{path.stem}_touch.csv").read_text().splitlines()
-    return sum(",".join(line.split(",")[:2]) in answered and not line.endswith(CUT) for line in lines)
-
-
-def simulated_ratings(seed: int) -> list[Ratings]:
-    """Return the ratings of as many simulated people as the paper asked."""
-    plan, rows = make_plan(RATING), []
-    with tempfile.TemporaryDirectory(prefix="dimple-") as folder:
-        for i in range(PEOPLE):
-            who = observer(random.Random(seed + i))
-            rows += go_through(plan, who, Path(folder) / f"{i}.csv", str(i), sync=False).log.rows
-    return rated(rows)
-
-
-def draw(ratings: list[Ratings], comparisons: list[Comparison], path: Path, *, simulated: bool) -> None:
-    """Draw ratings as in the paper's Fig. 9, and the psychometric functions.
+def draw(pairs: Sequence[Pairs], ratings: Sequence[Ratings], path: Path, *, simulated: bool) -> None:
+    """Draw ratings as the paper's Fig. 9 counts them, and points of equality and just-noticeable differences.
 
     Raises:
         DimpleError: matplotlib is not installed, or the file cannot be written.
@@ -253,41 +195,49 @@ def draw(ratings: list[Ratings], comparisons: list[Comparison], path: Path, *, s
         raise DimpleError("--plot needs matplotlib, which is not installed here. Everything else works without it.")
     from matplotlib.figure import Figure
 
-    panels = bool(ratings) + len(comparisons)
-    figure = Figure(figsize=(4.5 * max(panels, 1), 4), layout="constrained")
-    axes = list(figure.subplots(1, max(panels, 1), squeeze=False)[0])
+    figure = Figure(figsize=(9 * bool(ratings) + 11 * bool(pairs), 4.2), layout="constrained")
+    axes = list(figure.subplots(1, bool(ratings) + 2 * bool(pairs), squeeze=False)[0])
     if ratings:
-        _draw_ratings(axes.pop(0), ratings)
-    for each, axis in zip(comparisons, axes, strict=True):
-        _draw_comparison(axis, each)
+        _draw_ratings(axes.pop(0), [each for each in ratings if not each.refused])
+    if pairs:
+        _draw_pairs(axes, pairs)
     if simulated:
-        figure.suptitle("Simulated observers: no person was asked")
+        figure.suptitle("Simulated participants: no person was asked")
     try:
         figure.savefig(path, dpi=130)
     except (OSError, ValueError) as error:
         raise DimpleError(f"{path} cannot be written: {error}.") from None
 
 
-def _draw_ratings(axis, ratings: list[Ratings]) -> None:  # type: ignore[no-untyped-def]
-    names = [f"{each.object}\n({each.condition})" for each in ratings]
-    below = np.zeros(len(ratings))
-    steps = max(len(each.counts) for each in ratings)
-    for step in range(steps):
-        share = np.array([100 * each.counts[step] / sum(each.counts) for each in ratings])
-        axis.bar(names, share, bottom=below, color=str(0.9 - 0.7 * step / (steps - 1)), label=f"{step + 1}")
+def _draw_ratings(axis, ratings: Sequence[Ratings]) -> None:  # type: ignore[no-untyped-def]
+    rows = [(f"{real}\n{virtual} x {level:g}", counts) for (real, virtual, level), counts in totals(ratings).items()]
+    below = np.zeros(len(rows))
+    names = [f"{name}\nn = {sum(counts.values())}" for name, counts in rows]
+    steps = ratings[0].steps if ratings else []
+    for i, step in enumerate(steps):
+        share = np.array([100 * counts[step] / sum(counts.values()) for _, counts in rows])
+        axis.bar(names, share, bottom=below, color=str(0.9 - 0.7 * i / (len(steps) - 1)), label=step)
         below += share
-    axis.set(ylabel="answers (%)", title="Like the real object? 1 different, 4 the same")
-    axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=steps, frameon=False)
+    axis.set(ylabel="answers (%)", title=f"Like the real object? {len(ratings)} participants")
+    axis.tick_params(axis="x", labelsize=7)
+    axis.set_xlabel("real object, constants of the virtual one, answers")
+    axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=4, frameon=False)
 
 
-def _draw_comparison(axis, each: Comparison) -> None:  # type: ignore[no-untyped-def]
-    x, n = np.array(each.levels), np.array(each.trials)
-    axis.scatter(x, np.array(each.stiffer) / n, s=8 + 40 * n / n.max(), color="0.3")
-    fitted = each.fitted
-    if isinstance(fitted, Psychometric):
-        line = np.linspace(x.min(), x.max(), 200)
-        axis.plot(line, shares(line, fitted.pse, fitted.jnd / QUARTER, fitted.lapse), color="tab:blue")
-        axis.axvspan(*fitted.pse_95, color="tab:blue", alpha=0.2, lw=0)
-        axis.axvline(fitted.pse, color="tab:blue", lw=1)
-    title = f"{each.object} ({each.condition}), participant {each.participant}"
-    axis.set(xlabel="times its stiffness", ylabel="judged the stiffer", ylim=(-0.02, 1.02), title=title)
+def _draw_pairs(axes, pairs: Sequence[Pairs]) -> None:  # type: ignore[no-untyped-def]
+    fitted = [each for each in pairs if not each.refused]
+    for axis, name, label in zip(axes, ("pse", "jnd"), ("point of equality", "just noticeable"), strict=True):
+        values = [getattr(each, name) for each in fitted]
+        for i, (each, value) in enumerate(zip(fitted, values, strict=True)):
+            low, high = getattr(each, f"{name}_95")
+            axis.plot([low, high], [i, i], color="0.6")
+            axis.plot(value, i, "o", color="0.2")
+        logs = group([math.log(value) for value in values]) if name == "jnd" else ()
+        mean, low, high = (math.exp(each) for each in logs) if logs else group(values)
+        axis.axvspan(low, high, color="tab:blue", alpha=0.2, lw=0)
+        axis.axvline(mean, color="tab:blue")
+        of = f"{len(fitted)} of {len(pairs)} participants; group in blue"
+        axis.set(xlabel=f"{label} (times the standard)", title=of)
+        axis.set_yticks(range(len(fitted)), [each.participant for each in fitted])
+
+

@@ -29,6 +29,11 @@ class Device(Protocol):
     def read(self) -> ServoReport:
         """Return where its fingertips are, and its state; never wait."""
 
+    def samples(self) -> list[tuple[float, ...]]:
+        """Return what its servo measured and rendered since the last call: time [s], then place [m] and force [N] of
+        each fingertip.
+        """
+
     def write(self, surfaces: Sequence[Surface | None]) -> None:
         """Set the surface under each of its fingertips."""
 
@@ -67,6 +72,7 @@ class HapticMaster:
     process: subprocess.Popen[bytes] | None = None
     _box: Mailbox | None = None
     _seen: int = 0
+    _sampled: int = 0
     _heard: float = 0.0  # when the servo wrote last [s]
     _order: Order = field(default_factory=Order)
     _report: ServoReport = field(default_factory=ServoReport)
@@ -89,7 +95,8 @@ class HapticMaster:
 
     def _open(self) -> None:
         self._heard = time.perf_counter()
-        self._box, self._seen, self._order, self._report = Mailbox(), 0, Order(), ServoReport()
+        self._box, self._seen, self._sampled, self._order = Mailbox(), 0, 0, Order()
+        self._report = ServoReport()
         self._errors = tempfile.TemporaryFile()
         device = ["--device", str(self.spec_path)] if self.spec_path else []
         words = ["--mailbox", str(self._box.path), *device, "--", self.port]  # a port is no option, whatever its name
@@ -110,6 +117,10 @@ class HapticMaster:
         elif self._report.link is LinkState.READY and time.perf_counter() - self._heard > ANSWER_TIME:
             self._lose("The servo process does not answer, so the device has no force. Disconnect, then connect again.")
         return self._report
+
+    def samples(self) -> list[tuple[float, ...]]:
+        self._sampled, found = self._box.samples(self._sampled) if self._box else (0, [])
+        return found
 
     def write(self, surfaces: Sequence[Surface | None]) -> None:
         self._post(replace(self._order, surfaces=tuple(surfaces)))

@@ -1,4 +1,4 @@
-"""Messages that two processes share in a file: the order of Blender to the servo, and the servo's report.
+"""Messages that two processes share in a file: the order of Blender to the servo, the servo's report and its samples.
 
 Each message is written under a sequence number that is odd meanwhile (a seqlock), and carries its own CRC-32: a
 reader that comes in between keeps the message before, in whatever order a processor shows its stores.
@@ -11,6 +11,7 @@ import os
 import struct
 import tempfile
 import zlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -19,6 +20,9 @@ from ..errors import DimpleError
 _HEAD: Final = struct.Struct("<III")  # sequence number, CRC-32 and bytes of the message
 _SLOT: Final = 8192  # bytes of a message and its head: two pages, twice the longest order
 TO_SERVO, FROM_SERVO = 0, 1
+_SAMPLE: Final = struct.Struct("<Q19d")  # its number; time of the device [s], position [m] and force [N] of each tip
+_SAMPLES: Final = 4096  # that are kept: four seconds at 1 kHz, longer than Blender stalls while there is force
+_SIZE: Final = 2 * _SLOT + _SAMPLES * _SAMPLE.size
 MEMORY: Final = "/dev/shm"  # files in memory, on Linux: writing a page to a disk takes milliseconds
 
 
@@ -69,6 +73,19 @@ class Mailbox:
         whole = zlib.crc32(message) == check and _HEAD.unpack_from(self._map, at)[0] == number
         return (number, message) if whole else (seen, None)
 
+    def post_sample(self, sample: Sequence[float]) -> None:
+        """Publish a sample of the servo, see `Servo.sample`."""
+        _SAMPLE.pack_into(self._map, 2 * _SLOT + int(sample[0]) % _SAMPLES * _SAMPLE.size, *sample)
+
+    def samples(self, seen: int) -> tuple[int, list[tuple[float, ...]]]:
+        """Return the number of the newest sample, and all samples after one that was seen; the oldest may be lost.
+
+        The newest may be written at this moment, so it is left for the next call.
+        """
+        rows = _SAMPLE.iter_unpack(self._map[2 * _SLOT :])
+        found = sorted(row for row in rows if row[0] > seen)[:-1]
+        return (found[-1][0] if found else seen), [row[1:] for row in found]
+
     def close(self) -> None:
         """Unmap the file; remove it if it was made here and still exists."""
         self._map.close()
@@ -85,8 +102,8 @@ def _map(path: Path | None) -> tuple[Path, mmap.mmap]:
     )
     try:
         if path is None:
-            os.write(handle, bytes(2 * _SLOT))  # a full disk is reported now, and not when a message is posted
-        mapped = mmap.mmap(handle, 2 * _SLOT)
+            os.write(handle, bytes(_SIZE))  # a full disk is reported now, and not when a message is posted
+        mapped = mmap.mmap(handle, _SIZE)
         if path is not None and os.name == "posix":
             path.unlink(missing_ok=True)
         return Path(name), mapped

@@ -16,6 +16,8 @@ from ..material import law_force
 from ..vectors import ZERO, Vector, along, capped, dot, is_finite, scaled
 from .limits import FADE_TIME, FARTHEST, LEVEL, LOST_TIME, PASSIVE_SHARE, SIDEWAYS, SLOWEST_FRAME, STATE_GAP, STIFFEST
 
+FINE = 1e-4  # [m] between two depths at which a law is looked at: 0.1 N at 1 N/mm
+
 
 class Law(NamedTuple):
     """The law on one fingertip.
@@ -54,6 +56,17 @@ class Law(NamedTuple):
         return factor * law_force(
             depth, min(self.K1, steepest / self.power**2), min(self.K2, steepest), self.x0, self.power
         )
+
+
+    def steepest(self, force: float) -> float:
+        """Return the stiffness [N/m] that a device must render, so that the law is not changed up to a force [N]."""
+        depth = steepest = 0.0
+        while self.force(depth, math.inf) < force and depth < FARTHEST:
+            factor, growth = self.factor(depth)
+            slope = self.K2 if depth > self.x0 else self.power**2 * self.K1
+            steepest = max(steepest, slope * (factor + max(growth, 0.0)))
+            depth += FINE
+        return steepest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

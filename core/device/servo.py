@@ -106,6 +106,11 @@ class Servo:
             ),
         )  # fmt: skip
 
+    def sample(self) -> tuple[float, ...]:
+        """Return the number of STATEs taken, then time of the device [s], position [m] and force [N] of each tip."""
+        vectors = [vector for finger in self._fingers for vector in (finger.at, finger.guard.sent)]
+        return (self._received.taken, self._device_time, *(part for vector in vectors for part in vector))
+
     def _send_hello(self, now: float) -> bytes:
         """Return a HELLO each limits.LOST_TIME until a device answers; give up after limits.ANSWER_TIME."""
         if self.link is LinkState.OPENING and now - self._began > limits.ANSWER_TIME:

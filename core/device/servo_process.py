@@ -90,6 +90,7 @@ def serve(servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float]
         out = servo.step(now, data)
         if out:
             servo.unsent += not line.write(out)
+            box.post_sample(servo.sample())
         if now - posted > REPORT_EVERY or servo.link is LinkState.REFUSED:
             posted = now
             box.post(FROM_SERVO, pack_report(servo.report()))

@@ -1,5 +1,4 @@
-"""The sensory comparison of the paper's chapter 5: people say how like the real object the virtual one feels.
+"""The sensory comparison of the paper's chapter 5: people compare a virtual object with the real one, or with itself.
 
-plan: what is shown, read from a file, in a seeded order under blind labels. staircase: levels that follow the answers.
-log: each answer appended to a CSV file, so that a stopped experiment continues. run: the trial that is next.
+plan: all trials in order, from a file. run: the trial that is next, and what is felt in it. log: the answers, kept.
 """

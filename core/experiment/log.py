@@ -1,8 +1,7 @@
-"""The answers of a participant, a row a trial, each on the disk before the next begins.
+"""The answers of a participant: a CSV file with a row for each consent and each answer, on the disk before the next.
 
-Beside FILE.csv lies FILE_touch.csv with depth and force over time, by trial and the time of its answer. Both files only
-grow. A program that is killed, or a full disk, leaves at most a row that is not finished: it is marked, and its trial
-is shown again. So none is lost and none is there twice.
+The file only grows, and is locked while it is open. A program that is killed, or a full disk, leaves at most a row
+without its last cell, which does not count: its trial is presented again.
 """
 
 from __future__ import annotations
@@ -11,124 +10,131 @@ import csv
 import errno
 import io
 import os
-from collections.abc import Iterable, Sequence
-from dataclasses import astuple, dataclass, fields
+import sys
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
 from ..errors import DimpleError
-from ..messages import Message
 
-TOUCH: Final = ("trial", "time", "time_s", "depth_mm", "force_n")
-CUT: Final = "<cut>"  # ends a row that was not finished
-Sample = tuple[float, float, float]  # time [s], depth [m], force [N]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
-    """An answer: the columns of the file. level: factor on the stiffness; test_first: 1 or 0; response: of a rating the
-    step from 1 on, of a comparison 1 where the test was judged the stiffer, else 0."""
-
-    trial: int
-    plan: str
-    participant: str
-    time: str
-    task: int
-    kind: str
-    condition: str
-    object: str
-    label: str
-    level: float
-    test_first: int
-    response: int
-    seconds: float
-    force_max_n: float
-    depth_max_mm: float
-
-
-COLUMNS: Final = tuple(each.name for each in fields(Row))
+COLUMNS: Final = (
+    "event", "time", "participant", "plan", "trial", "part", "first", "first_level", "first_s", "first_times",
+    "second", "second_level", "second_s", "second_times", "answer", "answer_text", "trace", "details", "end",
+)  # fmt: skip
+END: Final = "."  # the last cell of a whole row
+Row = dict[str, str]
 
 
 class Log:
-    """The file of a participant, made where there is none; `rows` are the answers so far.
-
-    Args:
-        path: of the CSV.
-        sync: each row reaches the disk before `append` returns.
+    """The file of a participant, made where there is none; `rows` are its whole rows so far. Close `file` in the end.
 
     Raises:
-        DimpleError: it cannot be read or written, or is another file.
+        DimpleError: it cannot be read or written, is open elsewhere, or is another file.
     """
 
-    def __init__(self, path: Path, *, sync: bool = True) -> None:
-        self.path, self.touch, self._sync = path, path.with_name(f"{path.stem}_touch.csv"), sync
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._begin(path, COLUMNS)
-            self.rows = read_rows(path)
-            self._begin(self.touch, TOUCH)
-        except OSError as error:
-            raise DimpleError("The answers {path} cannot be kept: {error}.", path=path, error=error) from None
+    def __init__(self, path: Path) -> None:
+        self.path, self._data = path, b""
+        with self._on_disk():
+            self.file = path.open("a+b", buffering=0)
+            try:
+                self._lock()
+                self.file.seek(0)
+                self._data = self.file.readall()
+                if (head := ",".join(COLUMNS).encode() + b"\n").startswith(self._data):
+                    self._write(head[len(self._data) :])  # all of it, or what a full disk left out
+                self.rows = parsed(path, self._data)
+            except BaseException:
+                self.file.close()
+                raise
 
-    def append(self, row: Row, samples: Sequence[Sample] = ()) -> None:
-        """Keep an answer, and what was touched before it.
+    def append(self, row: Row) -> None:
+        """Keep a row.
 
         Raises:
-            DimpleError: the disk refuses; the trial is to be shown again.
+            DimpleError: it is not on the disk, so the answer is to be given again; or another program has changed the
+                file, and all rows are in a copy.
         """
-        touched = [(row.trial, row.time, f"{t:.4f}", f"{1e3 * x:.4f}", f"{force:.4f}") for t, x, force in samples]
-        try:
-            self._write(self.touch, touched)
-            self._write(self.path, [astuple(row)])
-        except OSError as error:
-            raise DimpleError(
-                "The answer cannot be written to {path}: {error}.", path=self.path, error=error.strerror or error
-            ) from None
+        with self._on_disk():
+            here, mine = self.path.stat() if self.path.exists() else None, os.fstat(self.file.fileno())
+            if here is None or not os.path.samestat(here, mine) or here.st_size != len(self._data):
+                copy = self.path.with_name(f"{self.path.stem}_kept_{time.time_ns()}.csv")
+                with copy.open("xb") as file:
+                    file.write(self._data + self._text(row))
+                raise DimpleError(
+                    "Another program has changed {path}. All answers, this one too, are in {copy}: put it in its "
+                    "place, then open the experiment again.",
+                    path=self.path, copy=copy.name
+                )  # fmt: skip
+            self._write(self._text(row))
         self.rows.append(row)
 
-    def _begin(self, path: Path, columns: Sequence[str]) -> None:
-        if not path.exists() or not path.stat().st_size:
-            self._write(path, [columns])
+    def keep_trace(self, trial: int, rows: Iterable[Sequence[object]]) -> str:
+        """Write what was felt in a trial to a new file; return its path from the folder of the answers.
 
-    def _write(self, path: Path, rows: Iterable[Sequence[object]]) -> None:
-        """Add rows to a file, after the mark of one that is not finished."""
-        out = io.StringIO()
-        csv.writer(out, lineterminator="\n").writerows(rows)
-        with path.open("a+b", buffering=0) as file:
-            if size := file.seek(0, os.SEEK_END):
-                file.seek(size - 1)
-                if file.read() != b"\n":
-                    out = io.StringIO(f"{CUT}\n{out.getvalue()}")
-            data = out.getvalue().encode()
-            if file.write(data) != len(data):
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-            if self._sync:
+        Raises:
+            DimpleError: it cannot be written.
+        """
+        path = self.path.with_name(f"{self.path.stem}_traces") / f"{trial:04d}_{time.time_ns()}.csv"
+        with self._on_disk():
+            path.parent.mkdir(exist_ok=True)
+            with path.open("x", newline="", encoding="utf-8") as file:
+                csv.writer(file, lineterminator="\n").writerows(rows)
+                file.flush()
                 os.fsync(file)
+        return f"{path.parent.name}/{path.name}"
+
+    def _lock(self) -> None:
+        try:
+            if sys.platform == "win32":
+                import msvcrt
+                self.file.seek(1 << 40)  # a byte far beyond the end, so that others can read
+                msvcrt.locking(self.file.fileno(), msvcrt.LK_NBLCK, 1)
+            else:
+                import fcntl
+                fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise DimpleError("{path} is open already, perhaps in another Blender.", path=self.path) from None
+
+    def _text(self, row: Row) -> bytes:
+        """Return a row as it is appended, on a line of its own."""
+        out, cut = io.StringIO(), self._data and not self._data.endswith(b"\n")
+        csv.writer(out, lineterminator="\n").writerow([row.get(name, "") for name in COLUMNS])
+        return (b"\n" if cut else b"") + out.getvalue().encode()
+
+    def _write(self, data: bytes) -> None:
+        count = self.file.write(data)
+        self._data += data[:count]
+        if count != len(data):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        os.fsync(self.file)
+
+    @contextmanager
+    def _on_disk(self) -> Iterator[None]:
+        """Say in words what the disk refuses."""
+        try:
+            yield
+        except OSError as error:
+            why = error.strerror or error
+            raise DimpleError("The answers cannot be kept in {path}: {error}.", path=self.path, error=why) from None
 
 
-def read_rows(path: Path) -> list[Row]:
-    """Return the answers in a file, without those that are not finished; the file stays as it is.
+def parsed(path: Path, data: bytes) -> list[Row]:
+    """Return the whole rows of a file of answers, which a spreadsheet may have saved in its own way.
 
     Raises:
-        OSError: it cannot be read.
-        DimpleError: it is another file, or lacks a row.
+        DimpleError: it is another file.
     """
-    head, *lines = path.read_bytes().decode("utf-8-sig", "replace").replace("\r\n", "\n").split("\n")
-    if head != ",".join(COLUMNS):
+    head, *lines = data.decode("utf-8-sig", "replace").replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    rows = [dict(zip(COLUMNS, cells, strict=True)) for cells in map(_cells, lines) if cells]
+    damaged = any(not (row["trial"] + row["answer"]).isdecimal() for row in rows if row["event"] == "answer")
+    if _cells(head) != [*COLUMNS] or damaged:
         raise DimpleError("{path} is not a file of answers. Choose another.", path=path)
-    whole = (line for line in lines[:-1] if not line.endswith(CUT))
-    return [_row(path, number, line) for number, line in enumerate(whole, start=1)]
+    return rows
 
 
-def _row(path: Path, number: int, line: str) -> Row:
-    cells, kinds = next(csv.reader([line]), []), {"int": int, "float": float, "str": str}
-    try:
-        row = Row(**{each.name: kinds[str(each.type)](cell) for each, cell in zip(fields(Row), cells, strict=True)})
-        if row.trial != number:
-            raise ValueError(Message("it belongs to trial {trial}", trial=row.trial))
-    except ValueError as error:
-        raise DimpleError(
-            "Row {number} of {path} is damaged, or one is missing ({error}). Repair it or choose another file.",
-            number=number, path=path, error=error
-        ) from None  # fmt: skip
-    return row
+def _cells(line: str) -> list[str]:
+    """Return the cells of a whole row, none of another."""
+    ways = (next(csv.reader([line], delimiter=mark), []) for mark in ",;\t")
+    return next((row for row in ways if len(row) == len(COLUMNS) and row[-1] in (END, COLUMNS[-1])), [])

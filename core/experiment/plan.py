@@ -1,221 +1,116 @@
-"""The plan of an experiment, from a JSON or CSV file: tasks, their order for a participant, and blind labels.
+"""The plan of an experiment: a JSON file that states every trial of every participant, in order.
 
-JSON: {"name", "seed", "consent", "tasks": [...]}, a task as a row of the CSV: kind (rating or comparison), condition
-(felt or seen), object, repeats; of a rating its steps; of a comparison its method (constant or staircase), levels or
-start, step and trials. A level is a factor on the stiffness K1 and K2 of the object; lists in a CSV cell are separated
-by spaces, or by | where they are words.
+Nothing is drawn at random here. `dev.py core experiment` writes such files; docs/experiment.md explains each entry.
 """
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
-import random
-import zlib
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any
 
 from ..errors import DimpleError
-from ..messages import Message
-
-CONSENT: Final = (
-    "You will press soft objects and say how they feel. A haptic device may push your fingers with up to 10 N; it does "
-    "so only while you hold the key, and Esc stops at any time, without a reason. Answers, forces and depths are kept "
-    "under a number, not under your name."
-)
-STEPS: Final = ("Different", "Slightly Alike", "Alike", "The Same")  # ours: the paper names none of its four
-CONDITIONS: Final = ("felt", "seen")
-LEVELS: Final = (0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)  # two or three just-noticeable differences to either side
-LEAST, MOST = 0.05, 20.0  # of a level: beyond, the object is no longer one that a fingertip can press
-LONGEST: Final = 10_000  # trials of a participant: more than a day at ten seconds each
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Task:
-    """A part of an experiment.
+class Stimulus:
+    """What is presented in one interval: a real object, or the virtual one with the constants of an object."""
 
-    kind: "rating" or "comparison".
-    condition: "felt" (by a device) or "seen" (a press is replayed); never pooled.
-    object: name of the material or of the preset.
-    repeats: of the object, or of each level.
-    steps: of a rating, the least alike first.
-    method: of a comparison, "constant" or "staircase".
-    levels: factors on the stiffness, of constant stimuli.
-    start, step: of a staircase; the step is a share of the level.
-    """
-
-    kind: str = ""
-    condition: str = "felt"
-    object: str = ""
-    repeats: int = 1
-    steps: tuple[str, ...] = STEPS
-    method: str = "constant"
-    levels: tuple[float, ...] = LEVELS
-    start: float = 1.5
-    step: float = 0.1
-
-    @property
-    def staircase(self) -> bool:
-        """Tell whether the levels follow the answers."""
-        return self.kind == "comparison" and self.method == "staircase"
-
-    @property
-    def shown_levels(self) -> tuple[float, ...]:
-        """Return the level of each trial, those of a staircase as if none were answered."""
-        if self.kind == "rating":
-            return (1.0,) * self.repeats
-        return ((self.start,) if self.staircase else self.levels) * self.repeats
+    real: str = ""  # label of the real object, which the experimenter puts in front; "" for the virtual one
+    object: str = ""  # label of the object whose constants the virtual one has
+    level: float = 1.0  # factor on its K1 and K2
+    track: str = ""  # staircase that sets the level instead, "" for none
+    beside: int = 0  # steps of the ladder above the staircase: one level alone says nothing of the slope
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ExperimentPlan:
-    """An experiment: its name, the seed of all order and chance, the text that a participant agrees to, its tasks."""
+class Trial:
+    """A trial: one interval, or two in order."""
 
-    name: str
-    seed: int
+    show: tuple[Stimulus, ...]
+    part: str = "main"  # or "practice", or "catch" with the numbers of the right answers
+    rest_s: float = 0.0  # pause before it
+    number: int = 0  # the first is 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """An experiment: what participants read, and what they are presented."""
+
     consent: str
-    tasks: tuple[Task, ...]
+    instruction: str
+    question: str
+    answers: list[str]
+    exposure_s: float  # how long each object is felt at least
+    trial_s: float  # how long a trial takes, about
+    press_n: float  # force up to which an object is pressed, and must be rendered as it is
+    objects: dict[str, str]  # preset or material of each label
+    participants: dict[str, tuple[Trial, ...]]  # by their codes
+    ladder: list[float] = field(default_factory=list)  # levels of the staircases
+    tracks: dict[str, int] = field(default_factory=dict)  # where on the ladder each staircase begins, from 0 on
+    made: dict[str, Any] = field(default_factory=dict)  # what the maker of the plan notes of it, such as a seed
 
-    @property
-    def checksum(self) -> str:
-        """Return a text that differs between two plans."""
-        return f"{zlib.crc32(repr((self.seed, self.tasks)).encode()):08x}"
-
-
-class Trial(NamedTuple):
-    """A trial.
-
-    number, of: the first is 1; how many there are.
-    task, task_number: its task; the first is 0.
-    label: blind name of the object, all that a participant may see.
-    level: factor on the stiffness of the test.
-    test_first: of a comparison, the test comes before the reference.
-    """
-
-    number: int
-    of: int
-    task: Task
-    task_number: int
-    label: str
-    level: float
-    test_first: bool
-
-    @property
-    def shown(self) -> tuple[float, ...]:
-        """Return factors on the stiffness in the order they are shown: one of a rating, two of a comparison."""
-        if self.task.kind == "rating":
-            return (1.0,)
-        return (self.level, 1.0) if self.test_first else (1.0, self.level)
+    def stimuli(self) -> set[tuple[str, float]]:
+        """Return label and level of every virtual stimulus that may be presented."""
+        shown = [each for trials in self.participants.values() for trial in trials for each in trial.show]
+        levels = [(each.object, self.ladder if each.track else [each.level]) for each in shown if each.object]
+        return {(label, level) for label, some in levels for level in some}
 
 
-def order(plan: ExperimentPlan, participant: str) -> list[Trial]:
-    """Return the trials of a participant: tasks in a seeded order, the trials of each shuffled."""
-    dice = random.Random(f"{plan.seed} {participant}")
-    names = sorted({task.object for task in plan.tasks})
-    labels = [chr(ord("A") + i) if i < 26 else f"A{i}" for i in range(len(names))]
-    dice.shuffle(labels)
-    tasks, trials, of = list(enumerate(plan.tasks)), list[Trial](), sum(len(task.shown_levels) for task in plan.tasks)
-    dice.shuffle(tasks)
-    for number, task in tasks:
-        levels, label = list(task.shown_levels), labels[names.index(task.object)]
-        firsts = [i % 2 == 0 for i in range(len(levels))]
-        dice.shuffle(levels)
-        dice.shuffle(firsts)
-        trials += [Trial(len(trials) + i, of, task, number, label, *each)
-                   for i, each in enumerate(zip(levels, firsts, strict=True), start=1)]  # fmt: skip
-    return trials
-
-
-def read_plan(path: Path) -> ExperimentPlan:
+def read_plan(path: Path) -> Plan:
     """Return the plan in a file.
 
     Raises:
-        DimpleError: it cannot be read, or what is wrong where.
+        DimpleError: it cannot be read, or which entry is wrong.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
+        plan = _made(Plan, json.loads(path.read_text(encoding="utf-8-sig")))
+    except (OSError, ValueError) as error:
         raise DimpleError("The experiment {name} cannot be read: {error}.", name=path.name, error=error) from None
-    try:
-        if path.suffix.lower() == ".csv":
-            rows = csv.DictReader(io.StringIO(text), skipinitialspace=True)
-            tasks = [{k.strip(): cell for k, cell in row.items() if k and cell and cell.strip()} for row in rows]
-            return make_plan({"name": path.stem, "tasks": tasks})
-        return make_plan({"name": path.stem, **json.loads(text)})
-    except (ValueError, TypeError, AttributeError) as error:
-        raise DimpleError("{name} is not an experiment: {error}.", name=path.name, error=error) from None
+    for name, kind in (("answers", "str"), ("objects", "str"), ("ladder", "float"), ("tracks", "int")):
+        values = getattr(plan, name)
+        _require(all(_is(kind, each) for each in (values.values() if isinstance(values, dict) else values)), name)
+    _require(len(plan.answers) == 2 if plan.tracks else len(plan.answers) > 1, "answers")
+    _require(all(start in range(len(plan.ladder)) for start in plan.tracks.values()), "tracks")
+    people = {}
+    for code, trials in plan.participants.items():
+        _require(_is("list", trials) and code.isalnum(), "participants", code)
+        people[code] = tuple(_trial(plan, each, number, code) for number, each in enumerate(trials, start=1))
+    return replace(plan, participants=people)
 
 
-def make_plan(file: Mapping[str, Any]) -> ExperimentPlan:
-    """Return the plan of what a file says.
-
-    Raises:
-        DimpleError: something is wrong in it, with the number of the task.
-    """
-    tasks = [_task(number, task) for number, task in enumerate(file.get("tasks") or [], start=1)]
-    if not tasks:
-        raise DimpleError("The experiment has no tasks.")
-    if sum(len(task.shown_levels) for task in tasks) > LONGEST:
-        raise DimpleError("The experiment has more than {most} trials.", most=LONGEST)
-    name = str(file["name"])
-    seed = int(file.get("seed", zlib.crc32(name.encode())))
-    return ExperimentPlan(name=name, seed=seed, consent=str(file.get("consent") or CONSENT), tasks=tuple(tasks))
+def _trial(plan: Plan, given: Any, number: int, code: str) -> Trial:
+    where = "participants", code, str(number)
+    trial = _made(Trial, given, *where)
+    show = tuple(_made(Stimulus, each, *where) for each in trial.show)
+    _require(len(show) in (1, 2), *where, "show")
+    for each in show:
+        _require(bool(each.real) != bool(each.object) and (each.real or each.object) in plan.objects, *where, "object")
+        _require(not each.track or (each.track in plan.tracks and len(show) == 2), *where, "track")
+    return replace(trial, show=show, number=number)
 
 
-def _task(number: int, given: Mapping[str, Any]) -> Task:
-    kinds = {each.name: str(each.type) for each in fields(Task)}
-    try:
-        if unknown := sorted(set(given) - set(kinds)):
-            raise ValueError(Message("it has no {unknown}", unknown=tuple(unknown)))
-        task = Task(**{name: _READ[kinds[name]](name, value) for name, value in given.items()})
-        _check(task)
-    except (ValueError, TypeError) as error:
-        raise DimpleError("Task {number} of the experiment: {error}.", number=number, error=error) from None
-    return task
+def _made(kind: type, given: Any, *where: str) -> Any:
+    """Return a part of a plan, each entry of the kind that it is declared as."""
+    _require(_is("dict", given), *where)
+    known = {each.name: each for each in fields(kind)}
+    needed = [name for name, each in known.items() if each.default is each.default_factory is MISSING]
+    for name in [*given, *needed]:
+        _require(name in given and name in known and _is(str(known[name].type), given[name]), *where, name)
+    return kind(**given)
 
 
-def _check(task: Task) -> None:
-    for what, holds in (
-        ("kind must be rating or comparison", task.kind in ("rating", "comparison")),
-        (Message("condition must be {conditions}", conditions=" or ".join(CONDITIONS)), task.condition in CONDITIONS),
-        ("object must name a material", task.object != "" and task.object.isprintable()),  # it is on a line of the log
-        ("repeats must be 1 or more", task.repeats >= 1),
-        ("steps must be 2 to 9 different words", 2 <= len(set(task.steps)) == len(task.steps) <= 9),
-        ("method must be constant or staircase", task.method in ("constant", "staircase")),
-        ("levels must be two or more", task.kind == "rating" or len(set(task.levels)) >= 2),
-        (Message("a level must be from {least} to {most}", least=LEAST, most=MOST),
-         all(LEAST <= x <= MOST for x in (*task.levels, task.start))),
-        ("step must be above 0 and below 1", 0 < task.step < 1),
-    ):  # fmt: skip
-        if not holds:
-            raise ValueError(Message(what))
+def _is(kind: str, value: Any) -> bool:
+    """Tell whether a value of a file is of a kind; a text is one line, a number is neither infinite nor a NaN."""
+    if kind == "str":
+        return isinstance(value, str) and value.isprintable()
+    if kind in ("int", "float"):
+        return isinstance(value, int if kind == "int" else int | float) and 0 <= abs(value) < math.inf
+    return isinstance(value, dict if kind.startswith("dict") else list)
 
 
-def _number(name: str, value: Any) -> float:
-    if not math.isfinite(number := float(value)):
-        raise ValueError(Message("{name} must be a number", name=name))
-    return number
-
-
-def _whole(name: str, value: Any) -> int:
-    if not (number := _number(name, value)).is_integer():
-        raise ValueError(Message("{name} must be a whole number", name=name))
-    return int(number)
-
-
-def _list(value: Any, mark: str | None) -> list[Any]:
-    """Return the values of a list, or of a cell of a CSV."""
-    return value.split(mark) if isinstance(value, str) else list(value)
-
-
-_READ: Final[dict[str, Callable[[str, Any], Any]]] = {
-    "str": lambda _, value: str(value).strip(),
-    "int": _whole,
-    "float": _number,
-    "tuple[str, ...]": lambda _, value: tuple(str(each).strip() for each in _list(value, "|")),
-    "tuple[float, ...]": lambda _, value: tuple(_number("a level", each) for each in _list(value, None)),
-}
+def _require(holds: bool, *where: str) -> None:
+    if not holds:
+        raise DimpleError("The experiment has a wrong or missing entry: {where}. See docs/experiment.md.", where=where)

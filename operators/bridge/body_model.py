@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from .object_link import Floats, ObjectLink
 
 
+in_trial: dict[int, Material] = {}  # by session_uid: of a blind trial, in place of the object's own materials
+
+
 def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink) -> Parts:
     """Read the materials and settings of an object into a model on the mesh that it was linked with, in parts.
 
@@ -43,7 +46,7 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
         pinned = base_vertices(mesh) if params["pinned"] == "base" else None
         if params["pinned"] == "group":
             pinned = _pins(body, params["pin_group"], link, least=0.01 if params["sway"] else 0.5)
-        materials = [_material(body, slot) for slot in link.slots]
+        materials = [in_trial.get(body.session_uid) or _material(body, slot) for slot in link.slots]
         groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
         maps = {name: _weights(body, group, name, link) for name, group in groups.items() if group}
         make = partial(

@@ -13,7 +13,7 @@ RENEW_S = 0.05  # [s] between two renewals of the dead-man key; `limits.LEASE` c
 KEYS = "Hold Shift: force | Esc: disarm"
 
 
-_is_ready = polls.need(
+is_ready = polls.need(
     lambda _: (connection := haptic_fingertips.get()) and connection.report.link.name == "READY",
     "No haptic device is ready",
 )
@@ -37,7 +37,7 @@ class DIMPLE_OT_arm_device(polls.Declared, bpy.types.Operator):
 
     bl_idname = Op.ARM_DEVICE
     bl_label = "Arm"
-    needs = (_is_ready,)
+    needs = (is_ready,)
 
     hold_s: FloatProperty(
         name="Hold (s)", description="For scripts: how long the dead-man key counts as held", default=0.0, min=0.0
@@ -114,7 +114,7 @@ class DIMPLE_OT_disarm_device(polls.Declared, bpy.types.Operator):
 
     bl_idname = Op.DISARM_DEVICE
     bl_label = "Disarm"
-    needs = (_is_ready,)
+    needs = (is_ready,)
 
     def run(self, _context: bpy.types.Context) -> None:
         haptic_fingertips.hold(0.0)
@@ -126,7 +126,7 @@ class DIMPLE_OT_centre_device(polls.Declared, bpy.types.Operator):
 
     bl_idname = Op.CENTRE_DEVICE
     bl_label = "Calibrate Origin"
-    needs = (_is_ready,)
+    needs = (is_ready,)
 
     def run(self, context: bpy.types.Context) -> None:
         haptic_fingertips.set_origin(context.scene)

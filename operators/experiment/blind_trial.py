@@ -1,46 +1,31 @@
-"""The experiment under way, and the object that its trials present: blind, and put back when it ends."""
+"""The sensory comparison of the paper's chapter 5: trials from a file, blind, each answer kept before the next.
 
-from __future__ import annotations
+What a trial presents is nowhere in Blender's data, so no panel, no name and no undo step shows it.
+"""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
+from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import DimpleError
-from ..press import sessions
+from ...core.messages import Message
+from ..bridge import body_model
+from ..device.connect_device import is_ready
+from ..messages import say
+from ..names import Op
+from ..press import fingertip_objects, haptic_fingertips, modal_runs, polls, sessions
 
 if TYPE_CHECKING:
-    from ...core.experiment.plan import Trial
+    from ...core.experiment.plan import Plan
     from ...core.experiment.run import Experiment
-    from ...core.poke import PokeState
+    from ...core.material import Material
 
-MATERIAL = "Dimple Trial"  # shown in place of the object's own, so that its name tells nothing
-SEEN_N = 5.0  # [N] of the press that is replayed for those who only see: by force, a softer body sinks in deeper
-PRESS_S, HOLD_S, RELEASE_S = 0.6, 0.6, 0.4  # [s] of that press: as quick as a person who tests a fruit
-FELT_S = 3.0  # [s] that a script lets a device press
+HELD_S = 60.0  # [s] that a script holds the dead-man key
 
-
-@dataclass(slots=True, kw_only=True)
-class UnderWay:
-    """An experiment under way."""
-
-    experiment: Experiment  # plan, participant and answers
-    agreed: bool = False  # the participant has read the consent
-    obj: tuple[str, bpy.types.Material | None] = ("", None)  # uid of the object, and the material it had
-    shown: int = 0  # intervals of the trial that were shown
-    # time [s], depth [m] and force [N] of what was touched in this trial
-    samples: list[tuple[float, float, float]] = field(default_factory=list)
-    began: float = 0.0  # when the trial did [s]
-
-
-experiments: list[UnderWay] = []  # the experiment, where one is under way
-
-
-def get() -> UnderWay | None:
-    """Return the experiment under way, None where there is none."""
-    return experiments[0] if experiments else None
+experiments: "list[Experiment]" = []  # the experiment, where one is under way
 
 
 def is_blind() -> bool:
@@ -48,65 +33,190 @@ def is_blind() -> bool:
     return bool(experiments) and experiments[0].agreed
 
 
-def trial() -> Trial | None:
-    """Return the trial that is next."""
-    return experiments[0].experiment.next() if experiments else None
-
-
-def log_path(plan: Path, participant: str) -> Path:
-    """Return where the answers of a participant are kept: beside the plan."""
-    return plan.with_name(f"{plan.stem}_{bpy.path.clean_name(participant)}_answers.csv")
-
-
-def close() -> None:
+@bpy.app.handlers.persistent
+def close(*_: object) -> None:
     """End the experiment under way; its answers are kept."""
     while experiments:
         sessions.stop_all()
-        name, material = experiments.pop().obj
-        obj = bpy.data.objects.get(name)
-        if obj and obj.active_material and obj.active_material.name.startswith(MATERIAL):
-            trial_material = obj.active_material
-            obj.active_material = material
-            if not trial_material.users:
-                bpy.data.materials.remove(trial_material)
+        experiments.pop().log.file.close()
+    body_model.in_trial.clear()
 
 
-def source_of(name: str) -> object:
-    """Return the preset or the material that a task names.
+def watch(connection: haptic_fingertips.Connection) -> None:
+    """Note what the device does in the interval that is presented."""
+    if experiments and experiments[0].intervals:
+        experiments[0].intervals[-1].feel(connection.device.samples(), connection.report.cap)
+
+
+def material_of(source: str) -> "Material":
+    """Return the constants of the preset or the material that a plan names.
 
     Raises:
         DimpleError: there is none.
     """
     from ...core.everyday_presets import OBJECTS
+    from ...core.material import Material
 
-    preset = next((each for each in OBJECTS if name in (each.name, each.label)), None)
-    if preset is None and (bpy.data.materials.get(name) is None or name.startswith(MATERIAL)):
-        raise DimpleError('There is no material or preset "{name}", which the experiment names.', name=name)
-    return preset or bpy.data.materials[name]
-
-
-def dress(obj: bpy.types.Object, name: str, level: float) -> None:
-    """Give an object the material of a task, with its stiffness scaled."""
-    from ..calibrate.apply_preset import apply
-
-    source = source_of(name)
-    material = bpy.data.materials.get(MATERIAL) or bpy.data.materials.new(MATERIAL)
-    if isinstance(source, bpy.types.Material):
-        old, material = material, source.copy()
-        obj.active_material = material
-        bpy.data.materials.remove(old)
-        material.name = MATERIAL
-    else:
-        obj.active_material = material
-        apply(material.dimple, source)
-        obj.dimple.enabled, obj.dimple.size_mode, obj.dimple.size_mm = True, "CUSTOM", source.size * 1e3
-    material.dimple.K1, material.dimple.K2 = level * material.dimple.K1, level * material.dimple.K2
+    preset = next((each.material for each in OBJECTS if source in (each.name, each.label)), None)
+    material = bpy.data.materials.get(source)
+    if preset is None and material is None:
+        raise DimpleError('There is no material or preset "{name}", which the experiment names.', name=source)
+    return preset or Material(**material.dimple.to_params())
 
 
-def seen_press(context: bpy.types.Context) -> PokeState:
-    """Return the press that is replayed: by force, straight into the surface."""
-    from ...core.poke import PokeState
+def at_level(material: "Material", level: float) -> "Material":
+    """Return a material with its stiffness scaled."""
+    return replace(material, K1=level * material.K1, K2=level * material.K2)
 
-    radius = context.scene.dimple.finger_radius_mm / 1e3
-    state = PokeState(radius=radius, depth=radius, force=SEEN_N, by_force=True)
-    return replace(state, press_s=PRESS_S, release_s=RELEASE_S)
+
+def needed_cap(scene: bpy.types.Scene, material: "Material", force: float) -> float:
+    """Return the stiffness [N/m] that a device must render, so that a material is felt as it is up to a force [N]."""
+    from ...core.device.rendered_surface import Law
+    from ...core.other_tip import BODY, factors
+
+    scale = scene.dimple.device_scale
+    table = factors([material], scene.dimple.finger_radius_mm / 1e3, BODY)
+    values, deepest = (tuple(table[0][0].tolist()), table[1]) if table else ((), 0.0)
+    x0, power = material.x0 / scale, material.power
+    return Law(material.K1, material.K2, x0, power, values, deepest / scale).steepest(force)
+
+
+def check_levels(scene: bpy.types.Scene, plan: "Plan", materials: dict[str, "Material"]) -> None:
+    """Raise a DimpleError when the device cannot render what the plan presents."""
+    cap = haptic_fingertips.get().report.cap
+    for label, level in sorted(plan.stimuli()):
+        needed = needed_cap(scene, at_level(materials[label], level), plan.press_n)
+        if needed > cap:
+            raise DimpleError(
+                "The device renders up to {cap:.2f} N/mm now. Object {label} at the level {level:g} needs "
+                "{needed:.2f} N/mm up to {force:g} N.",
+                cap=cap / 1e3, label=label, level=level, needed=needed / 1e3, force=plan.press_n
+            )  # fmt: skip
+
+
+class DIMPLE_OT_open_experiment(polls.Declared, bpy.types.Operator):
+    """Start or resume an experiment on the active object. Answers are saved beside its file"""
+
+    bl_idname = Op.OPEN_EXPERIMENT
+    bl_label = "Open Experiment"
+
+    filepath: StringProperty(name="File", description="JSON file with the trials", subtype="FILE_PATH")
+    filter_glob: StringProperty(name="Filter", description="Files that are shown", options={"HIDDEN"}, default="*.json")
+    participant: StringProperty(name="Participant", description="Code that the file has", options={"SKIP_SAVE"})
+
+    needs = polls.needs_mesh, polls.is_own, polls.is_free, is_ready
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def run(self, context: bpy.types.Context) -> None:
+        from ...core.experiment.plan import read_plan
+        from ...core.experiment.run import Experiment
+        from ..bridge.cache_files import version
+
+        path, settings = Path(bpy.path.abspath(self.filepath)), context.scene.dimple
+        plan, participant = read_plan(path), self.participant.strip()
+        if participant not in plan.participants:
+            raise DimpleError("Type the participant's code, one of {codes}.", codes=tuple(plan.participants))
+        materials = {label: material_of(source) for label, source in plan.objects.items()}
+        check_levels(context.scene, plan, materials)
+        stated = {
+            "dimple": version(), "blender": bpy.app.version_string, "object": context.object.name,
+            "fingertip_mm": settings.finger_radius_mm, "port": settings.device_port, "scale": settings.device_scale,
+            "device": settings.device_file, "cap_n_m": haptic_fingertips.get().report.cap,
+        }  # fmt: skip
+        close()
+        answers = path.with_name(f"{path.stem}_{participant}.csv")
+        experiments.append(Experiment(plan, participant, answers, materials, stated))
+        say(self, {"INFO"}, Message("{left} trials are left", left=len(experiments[0].left())))
+
+
+_is_open = polls.need(lambda _: experiments, "Open an experiment first")
+
+
+class DIMPLE_OT_continue_experiment(polls.Declared, bpy.types.Operator):
+    """Agree to the text and begin; then present the next object of the trial. Stopping is possible at any time"""
+
+    bl_idname = Op.CONTINUE_EXPERIMENT
+    bl_label = "Continue"
+    needs = (
+        _is_open, is_ready, polls.need(lambda _: not experiments[0].rests, "Rest a little longer"),
+        polls.need(lambda _: not experiments[0].agreed or not experiments[0].is_shown, "Everything was presented"),
+    )  # fmt: skip
+
+    def run(self, context: bpy.types.Context) -> None:
+        sessions.stop_all()
+        if experiments[0].agreed:
+            self._present(context, experiments[0])
+        else:
+            experiments[0].agree()
+        modal_runs.redraw()
+
+    def _present(self, context: bpy.types.Context, experiment: "Experiment") -> None:
+        """Begin the next interval: of the virtual object, with a session of its constants and an armed device."""
+        from ...core.device.limits import QUIET_FORCE
+        from ..press import live_step
+
+        haptic_fingertips.get().device.samples()  # what was felt until now does not belong to this interval
+        stimulus = experiment.trial.show[experiment.due]
+        if stimulus.real:
+            experiment.begin()
+            return
+        obj = context.view_layer.objects.get(experiment.stated["object"])
+        if obj is None:
+            raise DimpleError("The object of the experiment is gone. Open the experiment again.")
+        material, force = at_level(experiment.materials[stimulus.object], stimulus.level), experiment.plan.press_n
+        body_model.in_trial[obj.session_uid] = material
+        fingertip_objects.select(context, obj)
+        live_step.start_all(context)
+        experiment.begin(needed=needed_cap(context.scene, material, force), least_n=QUIET_FORCE, most_n=force)
+        how = "INVOKE_DEFAULT" if self.options.is_invoke else "EXEC_DEFAULT"
+        bpy.ops.dimple.play(how, seconds=0.0)
+        bpy.ops.dimple.arm_device(how, hold_s=HELD_S)
+
+
+class DIMPLE_OT_answer_trial(polls.Declared, bpy.types.Operator):
+    """Save this answer and go to the next trial"""
+
+    bl_idname = Op.ANSWER_TRIAL
+    bl_label = "Answer"
+
+    choice: IntProperty(name="Choice", description="Number of the answer", default=1, min=1)
+
+    needs = _is_open, polls.need(lambda _: experiments[0].is_shown, "Feel everything first, for long enough")
+
+    def run(self, _context: bpy.types.Context) -> None:
+        sessions.stop_all()
+        experiments[0].answer(self.choice)
+        modal_runs.redraw()
+
+
+class DIMPLE_OT_stop_experiment(polls.Declared, bpy.types.Operator):
+    """Stop the experiment. Opened again with the same participant, it resumes at this trial"""
+
+    bl_idname = Op.STOP_EXPERIMENT
+    bl_label = "Stop"
+    needs = (_is_open,)
+
+    def run(self, _context: bpy.types.Context) -> None:
+        say(self, {"INFO"}, Message("{left} trials are left", left=len(experiments[0].left())))
+        close()
+
+
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory([
+    DIMPLE_OT_open_experiment, DIMPLE_OT_continue_experiment, DIMPLE_OT_answer_trial, DIMPLE_OT_stop_experiment,
+])  # fmt: skip
+
+
+def register() -> None:
+    _register_classes()
+    bpy.app.handlers.load_pre.append(close)
+    haptic_fingertips.watching.append(watch)
+
+
+def unregister() -> None:
+    close()
+    haptic_fingertips.watching.remove(watch)
+    bpy.app.handlers.load_pre.remove(close)
+    _unregister_classes()

@@ -19,6 +19,8 @@ from ...core.messages import Message, in_a_row
 from . import modal_runs, sessions
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ...core.device.device import Device
     from ...core.device.orders import ServoReport
     from ...core.device.workspace import Workspace
@@ -45,6 +47,7 @@ class Connection:
 
 
 connections: list[Connection] = []  # the device, where one is connected
+watching: list[Callable[[Connection], None]] = []  # what looks at it each time that it is read: a blind trial
 
 
 def get() -> Connection | None:
@@ -103,6 +106,8 @@ def read() -> list[str]:
         return []
     gap = time.perf_counter() - connection.read_at if connection.read_at else 0.0
     before, connection.report, connection.read_at = connection.report, connection.device.read(), time.perf_counter()
+    for watch in watching:
+        watch(connection)
     report = connection.report
     armed = report.link is LinkState.READY and report.arming is not Arming.OFF
     if gap > SLOW_S and armed and not connection.slow:

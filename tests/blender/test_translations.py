@@ -103,11 +103,9 @@ def drawn_texts() -> Iterator[str]:
 
 
 def measured(bpy: ModuleType) -> Iterator[str]:
-    """Yield what the presets are called and where they come from, what an experiment says."""
+    """Yield what the presets are called and where they come from."""
     from bl_ext.user_default.dimple.core.everyday_presets import OBJECTS
-    from bl_ext.user_default.dimple.core.experiment.plan import CONSENT, STEPS
 
-    yield from (CONSENT, *STEPS)
     yield from (text for preset in OBJECTS for text in (preset.label, preset.provenance))
 
 

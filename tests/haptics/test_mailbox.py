@@ -131,3 +131,18 @@ def test_a_message_that_does_not_fit_is_refused() -> None:
     with pytest.raises(ValueError):
         box.post(TO_SERVO, bytes(9000))
     box.close()
+
+
+def test_all_samples_of_a_servo_arrive_once_and_in_order() -> None:
+    box, seen, found = Mailbox(), 0, list[float]()
+    for number in range(1, 1001):
+        box.post_sample((number, number / 1000, *(0.0,) * 18))
+        if number % 16 == 0:
+            seen, samples = box.samples(seen)
+            found += [sample[0] for sample in samples]
+    assert found == [number / 1000 for number in range(1, 992)], "the newest may be half written: it comes next time"
+    for number in range(1001, 7001):
+        box.post_sample((number, number / 1000, *(0.0,) * 18))
+    seen, samples = box.samples(seen)
+    assert seen == 6999 and [sample[0] for sample in samples] == [number / 1000 for number in range(2905, 7000)]
+    box.close()

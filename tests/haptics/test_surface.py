@@ -66,6 +66,18 @@ def test_what_the_device_cannot_render_is_as_steep_as_it_can(law: Law) -> None:
     assert VINYL.force(0.020, 640.0) == pytest.approx(610 * 0.0163 + 640 * (0.020 - 0.0163))
 
 
+@LAWS
+@pytest.mark.parametrize("force", [0.5, 2.0, 8.0])
+def test_up_to_a_force_a_law_is_rendered_unchanged_from_its_steepest_slope_on(law: Law, force: float) -> None:
+    steepest, changed = law.steepest(force), 0
+    for x in np.linspace(0, 0.05, 300):
+        true = law.force(x, math.inf)
+        if true < force:
+            assert law.force(x, steepest) == pytest.approx(true, rel=1e-3)
+            changed += law.force(x, 0.8 * steepest) < 0.99 * true
+    assert changed, "and a device that renders less changes it"
+
+
 def test_the_slope_of_a_law_is_its_derivative() -> None:
     for law in (VINYL[:4], SOLID[:4]):
         for depth in (0.002, 0.005, 0.008, 0.020):

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import robot
 
-BENCH = Path(__file__).resolve().parents[2] / "studies" / "bench" / "start.py"
+BENCH = Path(__file__).resolve().parents[1] / "studies" / "bench" / "start.py"  # beside this folder, see run.py
 PRESSED = 0.3  # [N]
 TAB = "Device"
 STOPPED_S = 0.4  # longer than the dead-man key counts as held

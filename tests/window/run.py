@@ -52,7 +52,9 @@ def press(zip_path: Path, out: Path, scenes: list[str]) -> dict:
     shutil.rmtree(out / "command", ignore_errors=True)
     log = out / "blender.log"
     here = Path(__file__).resolve().parent
-    files = {"zip": zip_path, "out": out, "window": here, "samples": here.parent.parent / "blend_samples"}
+    project = here.parent.parent
+    files = {"zip": zip_path, "out": out, "window": here, "samples": project / "blend_samples"}
+    files |= {"studies": project / "studies", "core": project / "core"}  # of the emulated device
     started = time.monotonic()
     print("window: Blender opens its window and is pressed (software rendering, some minutes)", flush=True)
     environment = {**ENVIRONMENT, "DIMPLE_SCENES": " ".join(scenes)}
