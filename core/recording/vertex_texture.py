@@ -57,9 +57,8 @@ def layout(vertices: int, frames: int) -> Layout:
 def pixels(samples: Singles, where: Layout) -> Singles:
     """Return the picture (height, width, 3), the top row first, of samples (frames, vertices, 3)."""
     frames, vertices, _ = samples.shape
-    picture = np.zeros((frames, where.rows * where.width, 3), np.float32)
-    picture[:, :vertices] = samples
-    return picture.reshape(where.height, where.width, 3)
+    empty = where.rows * where.width - vertices
+    return np.pad(samples, ((0, 0), (0, empty), (0, 0))).reshape(frames * where.rows, where.width, 3)
 
 
 def uv(vertices: int, where: Layout) -> Singles:

@@ -79,12 +79,6 @@ def _final(context: bpy.types.Context, body: bpy.types.Object, given: int, cuts:
         offset.remove(body, PRESS)
 
 
-def levels_more(body: bpy.types.Object) -> int:
-    """Return how many times more a render subdivides an object than the viewport."""
-    finer = [each for each in body.modifiers if hasattr(each, "render_levels") and each.show_render]
-    return sum(each.render_levels - each.levels for each in finer)
-
-
 @contextmanager
 def as_rendered(body: bpy.types.Object) -> Iterator[None]:
     """Let the viewport show an object as a render does, for a while."""

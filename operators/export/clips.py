@@ -60,11 +60,6 @@ class Clip:
     vertex_of: npt.NDArray[np.int32] = field(default_factory=lambda: np.empty(0, np.int32))  # of each split vertex
     made: Basis | None = None  # which frames are shape keys, once they are chosen
 
-    @property
-    def frames(self) -> int:
-        """Return how many frames there are."""
-        return self.plan.last - self.plan.first + 1
-
     def keys(self) -> Basis:
         """Return which frames are shape keys, and their values in each frame; they are chosen once."""
         size = float(np.ptp(self.samples[0], axis=0).max())
@@ -74,7 +69,7 @@ class Clip:
 
 
 @contextlib.contextmanager
-def ranged(scene: bpy.types.Scene, first: int, last: int) -> Iterator[None]:
+def _ranged(scene: bpy.types.Scene, first: int, last: int) -> Iterator[None]:
     """Let a scene have these frames, and show the first; most exporters ask the scene."""
     before = scene.frame_start, scene.frame_end, scene.use_preview_range
     now = scene.frame_current, scene.frame_subframe
@@ -115,11 +110,14 @@ def selected(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[None
 
 @contextlib.contextmanager
 def playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
-    """Select the object of a clip, playing that in place of its own bake, with the modifiers that the plan asks for."""
+    """Select the object of a clip in its first frame, playing that in place of its own bake, with the modifiers that
+    the plan asks for.
+    """
     obj = clip.obj
     ours = [modifier for modifier in obj.modifiers if modifiers.is_cache(modifier)] if clip.plays else []
     before = [(modifier, modifier.show_viewport, modifier.show_render) for modifier in ours]
-    with selected(context, obj), contextlib.ExitStack() as shown:
+    frames = _ranged(context.scene, clip.plan.first, clip.plan.last)
+    with frames, selected(context, obj), contextlib.ExitStack() as shown:
         try:
             for modifier in ours:
                 modifier.show_viewport = modifier.show_render = False
@@ -145,7 +143,7 @@ def look(context: bpy.types.Context, clip: Clip, folder: Path, *, normals: bool)
     """
     first, last, caches = clip.plan.first, clip.plan.last, []  # type: ignore[var-annotated]
     paths = [folder / "seen.pc2", folder / "normals.pc2"][: 1 + normals]
-    with ranged(context.scene, first, last), playing(context, clip), contextlib.ExitStack() as files:
+    with playing(context, clip), contextlib.ExitStack() as files:
         for frame in range(first, last + 1):
             context.scene.frame_set(frame)
             mesh = final_mesh.evaluated(context, clip.obj)
@@ -187,7 +185,7 @@ def keyed(context: bpy.types.Context, clip: Clip, keys: Basis | None) -> Iterato
         copy.vertices.foreach_set("co", clip.samples[0].ravel())
         if keys and keys.chosen:
             _add_keys(clip, keys, action)
-        with selected(context, obj):
+        with _ranged(context.scene, clip.plan.first, clip.plan.last), selected(context, obj):
             yield
     finally:
         obj.data = mesh

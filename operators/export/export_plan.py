@@ -22,7 +22,7 @@ from ...core.recording import open_point_cache
 from ...core.recording.split import split
 from ...core.steps import as_share
 from ..animate import bake_frames
-from ..bridge import cache_files, final_mesh, modifiers, offset, rendered_mesh, scene_objects
+from ..bridge import cache_files, final_mesh, modifiers, offset, scene_objects
 from ..messages import megabytes
 from . import clips, formats, sidecar
 from .clips import Clip, ExportPlan
@@ -87,7 +87,8 @@ def size_of(context: bpy.types.Context, obj: bpy.types.Object, plan: ExportPlan)
     if split_vertices is None:
         normals = final_mesh.get_points(mesh.corner_normals, corners, "vector")
         split_vertices = len(split(final_mesh.corners_of(mesh), normals[None])[0])
-    finer = 4 ** (rendered_mesh.levels_more(obj) if plan.rendered else 0)
+    divided = [each for each in obj.modifiers if hasattr(each, "render_levels") and plan.rendered]
+    finer = 4 ** sum(each.render_levels - each.levels for each in divided)
     return Size(finer * vertices, finer * corners, finer * split_vertices, _pictures(obj))
 
 

@@ -12,7 +12,7 @@ import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -41,23 +41,12 @@ class Format:
     ending: str  # of the file; None for a folder of files
     space: str  # which coordinates, axes and units it holds
     bytes_of: Callable[[Size], float]  # how long a frame of a mesh is at the most
-    exporter: str = ""  # the operator of Blender's that writes it, if one does, and
-    options: Callable[[Clip], dict[str, Any]] | None = None  # what it is asked, where it writes all of it
-    writer: Callable[[bpy.types.Context, Clip, Path], Iterator[float]] | None = None  # writes it otherwise
+    write: Callable[[bpy.types.Context, Clip, Path], Iterator[float]]  # yields the share that is done
+    exporter: str = ""  # the operator of Blender's that it needs
     keyed: bool = False  # it holds shape keys
     played: bool = False  # Blender's exporter sees the object play
     pictures: bool = True  # it holds textures
     slid: bool = False  # its time 0 is the first frame that is exported, not frame 0
-
-    def write(self, context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-        """Write a clip, and yield the share that is done."""
-        if self.writer:
-            yield from self.writer(context, clip, path)
-            return
-        with clips.ranged(context.scene, clip.plan.first, clip.plan.last):
-            with clips.keyed(context, clip, clip.keys()) if self.keyed else clips.playing(context, clip):
-                ask(self.exporter, filepath=str(path), **self.options(clip))
-        yield 1.0
 
 
 def is_there(name: str) -> bool:
@@ -117,27 +106,38 @@ def _pc2(_context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]
             yield number / len(clip.samples)
 
 
-def _alembic(clip: Clip) -> dict[str, Any]:
-    return {
-        "start": clip.plan.first, "end": clip.plan.last, "selected": True, "evaluation_mode": "VIEWPORT",
-        "as_background_job": False,
-    }  # fmt: skip
+def _alembic(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
+    with clips.playing(context, clip):
+        ask(
+            "wm.alembic_export", filepath=str(path), start=clip.plan.first, end=clip.plan.last, selected=True,
+            evaluation_mode="VIEWPORT", as_background_job=False,
+        )  # fmt: skip
+    yield 1.0
 
 
-def _fbx(_clip: Clip) -> dict[str, Any]:
-    # with NLA strips or all actions it would write no movement, or that of other objects
-    return {
-        "use_selection": True, "object_types": {"MESH"}, "use_mesh_modifiers": False, "bake_anim": True,
-        "bake_anim_use_nla_strips": False, "bake_anim_use_all_actions": False, "bake_anim_simplify_factor": 0.0,
-        "bake_anim_step": 1.0, "path_mode": "COPY", "embed_textures": True, "apply_scale_options": "FBX_SCALE_UNITS",
-    }  # fmt: skip
+def _fbx(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
+    nameless = [image for image in bpy.data.images if image.packed_file and not image.filepath_raw]
+    for image in nameless:  # Blender's exporter takes the name from the path
+        image.filepath_raw = f"//{bpy.path.clean_name(image.name)}.{image.file_format.lower().removeprefix('open_')}"
+    try:
+        with clips.keyed(context, clip, clip.keys()):
+            ask(  # with NLA strips or all actions it would write no movement, or that of other objects
+                "export_scene.fbx", filepath=str(path), use_selection=True, object_types={"MESH"},
+                use_mesh_modifiers=False, bake_anim=True, bake_anim_use_nla_strips=False,
+                bake_anim_use_all_actions=False, bake_anim_simplify_factor=0.0, bake_anim_step=1.0, path_mode="COPY",
+                embed_textures=True, apply_scale_options="FBX_SCALE_UNITS",
+            )  # fmt: skip
+    finally:
+        for image in nameless:
+            image.filepath_raw = ""
+    yield 1.0
 
 
 def _usd(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     """Write a USD and its textures, which it names relative to itself, into a folder."""
     path.mkdir()
     file = path / f"{path.name.removesuffix('_usd')}.usdc"
-    with clips.ranged(context.scene, clip.plan.first, clip.plan.last), clips.playing(context, clip):
+    with clips.playing(context, clip):
         ask(
             "wm.usd_export", filepath=str(file), selected_objects_only=True, export_animation=True,
             evaluation_mode="VIEWPORT", export_textures_mode="NEW", relative_paths=True, convert_world_material=False,
@@ -155,7 +155,7 @@ def _usd(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
 
 
 def _glb(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    with clips.ranged(context.scene, clip.plan.first, clip.plan.last), clips.keyed(context, clip, clip.keys()):
+    with clips.keyed(context, clip, clip.keys()):
         _ask_gltf(context.scene, path)
     yield 1.0
 
@@ -213,9 +213,8 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
     yield 0.6
     vertex_texture.write_png(path / "normals.png", vertex_texture.pixels(normals, where), -1.0, 1.0)
     yield 0.8
-    with clips.ranged(context.scene, clip.plan.first, clip.plan.last):
-        with clips.mapped(context, clip, vertex_texture.uv(vertices, where)):
-            _ask_gltf(context.scene, path / "mesh.glb")
+    with clips.mapped(context, clip, vertex_texture.uv(vertices, where)):
+        _ask_gltf(context.scene, path / "mesh.glb")
     words = {
         "about": vertex_texture.__doc__, "width": where.width, "height": where.height, "rows": where.rows,
         "vertices": vertices, "frames": frames, "frame_rate": 1 / timeline.frame_s(context.scene),
@@ -230,28 +229,28 @@ def _corners(size: Size) -> float:
     return 12 * (size.vertices + size.corners)
 
 
-OBJECT = "the object's own coordinates: x, y and z as in Blender, in its own scale"
 FORMATS = {
     "ALEMBIC": Format(
         "Alembic", ".abc", "Y up, as Alembic has it, in scene units",
         lambda size: _corners(size) if size.split > size.vertices else 12 * size.vertices,  # who reads it smooths
-        "wm.alembic_export", _alembic, played=True, pictures=False,
+        _alembic, "wm.alembic_export", played=True, pictures=False,
     ),
-    "USD": Format(
-        "USD", "_usd", "Z up, metersPerUnit says the unit", _corners, "wm.usd_export", writer=_usd, played=True
-    ),
+    "USD": Format("USD", "_usd", "Z up, metersPerUnit says the unit", _corners, _usd, "wm.usd_export", played=True),
     "GLB": Format(
-        "glTF", ".glb", "Y up, in metres, as glTF has it", lambda size: 24 * size.split, "export_scene.gltf",
-        writer=_glb, keyed=True, slid=True,
+        "glTF", ".glb", "Y up, in metres, as glTF has it", lambda size: 24 * size.split, _glb, "export_scene.gltf",
+        keyed=True, slid=True,
     ),
     "FBX": Format(
         "FBX", ".fbx", "Y up, -Z forward, UnitScaleFactor says the unit",
-        lambda size: 18 * size.vertices, "export_scene.fbx", _fbx, keyed=True,  # it is compressed
+        lambda size: 18 * size.vertices, _fbx, "export_scene.fbx", keyed=True,  # it is compressed
     ),
-    "PC2": Format("PC2", ".pc2", OBJECT, lambda size: 12 * size.vertices, writer=_pc2, pictures=False),
+    "PC2": Format(
+        "PC2", ".pc2", "the object's own coordinates: x, y and z as in Blender, in its own scale",
+        lambda size: 12 * size.vertices, _pc2, pictures=False,
+    ),
     "VAT": Format(
         "Vertex Animation Texture", "_vat", "Y up, in the coordinates of mesh.glb; layout.json says how",
-        lambda size: 24 * size.split, "export_scene.gltf", writer=_texture, slid=True,
+        lambda size: 24 * size.split, _texture, "export_scene.gltf", slid=True,
     ),
 }  # fmt: skip
 UNSHEARED = ("GLB", "FBX", "VAT")  # there an object has a place, a rotation and a scale

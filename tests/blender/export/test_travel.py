@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.blender.export.reading import EVERY, FINEST, faces, imported, seen, worst
+from tests.blender.export.reading import EVERY, FINEST, imported, seen, worst
 from tests.point_cache import read_point_cache
 
 FIRST, LAST = 3, 11
@@ -91,11 +91,12 @@ def test_pictures_go_along_when_the_blend_file_is_gone(
     scene.world = bpy.data.worlds.new("World")
     for name in ("Packed", "Beside"):
         image = bpy.data.images.new(name, 4, 4)
-        image.filepath_raw, image.file_format = str(tmp_path / f"{name}.png"), "PNG"
-        image.save()
-        if name == "Packed":
+        image.pixels.foreach_set([0.5] * 64)
+        if name == "Packed":  # as one that is painted in Blender: it has no path
             image.pack()
-            Path(image.filepath_raw).unlink()
+        else:
+            image.filepath_raw, image.file_format = str(tmp_path / f"{name}.png"), "PNG"
+            image.save()
         material = bpy.data.materials.new(name)
         material.use_nodes = True
         texture, tree = material.node_tree.nodes.new("ShaderNodeTexImage"), material.node_tree
@@ -114,7 +115,7 @@ def test_pictures_go_along_when_the_blend_file_is_gone(
         imported(bpy, lambda: bpy.ops.import_scene.gltf(filepath=str(moved / name)))  # noqa: B023
         assert sum(image.size[0] == 4 for image in bpy.data.images) == 2
     imported(bpy, lambda: bpy.ops.wm.fbx_import(filepath=str(moved / "Ball.fbx")))
-    assert sum(image.size[0] == 4 for image in bpy.data.images) == 2
+    assert {image.name for image in bpy.data.images if image.size[0] == 4} == {"Packed.png", "Beside.png"}
 
 
 def test_a_texture_moves_as_the_parent_of_its_object_does(
@@ -166,4 +167,4 @@ def test_all_formats_hold_one_mesh_as_it_is_seen_or_rendered(
     alembic = imported(bpy, lambda: bpy.ops.wm.alembic_import(filepath=path, as_background_job=False), fps)
     assert worst(seen(bpy, alembic, range(FIRST, LAST + 1)), wanted) <= FINEST * size
     fbx = imported(bpy, lambda: bpy.ops.wm.fbx_import(filepath=str(tmp_path / "Ball.fbx"), anim_offset=0.0))
-    assert len(fbx.data.vertices) == count and len(faces(fbx)[1]) == len(faces(alembic)[1])
+    assert len(fbx.data.vertices) == count
