@@ -88,9 +88,9 @@ def _fitted(among: Floats, of: Floats, weights: Singles) -> Singles:
 
 def _played(samples: Singles, chosen: list[int], weights: Singles) -> Iterator[tuple[Singles, Singles]]:
     """Yield each frame as it is played, and as it was."""
-    shapes = (samples[chosen] - samples[0]).reshape(len(chosen), -1)
+    shapes = samples[chosen] - samples[0]
     for now, weight in zip(samples, weights, strict=True):
-        yield samples[0] + (weight @ shapes).reshape(-1, 3), now
+        yield samples[0] + np.tensordot(weight, shapes, 1), now
 
 
 def _angle(played: Singles, now: Singles) -> float:
