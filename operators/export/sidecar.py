@@ -42,6 +42,7 @@ def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
         "metres_per_scene_unit": scene_objects.scale_and_top(context, obj)[0],
         "scene_unit_scale": context.scene.unit_settings.scale_length,
         "table_units": "force N, depth mm, pressure Pa, volume m3, work and energy J, time s",
+        "error_unit": "of the object's own coordinates",
         "seeds": [],  # nothing is random: the same file gives the same bytes
         "simulation": clip.simulated or "a bake or recording made before this export",
         "body": _plain(obj.dimple.to_params()),
@@ -80,7 +81,7 @@ def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
         "coordinates": kind.space,
         "time_0_is_frame": clip.plan.first if kind.slid else 0,
         "shape_keys": len(keys.chosen) if keys else None,
-        "worst_vertex_error": keys.error if keys else 0.0,  # in the object's own units
+        "worst_vertex_error": keys.error if keys else 0.0,
         "worst_normal_error_degrees": math.degrees(keys.turn) if keys else 0.0,
         "bytes": sum(file.stat().st_size for file in files),
         "sha256": checksum.hexdigest(),
