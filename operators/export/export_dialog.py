@@ -104,7 +104,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
         except DimpleError as error:
             return str(error), "ERROR"
         frames = plan.last - plan.first + 1
-        said = "{frames} frames of {vertices:,} vertices, up to {size} MB"
+        said = "{frames} frames of {vertices:,} vertices, about {size} MB"
         return Message(said, frames=frames, vertices=vertices, size=size), "INFO"
 
     def _begin(self, context: bpy.types.Context):

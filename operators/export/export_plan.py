@@ -42,7 +42,7 @@ def finals(plan: ExportPlan) -> list[Path]:
 
 
 def estimate(context: bpy.types.Context, plan: ExportPlan) -> float:
-    """Return how many bytes an export makes at the most; frames that are alike make it shorter."""
+    """Return about how many bytes an export makes; frames that are alike make it fewer."""
     sizes = [size_of(context, obj, plan) for obj in plan.objects]
     return sum(_bytes(plan, each, size) for each in plan.formats for size in sizes)
 

@@ -40,7 +40,7 @@ class Format:
     label: str  # its name
     ending: str  # of the file; None for a folder of files
     space: str  # which coordinates, axes and units it holds
-    bytes_of: Callable[[Size], float]  # how long a frame of a mesh is at the most
+    bytes_of: Callable[[Size], float]  # about how long a frame of a mesh is
     write: Callable[[bpy.types.Context, Clip, Path], Iterator[float]]  # yields the share that is done
     exporter: str = ""  # the operator of Blender's that it needs
     keyed: bool = False  # it holds shape keys
