@@ -24,15 +24,11 @@ TIPS = (
 # what an animation is exported to; `formats` writes them
 EXPORTS = (
     ("ALEMBIC", "Alembic (.abc)", "For other 3D programs and renderers", 1),
-    ("USD", "USD (.usdc)", "For other 3D programs, renderers and pipelines", 2),
-    ("USD_SHAPES", "USD Blend Shapes (.usdc)", "Smaller with few shape keys, for programs that read UsdSkel", 512),
-    ("GLB", "glTF Binary (.glb)", "For game engines and the web, with a morph target for each frame", 4),
-    ("FBX", "FBX (.fbx)", "For game engines, with a shape key for each frame", 8),
+    ("USD", "USD (.usdc)", "A folder with its textures, for other 3D programs, renderers and pipelines", 2),
+    ("GLB", "glTF Binary (.glb)", "For game engines and the web, with morph targets", 4),
+    ("FBX", "FBX (.fbx)", "For game engines, with shape keys", 8),
     ("PC2", "PC2 Point Cache (.pc2)", "For 3ds Max, and Blender's Mesh Cache modifier", 16),
-    ("MDD", "MDD Point Cache (.mdd)", "For LightWave, Cinema 4D, Houdini, and Blender's Mesh Cache modifier", 32),
-    ("STL", "STL Sequence", "A folder with a file for each frame, for printing and simulation", 64),
-    ("PLY", "PLY Sequence", "A folder with a file for each frame, for scanning tools and numpy", 128),
-    ("VAT", "Vertex Animation Texture", "EXR and 16-bit PNG for shaders, and the mesh with its second UV map", 256),
+    ("VAT", "Vertex Animation Texture", "EXR and 16-bit PNG for shaders, of places and normals, and the mesh", 256),
 )
 # properties that can be painted on a body: the label of the vertex group, and the meaning of its weights
 MAPS = (

@@ -1,11 +1,14 @@
-"""Vertex animation textures: a picture whose pixels are where vertices are, for shaders and game engines.
+"""Vertex animation textures: pictures whose pixels are where vertices are, for shaders and game engines.
 
 Layout: vertex i of frame f (both from 0) is the pixel in column i % width and row f * rows + i // width, counted from
-the top left. Red, green and blue are how far x, y and z are from where the vertex is in mesh.glb, in the coordinates of
-that mesh: Y up, as glTF has it, so Blender's (x, y, z) is (x, z, -y) there. The second UV map of the mesh points at the
+the top left. In `offsets` red, green and blue are how far x, y and z are from where the vertex is in mesh.glb, in the
+coordinates of that mesh: Y up, as glTF has it, so Blender's (x, y, z) is (x, z, -y) there; `bounds` in layout.json are
+the lowest and highest place of any vertex in any frame. `normals.png` holds the normals in the same coordinates: 0
+stands for -1 and 65535 for 1. At a sharp edge each side has a vertex. The second UV map of the mesh points at the
 middle of a vertex's pixel in frame 0; with v upwards each later frame is rows / height lower. The EXR holds the numbers
-themselves; in the 16-bit PNG 0 stands for `least` and 65535 for `most`, both in layout.json, so a coordinate is off by
-at most (most - least) / 131070. Sample both without filtering, and as data, not as colour.
+themselves; in the 16-bit offsets.png 0 stands for `least` and 65535 for `most`, both in layout.json, so a coordinate is
+off by at most (most - least) / 131070. Sample without filtering, and as data, not as colour. An object that moves as a
+whole does so by the animation of mesh.glb, whose time 0 is frame 0.
 """
 
 from __future__ import annotations
@@ -54,10 +57,8 @@ def layout(vertices: int, frames: int) -> Layout:
 def pixels(samples: Singles, where: Layout) -> Singles:
     """Return the picture (height, width, 3), the top row first, of samples (frames, vertices, 3)."""
     frames, vertices, _ = samples.shape
-    picture = np.zeros((frames, where.rows * where.width, 3), np.float32)
-    for row, sample in zip(picture, samples, strict=True):
-        row[:vertices] = sample - samples[0]
-    return picture.reshape(where.height, where.width, 3)
+    empty = where.rows * where.width - vertices
+    return np.pad(samples, ((0, 0), (0, empty), (0, 0))).reshape(frames * where.rows, where.width, 3)
 
 
 def uv(vertices: int, where: Layout) -> Singles:
@@ -94,14 +95,13 @@ def write_exr(path: str | os.PathLike[str], picture: Singles) -> None:
             file.write(struct.pack("<2i", y, 12 * width) + np.ascontiguousarray(row.T[::-1], "<f4").tobytes())
 
 
-def write_png(path: str | os.PathLike[str], picture: Singles) -> tuple[float, float]:
-    """Write a picture (height, width, 3) as PNG of 16 bits; return the least and the most that it holds.
+def write_png(path: str | os.PathLike[str], picture: Singles, least: float, most: float) -> None:
+    """Write a picture (height, width, 3) of numbers from the least to the most as PNG of 16 bits.
 
     Raises:
         OSError: the disk refuses.
     """
     height, width, _ = picture.shape
-    least, most = float(picture.min()), float(picture.max())
     packer = zlib.compressobj(6)
     with Path(path).open("wb") as file:
         file.write(b"\x89PNG\r\n\x1a\n")
@@ -111,7 +111,6 @@ def write_png(path: str | os.PathLike[str], picture: Singles) -> tuple[float, fl
             _chunk(file, b"IDAT", packer.compress(b"\0" + np.rint(65535 * share).astype(">u2").tobytes()))
         _chunk(file, b"IDAT", packer.flush())
         _chunk(file, b"IEND", b"")
-    return least, most
 
 
 def _chunk(file: object, kind: bytes, data: bytes) -> None:

@@ -29,7 +29,7 @@ def shown(
     """
     given = len(evaluated(context, body).vertices)
     cuts = 0 if given == count else cuts
-    with _as_rendered(body):
+    with as_rendered(body):
         mesh = evaluated(context, body)
         rendered, there = len(mesh.vertices), None
         if rendered != given:
@@ -80,7 +80,7 @@ def _final(context: bpy.types.Context, body: bpy.types.Object, given: int, cuts:
 
 
 @contextmanager
-def _as_rendered(body: bpy.types.Object) -> Iterator[None]:
+def as_rendered(body: bpy.types.Object) -> Iterator[None]:
     """Let the viewport show an object as a render does, for a while."""
     before = [(each, each.show_viewport, getattr(each, "levels", None)) for each in body.modifiers]
     try:

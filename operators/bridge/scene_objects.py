@@ -101,6 +101,11 @@ def _not_a_mesh(body: bpy.types.Object) -> str:
     return in_a_row([Message('"{name}" is not a mesh.', name=body.name), what])
 
 
+def metres_per_unit(scene: bpy.types.Scene) -> float:
+    """Return how long the unit of a scene is [m]; without units it is a metre, as Blender's exporters take it."""
+    return 1.0 if scene.unit_settings.system == "NONE" else scene.unit_settings.scale_length
+
+
 def check_writable(body: bpy.types.Object) -> None:
     """Raise a DimpleError when an object may not be given a modifier."""
     if body.library:

@@ -9,33 +9,19 @@ import contextlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import bpy
 import numpy as np
 import numpy.typing as npt
 
 from ...core.recording import PointCache, open_point_cache
-from ..bridge import cache_files, final_mesh, keyframes, modifiers, offset
+from ...core.recording.basis import Basis, distinct, reduce
+from ...core.recording.split import split
+from ..bridge import cache_files, final_mesh, keyframes, modifiers, offset, rendered_mesh
 
 Singles = npt.NDArray[np.float32]
 UV_MAP = "dimple_vertex"
-
-
-class KeyedShape(NamedTuple):
-    """A shape key: its name, coordinates (vertices, 3), and its value at some frames."""
-
-    name: str
-    shape: Singles
-    frames: Sequence[int]
-    values: Sequence[float]
-
-
-class Keys(NamedTuple):
-    """The shape keys of a clip, and how far a vertex is off where they are played, at the most."""
-
-    shapes: list[KeyedShape]
-    error: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,13 +34,11 @@ class ExportPlan:
     first: int  # frame
     last: int  # frame, included
     begin: int | None = None  # frame at which the simulation begins at rest; None is the first
-    step: int = 1  # frames from one shape key to the next
-    # how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for a shape key every
-    # `step` frames
+    # how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for one a frame
     key_error: float = 0.0
+    rendered: bool = False  # the mesh is what modifiers make of it for a render, not for the viewport
     simulate: bool = False  # also objects that play a bake or a recording
     overwrite: bool = False  # files that are there
-    normals: bool = True  # write how the surface is shaded
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -68,49 +52,24 @@ class Clip:
     plays: tuple[Path, float, int] | None = None
     table: Path | None = None  # of forces, beside what it plays
     simulated: dict[str, Any] | None = None  # how, where it was for this
-    # (frames, vertices, 3) coordinates of its final mesh; none where no format asks
+    # coordinates (frames, vertices, 3) of its final mesh, and where a format asks for them its normals (frames, n, 3),
+    # of vertices that are split where it is sharp; with the vertex that each of those is
     samples: Singles = field(default_factory=lambda: np.empty((0, 0, 3), np.float32))
-    made: Keys | None = None  # the shape keys, once they are
+    normals: Singles = field(default_factory=lambda: np.empty((0, 0, 3), np.float32))
+    split_of: npt.NDArray[np.intp] = field(default_factory=lambda: np.empty(0, np.intp))  # of each corner of a face
+    vertex_of: npt.NDArray[np.int32] = field(default_factory=lambda: np.empty(0, np.int32))  # of each split vertex
+    made: Basis | None = None  # which frames are shape keys, once they are chosen
 
-    @property
-    def frames(self) -> int:
-        """Return how many frames there are."""
-        return self.plan.last - self.plan.first + 1
-
-    def keys(self) -> Keys:
-        """Return the shape keys; they are made once."""
-        self.made = self.made or (self._few() if self.plan.key_error else self._each())
+    def keys(self) -> Basis:
+        """Return which frames are shape keys, and their values in each frame; they are chosen once."""
+        size = float(np.ptp(self.samples[0], axis=0).max())
+        error = self.plan.key_error * size
+        self.made = self.made or (reduce(self.samples, self.normals, error) if error else distinct(self.samples))
         return self.made
-
-    def _each(self) -> Keys:
-        """Return a shape key for every few frames; from one to the next a straight line leads."""
-        from ...core.recording.basis import error_between
-
-        plan = self.plan
-        frames = sorted({*range(plan.first, plan.last + 1, plan.step), plan.last})
-        at = [frame - plan.first for frame in frames]
-        near = [frames[max(number - 1, 0) : number + 2] for number in range(len(frames))]
-        shapes = [
-            KeyedShape(f"Frame {frame:04d}", self.samples[where], some, [float(each == frame) for each in some])
-            for frame, where, some in zip(frames, at, near, strict=True)
-        ]
-        return Keys(shapes, error_between(self.samples, at))
-
-    def _few(self) -> Keys:
-        """Return the few shapes of which every frame is a sum."""
-        from ...core.recording.basis import reduce
-
-        basis = reduce(self.samples, self.plan.key_error * float(np.ptp(self.samples[0], axis=0).max()))
-        frames = list(range(self.plan.first, self.plan.last + 1))
-        shapes = [
-            KeyedShape(f"Shape {number:03d}", self.samples[0] + shape, frames, weights)
-            for number, (shape, weights) in enumerate(zip(basis.shapes, basis.weights.T, strict=True), start=1)
-        ]
-        return Keys(shapes, basis.error)
 
 
 @contextlib.contextmanager
-def ranged(scene: bpy.types.Scene, first: int, last: int) -> Iterator[None]:
+def _ranged(scene: bpy.types.Scene, first: int, last: int) -> Iterator[None]:
     """Let a scene have these frames, and show the first; most exporters ask the scene."""
     before = scene.frame_start, scene.frame_end, scene.use_preview_range
     now = scene.frame_current, scene.frame_subframe
@@ -151,48 +110,58 @@ def selected(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[None
 
 @contextlib.contextmanager
 def playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
-    """Select the object of a clip, playing that in place of its own bake."""
+    """Select the object of a clip in its first frame, playing that in place of its own bake, with the modifiers that
+    the plan asks for.
+    """
     obj = clip.obj
-    if clip.plays is None:
-        with selected(context, obj):
-            yield
-        return
-    ours = [modifier for modifier in obj.modifiers if modifiers.is_cache(modifier)]
+    ours = [modifier for modifier in obj.modifiers if modifiers.is_cache(modifier)] if clip.plays else []
     before = [(modifier, modifier.show_viewport, modifier.show_render) for modifier in ours]
-    with selected(context, obj):
+    frames = _ranged(context.scene, clip.plan.first, clip.plan.last)
+    with frames, selected(context, obj), contextlib.ExitStack() as shown:
         try:
             for modifier in ours:
                 modifier.show_viewport = modifier.show_render = False
-            cache_files.play(context, obj, *clip.plays)
+            made = cache_files.play(context, obj, *clip.plays) if clip.plays else None
+            if clip.plan.rendered:
+                shown.enter_context(rendered_mesh.as_rendered(obj))
             yield
         finally:
-            for modifier in [each for each in obj.modifiers if modifiers.is_cache(each) and each not in ours]:
-                obj.modifiers.remove(modifier)
-            offset.sweep_data()
+            shown.close()
+            if made:
+                obj.modifiers.remove(made)
+                offset.sweep_data()
             for modifier, viewport, render in before:
                 modifier.show_viewport, modifier.show_render = viewport, render
 
 
-def seen(context: bpy.types.Context, clip: Clip, path: Path) -> Singles:
-    """Return the coordinates (frames, vertices, 3) that an object shows while it plays; they go to a file.
+def look(context: bpy.types.Context, clip: Clip, folder: Path, *, normals: bool) -> None:
+    """Give a clip the coordinates that its object shows while it plays, and its normals; they go to files in a folder.
 
     Raises:
         OSError: the disk refuses.
         DimpleError: it does not show as many vertices in each frame.
     """
-    first, last, cache = clip.plan.first, clip.plan.last, None
-    with ranged(context.scene, first, last), playing(context, clip), contextlib.ExitStack() as files:
+    first, last, caches = clip.plan.first, clip.plan.last, []  # type: ignore[var-annotated]
+    paths = [folder / "seen.pc2", folder / "normals.pc2"][: 1 + normals]
+    with playing(context, clip), contextlib.ExitStack() as files:
         for frame in range(first, last + 1):
             context.scene.frame_set(frame)
-            mesh = clip.obj.evaluated_get(context.evaluated_depsgraph_get()).data
-            cache = cache or files.enter_context(PointCache(path, len(mesh.vertices), first))
-            cache.append(final_mesh.points_of(mesh))
-    _, samples = open_point_cache(path)
-    return samples
+            mesh = final_mesh.evaluated(context, clip.obj)
+            if not caches:
+                counts, corners = (len(mesh.vertices), len(mesh.loops)), final_mesh.corners_of(mesh)
+                caches = [files.enter_context(PointCache(*each, first)) for each in zip(paths, counts, strict=False)]
+            caches[0].append(final_mesh.points_of(mesh))
+            for cache in caches[1:]:
+                cache.append(final_mesh.get_points(mesh.corner_normals, len(mesh.loops), "vector"))
+    _, clip.samples = open_point_cache(paths[0])
+    if normals:
+        _, of_corners = open_point_cache(paths[1])
+        begins, clip.split_of = split(corners, of_corners)
+        clip.vertex_of, clip.normals = corners[begins], of_corners[:, begins]
 
 
 @contextlib.contextmanager
-def keyed(context: bpy.types.Context, clip: Clip, keys: Sequence[KeyedShape]) -> Iterator[None]:
+def keyed(context: bpy.types.Context, clip: Clip, keys: Basis | None) -> Iterator[None]:
     """Give an object its final mesh with keyframed shape keys, in place of its own mesh and its modifiers."""
     obj = clip.obj
     with playing(context, clip):
@@ -212,8 +181,11 @@ def keyed(context: bpy.types.Context, clip: Clip, keys: Sequence[KeyedShape]) ->
     for modifier, *_ in shaping:  # the keys include their effect
         modifier.show_viewport = modifier.show_render = False
     try:
-        _add_keys(obj, clip.samples[0], keys, action)
-        with selected(context, obj):
+        obj.shape_key_clear()
+        copy.vertices.foreach_set("co", clip.samples[0].ravel())
+        if keys and keys.chosen:
+            _add_keys(clip, keys, action)
+        with _ranged(context.scene, clip.plan.first, clip.plan.last), selected(context, obj):
             yield
     finally:
         obj.data = mesh
@@ -228,30 +200,27 @@ def keyed(context: bpy.types.Context, clip: Clip, keys: Sequence[KeyedShape]) ->
 
 @contextlib.contextmanager
 def mapped(context: bpy.types.Context, clip: Clip, uv: Singles) -> Iterator[None]:
-    """Give an object its final mesh as in the first frame, with a last UV map that has a place a vertex."""
-    with keyed(context, clip, []):
-        clip.obj.shape_key_clear()
+    """Give an object its final mesh as in the first frame, with a second UV map that points each corner somewhere."""
+    with keyed(context, clip, None):
         mesh = clip.obj.data
         while len(mesh.uv_layers) > 1:  # ours is to be the second one
             mesh.uv_layers.remove(mesh.uv_layers[-1])
         if not mesh.uv_layers:
-            mesh.uv_layers.new(name="UVMap")
-        corners = uv[final_mesh.corners_of(mesh)]
+            mesh.uv_layers.new(name="UVMap", do_init=False)
+        corners = uv[clip.split_of]
         mesh.uv_layers.new(name=UV_MAP, do_init=False).uv.foreach_set("vector", corners.ravel())
         yield
 
 
-def _add_keys(obj: bpy.types.Object, rest: Singles, keys: Sequence[KeyedShape], action: bpy.types.Action) -> None:
-    obj.shape_key_clear()
-    obj.data.vertices.foreach_set("co", rest.ravel())
+def _add_keys(clip: Clip, keys: Basis, action: bpy.types.Action) -> None:
+    obj, first = clip.obj, clip.plan.first
     obj.shape_key_add(name="Basis", from_mix=False)
     data = obj.data.shape_keys
     slot = action.slots.new("KEY", "Dimple")
     bag = keyframes.bag_in(action, slot)
-    for name, shape, frames, values in keys:
-        key = obj.shape_key_add(name=name, from_mix=False)
-        key.points.foreach_set("co", shape.ravel())
-        key.slider_min = -1.0  # as a weight of a basis can be
-        keyframes.draw(bag, f'key_blocks["{name}"].value', frames, values)
+    for place, values in zip(keys.chosen, keys.weights.T, strict=True):
+        key = obj.shape_key_add(name=f"Frame {first + place:04d}", from_mix=False)
+        key.points.foreach_set("co", clip.samples[place].ravel())
+        keyframes.draw(bag, f'key_blocks["{key.name}"].value', range(first, clip.plan.last + 1), values.tolist())
     animation = data.animation_data_create()
     animation.action, animation.action_slot = action, slot

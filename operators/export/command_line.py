@@ -22,8 +22,8 @@ from ..names import EXPORTS
 
 COMMAND = "dimple"
 NAMES = {
-    "abc": "ALEMBIC", "alembic": "ALEMBIC", "usd": "USD", "usdc": "USD", "usdskel": "USD_SHAPES", "glb": "GLB",
-    "gltf": "GLB", "fbx": "FBX", "pc2": "PC2", "mdd": "MDD", "stl": "STL", "ply": "PLY", "vat": "VAT",
+    "abc": "ALEMBIC", "alembic": "ALEMBIC", "usd": "USD", "usdc": "USD", "glb": "GLB", "gltf": "GLB", "fbx": "FBX",
+    "pc2": "PC2", "vat": "VAT",
 }  # fmt: skip
 ENDED, WRONG = 0, 1
 
@@ -63,10 +63,9 @@ def parser() -> argparse.ArgumentParser:
     bake.add_argument("--begin", type=int, metavar="FRAME", help="simulate from there; FIRST unless given")
     bake.add_argument("--format", type=_formats, default=["ALEMBIC"], metavar="abc,usd,glb", help=", ".join(NAMES))
     bake.add_argument("--out", type=Path, required=True, metavar="DIR", help="it is made")
-    bake.add_argument("--step", type=int, default=1, metavar="N", help="glTF and FBX: a shape key every N frames")
     bake.add_argument("--key-error", type=float, default=0.0, metavar="PERCENT", help="glTF and FBX: few shape keys")
+    bake.add_argument("--rendered", action="store_true", help="the modifiers as in a render, not as in the viewport")
     bake.add_argument("--played", action="store_true", help="take the bake or recording that an object plays")
-    bake.add_argument("--no-normals", action="store_true", help="smaller files, shaded by who reads them")
     bake.add_argument("--overwrite", action="store_true", help="replace files that are there")
     bake.add_argument("--json", type=Path, metavar="FILE", help="write the summary there too")
     bake.add_argument("--quiet", action="store_true", help="no progress on the error output")
@@ -107,11 +106,10 @@ def _open(options: argparse.Namespace) -> Any:
         first=first,
         last=last,
         begin=options.begin,
-        step=max(options.step, 1),
         key_error=max(options.key_error, 0.0) / 100,
         simulate=not options.played,
         overwrite=options.overwrite,
-        normals=not options.no_normals,
+        rendered=options.rendered,
     )
 
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
 from ...core.errors import DimpleError
 from ...core.messages import Message
@@ -14,10 +14,14 @@ from ..press.progress import READY, FrameRange, Working
 from ..translation import translated
 
 CHARACTER = 8.5  # [px] of a line of the dialog for each character, its icon and borders included
-_ASKED = ("formats", "source", "frame_start", "frame_end", "step", "key_error", "normals", "overwrite")
+_ASKED = ("formats", "source", "frame_start", "frame_end", "modifiers", "key_error", "overwrite")
 _SOURCES = (
     ("PLAYED", "Bake or Recording", "Export the animation that the objects play, and simulate those that play none"),
     ("SIMULATE", "Simulate Again", "Simulate the objects as a bake does, whatever they play now"),
+)
+_MODIFIERS = (
+    ("VIEWPORT", "Viewport", "As the viewport shows it"),
+    ("RENDER", "Render", "As a render shows it, often subdivided further"),
 )
 
 
@@ -41,21 +45,15 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
         name="Source", description="Export the animation that the objects play, or simulate it first", items=_SOURCES,
         translation_context="*",  # Blender's word: ours is where a number comes from
     )  # fmt: skip
-    step: IntProperty(
-        name="Frame Step",
-        description="Write a shape key every this many frames, in formats with shape keys. The JSON states the error "
-        "of the frames between",
-        default=1, min=1, soft_max=25,
+    modifiers: EnumProperty(
+        name="Modifiers", description="Export the mesh as its modifiers make it for the viewport, or for a render",
+        items=_MODIFIERS,
     )  # fmt: skip
     key_error: FloatProperty(
         name="Key Error (%)",
-        description="Write few shape keys, with which no vertex is off by more than this share of the object's size. "
-        "0 writes one every Frame Step",
+        description="glTF and FBX: write few shape keys, with which no vertex is off by more than this share of the "
+        "object's size, and no normal by more than a degree. 0 writes one for each frame that differs",
         default=0.0, min=0.0, soft_max=1.0, max=100.0, precision=3,
-    )  # fmt: skip
-    normals: BoolProperty(
-        name="Normals", description="Write the normals that shade the surface. Files are smaller without",
-        default=True,
     )  # fmt: skip
     overwrite: BoolProperty(name="Overwrite", description="Replace files that are there already", default=False)
 
@@ -86,9 +84,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
         column.label(text="Formats")
         column.prop(self, "formats")
         for name in _ASKED[1:]:
-            row = layout.row()
-            row.active = name != "step" or not self.key_error  # with few shape keys every frame counts
-            row.prop(self, name)
+            layout.prop(self, name)
         sentence, icon = self._estimate(context)
         column = layout.box().column(align=True)
         for line in wrapped(
@@ -104,9 +100,12 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
             plan = self._plan(context)
             export_plan.check_choice(plan)
             size = megabytes(export_plan.estimate(context, plan))
+            vertices = sum(export_plan.size_of(context, obj, plan).vertices for obj in plan.objects)
         except DimpleError as error:
             return str(error), "ERROR"
-        return Message("{frames} frames, about {size} MB", frames=plan.last - plan.first + 1, size=size), "INFO"
+        frames = plan.last - plan.first + 1
+        said = "{frames} frames of {vertices:,} vertices, about {size} MB"
+        return Message(said, frames=frames, vertices=vertices, size=size), "INFO"
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; live sessions end first, for an export starts at rest."""
@@ -133,11 +132,10 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
             folder=Path(bpy.path.abspath(self.directory)),
             first=first,
             last=last,
-            step=self.step,
             key_error=self.key_error / 100,
             simulate=self.source == "SIMULATE",
             overwrite=self.overwrite,
-            normals=self.normals,
+            rendered=self.modifiers == "RENDER",
         )
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:

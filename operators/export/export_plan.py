@@ -19,9 +19,10 @@ import numpy as np
 from ...core.base import DimpleError
 from ...core.messages import Message, in_a_row
 from ...core.recording import open_point_cache
+from ...core.recording.split import split
 from ...core.steps import as_share
 from ..animate import bake_frames
-from ..bridge import cache_files, modifiers, offset, scene_objects
+from ..bridge import cache_files, final_mesh, modifiers, offset, scene_objects
 from ..messages import megabytes
 from . import clips, formats, sidecar
 from .clips import Clip, ExportPlan
@@ -41,14 +42,14 @@ def finals(plan: ExportPlan) -> list[Path]:
 
 
 def estimate(context: bpy.types.Context, plan: ExportPlan) -> float:
-    """Return about how many bytes an export makes."""
-    frames, total = plan.last - plan.first + 1, 0.0
-    for obj in plan.objects:
-        for each in plan.formats:
-            kind = FORMATS[each]
-            count = -(-frames // plan.step) if kind.keyed and not plan.key_error else frames
-            total += count * kind.bytes_of(size_of(context, obj, plan.normals))
-    return total
+    """Return about how many bytes an export makes; frames that are alike make it fewer."""
+    sizes = [size_of(context, obj, plan) for obj in plan.objects]
+    return sum(_bytes(plan, each, size) for each in plan.formats for size in sizes)
+
+
+def _bytes(plan: ExportPlan, each: str, size: Size) -> float:
+    kind = FORMATS[each]
+    return (plan.last - plan.first + 1) * kind.bytes_of(size) + kind.pictures * size.pictures
 
 
 def played(obj: bpy.types.Object, plan: ExportPlan) -> Clip | None:
@@ -77,13 +78,27 @@ def played(obj: bpy.types.Object, plan: ExportPlan) -> Clip | None:
     return None
 
 
-def size_of(context: bpy.types.Context, obj: bpy.types.Object, normals: bool) -> Size:
+def size_of(context: bpy.types.Context, obj: bpy.types.Object, plan: ExportPlan) -> Size:
     """Return the numbers of an object on which the length of its files depends."""
     graph = context.view_layer.depsgraph
     mesh = obj.evaluated_get(graph).data if graph else obj.data
-    corners = len(mesh.loops)
-    sharp = mesh.normals_domain != "POINT"
-    return Size(len(mesh.vertices), corners, corners - 2 * len(mesh.polygons), normals, sharp)
+    vertices, corners = len(mesh.vertices), len(mesh.loops)
+    split_vertices = {"POINT": vertices, "FACE": corners}.get(mesh.normals_domain)
+    if split_vertices is None:
+        normals = final_mesh.get_points(mesh.corner_normals, corners, "vector")
+        split_vertices = len(split(final_mesh.corners_of(mesh), normals[None])[0])
+    divided = [each for each in obj.modifiers if hasattr(each, "render_levels") and plan.rendered]
+    finer = 4 ** sum(each.render_levels - each.levels for each in divided)
+    return Size(finer * vertices, finer * corners, finer * split_vertices, _pictures(obj))
+
+
+def _pictures(obj: bpy.types.Object) -> int:
+    """Return how many bytes the textures of an object have."""
+    trees = [slot.material.node_tree for slot in obj.material_slots if slot.material and slot.material.node_tree]
+    images = {node.image for tree in trees for node in tree.nodes if node.type == "TEX_IMAGE" and node.image}
+    files = [Path(bpy.path.abspath(image.filepath, library=image.library)) for image in images if not image.packed_file]
+    packed = sum(image.packed_file.size for image in images if image.packed_file)
+    return packed + sum(file.stat().st_size for file in files if file.is_file())
 
 
 def check(plan: ExportPlan) -> None:
@@ -226,8 +241,8 @@ def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> 
         OSError: there is not.
     """
     with clips.playing(context, clip):
-        some = size_of(context, clip.obj, clip.plan.normals)
-    size = clip.frames * FORMATS[each].bytes_of(some) + 64 * some.corners + 2e5
+        some = size_of(context, clip.obj, clip.plan)
+    size = _bytes(clip.plan, each, some) + 64 * some.corners + 2e5
     if hasattr(os, "posix_fallocate"):
         with (folder / "room").open("wb") as file:
             os.posix_fallocate(file.fileno(), 0, int(1.1 * size))
@@ -239,11 +254,11 @@ def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> 
 def _look(context: bpy.types.Context, clip: Clip, folder: Path) -> None:
     """Give a clip its samples, where a format asks for them."""
     if not all(FORMATS[each].played for each in clip.plan.formats):
-        path = folder / "seen.pc2"
+        normals = "VAT" in clip.plan.formats or clip.plan.key_error > 0
         try:
-            clip.samples = clips.seen(context, clip, path)
+            clips.look(context, clip, folder, normals=normals)
         except OSError as error:
-            raise OSError(error.errno, error.strerror, error.filename or str(path)) from error
+            raise OSError(error.errno, error.strerror, error.filename or str(folder)) from error
 
 
 def _commit(part: Path, final: Path, written: list[Path]) -> None:

@@ -8,29 +8,29 @@ from __future__ import annotations
 
 import json
 import operator
+import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import bpy
 import numpy as np
 
 from ...core.base import DimpleError
 from ...core.recording import PointCache
-from ..bridge import timeline
+from ..bridge import scene_objects, timeline
 from . import clips
 from .clips import Clip
 
 
 class Size(NamedTuple):
-    """What the length of a file depends on: a mesh, and how its shading is written."""
+    """What the length of a file depends on."""
 
-    vertices: int  # how many it has
+    vertices: int  # of the mesh
     corners: int
-    triangles: int  # a quad is two
-    normals: bool  # they are written
-    sharp: bool  # they differ from corner to corner of a vertex
+    split: int  # vertices with one normal each
+    pictures: int  # bytes of its textures
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,26 +41,12 @@ class Format:
     ending: str  # of the file; None for a folder of files
     space: str  # which coordinates, axes and units it holds
     bytes_of: Callable[[Size], float]  # about how long a frame of a mesh is
-    exporter: str = ""  # the operator of Blender's that writes it, if one does, and
-    options: Callable[[Clip], dict[str, Any]] | None = None  # what it is asked, where it writes all of it
-    writer: Callable[[bpy.types.Context, Clip, Path], Iterator[float]] | None = None  # writes it otherwise
+    write: Callable[[bpy.types.Context, Clip, Path], Iterator[float]]  # yields the share that is done
+    exporter: str = ""  # the operator of Blender's that it needs
     keyed: bool = False  # it holds shape keys
-    played: bool = False  # Blender's exporter sees the object play; it holds the mesh of a render
-
-    def write(self, context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-        """Write a clip, and yield the share that is done."""
-        if self.writer:
-            yield from self.writer(context, clip, path)
-            return
-        with clips.ranged(context.scene, clip.plan.first, clip.plan.last):
-            with clips.keyed(context, clip, clip.keys().shapes) if self.keyed else clips.playing(context, clip):
-                ask(self.exporter, filepath=str(path), **self.options(clip))
-        yield 1.0
-
-
-GLB = {  # of every glTF
-    "export_format": "GLB", "use_selection": True, "export_apply": False, "export_skins": False, "export_yup": True,
-}  # fmt: skip
+    played: bool = False  # Blender's exporter sees the object play
+    pictures: bool = True  # it holds textures
+    slid: bool = False  # its time 0 is the first frame that is exported, not frame 0
 
 
 def is_there(name: str) -> bool:
@@ -110,12 +96,6 @@ def is_whole(path: Path) -> bool:
         return len(head) >= 24 and 24 <= int.from_bytes(head[16:24], "little") < size
     if path.suffix == ".glb":
         return int.from_bytes(head[8:12], "little") == size
-    if path.suffix == ".stl":
-        return size == 84 + 50 * int.from_bytes(head[80:84], "little")
-    if path.suffix == ".ply":
-        text, _, _ = head.partition(b"end_header\n")
-        vertices, triangles = (int(text.split(b"element " + each)[1].split()[0]) for each in (b"vertex", b"face"))
-        return size == len(text) + 11 + 4 * text.count(b"property float") * vertices + 13 * triangles
     return size > 0
 
 
@@ -126,140 +106,151 @@ def _pc2(_context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]
             yield number / len(clip.samples)
 
 
-def _mdd(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    from ...core.recording.mdd import write_mdd
-
-    yield from write_mdd(path, clip.samples, 1 / timeline.frame_s(context.scene))
-
-
-def _alembic(clip: Clip) -> dict[str, Any]:
-    return {
-        "start": clip.plan.first, "end": clip.plan.last, "selected": True, "normals": clip.plan.normals,
-        "evaluation_mode": "RENDER", "as_background_job": False,
-    }  # fmt: skip
+def _alembic(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
+    with clips.playing(context, clip):
+        ask(
+            "wm.alembic_export", filepath=str(path), start=clip.plan.first, end=clip.plan.last, selected=True,
+            evaluation_mode="VIEWPORT", as_background_job=False,
+        )  # fmt: skip
+    yield 1.0
 
 
-def _usd(clip: Clip) -> dict[str, Any]:
-    return {
-        "selected_objects_only": True, "export_animation": True, "export_normals": clip.plan.normals,
-        "evaluation_mode": "RENDER", "export_textures_mode": "KEEP", "relative_paths": False,
-        "export_armatures": False, "export_shapekeys": False,  # else an object with keys of its own is a still
-    }  # fmt: skip
-
-
-def _glb(clip: Clip) -> dict[str, Any]:
-    return GLB | {
-        "export_animations": True, "export_animation_mode": "SCENE", "export_frame_range": True,
-        "export_anim_slide_to_zero": True, "export_force_sampling": True, "export_optimize_animation_size": False,
-        "export_morph": True, "export_morph_animation": True, "export_morph_normal": clip.plan.normals,
-    }  # fmt: skip
-
-
-def _fbx(_clip: Clip) -> dict[str, Any]:
-    # with NLA strips or all actions it would write no movement, or that of other objects
-    return {
-        "use_selection": True, "object_types": {"MESH"}, "use_mesh_modifiers": False, "bake_anim": True,
-        "bake_anim_use_nla_strips": False, "bake_anim_use_all_actions": False, "bake_anim_simplify_factor": 0.0,
-        "bake_anim_step": 1.0, "path_mode": "ABSOLUTE",
-    }  # fmt: skip
-
-
-def _stl(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    yield from _sequence(context, clip, path, "wm.stl_export", use_scene_unit=False)
-
-
-def _ply(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    # trimesh and others read no faces of several sizes
-    yield from _sequence(
-        context, clip, path, "wm.ply_export", export_uv=False, export_colors="NONE", export_normals=clip.plan.normals,
-        export_triangulated_mesh=True,
-    )  # fmt: skip
-
-
-def _sequence(context: bpy.types.Context, clip: Clip, path: Path, exporter: str, **options: object) -> Iterator[float]:
-    """Write a file a frame into a folder, whose name ends in that of the format."""
-    stem, ending = path.name.rsplit("_", 1)
-    path.mkdir()
-    first, last = clip.plan.first, clip.plan.last
-    with clips.ranged(context.scene, first, last), clips.playing(context, clip):
-        for frame in range(first, last + 1):
-            context.scene.frame_set(frame)
-            ask(
-                exporter, filepath=str(path / f"{stem}_{frame:04d}.{ending}"), export_selected_objects=True,
-                apply_modifiers=True, forward_axis="Y", up_axis="Z", global_scale=1.0, **options,
+def _fbx(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
+    nameless = [image for image in bpy.data.images if image.packed_file and not image.filepath_raw]
+    for image in nameless:  # Blender's exporter takes the name from the path
+        image.filepath_raw = f"//{bpy.path.clean_name(image.name)}.{image.file_format.lower().removeprefix('open_')}"
+    try:
+        with clips.keyed(context, clip, clip.keys()):
+            ask(  # with NLA strips or all actions it would write no movement, or that of other objects
+                "export_scene.fbx", filepath=str(path), use_selection=True, object_types={"MESH"},
+                use_mesh_modifiers=False, bake_anim=True, bake_anim_use_nla_strips=False,
+                bake_anim_use_all_actions=False, bake_anim_simplify_factor=0.0, bake_anim_step=1.0, path_mode="COPY",
+                embed_textures=True, apply_scale_options="FBX_SCALE_UNITS",
             )  # fmt: skip
-            yield (frame - first + 1) / clip.frames
+    finally:
+        for image in nameless:
+            image.filepath_raw = ""
+    yield 1.0
+
+
+def _usd(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
+    """Write a USD and its textures, which it names relative to itself, into a folder."""
+    path.mkdir()
+    file = path / f"{path.name.removesuffix('_usd')}.usdc"
+    with clips.playing(context, clip):
+        ask(
+            "wm.usd_export", filepath=str(file), selected_objects_only=True, export_animation=True,
+            evaluation_mode="VIEWPORT", export_textures_mode="NEW", relative_paths=True, convert_world_material=False,
+            export_armatures=False, export_shapekeys=False,  # else an object with keys of its own is a still
+        )  # fmt: skip
+    if hasattr(bpy.utils, "expose_bundled_modules"):  # Blender as a module hides them
+        bpy.utils.expose_bundled_modules()
+    from pxr import Usd, UsdGeom
+
+    stage = Usd.Stage.Open(str(file))  # Blender's exporter leaves both as they are by default
+    stage.SetFramesPerSecond(1 / timeline.frame_s(context.scene))
+    UsdGeom.SetStageMetersPerUnit(stage, scene_objects.metres_per_unit(context.scene))
+    stage.Save()
+    yield 1.0
+
+
+def _glb(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
+    with clips.keyed(context, clip, clip.keys()):
+        _ask_gltf(context.scene, path)
+    yield 1.0
+
+
+def _ask_gltf(scene: bpy.types.Scene, path: Path) -> None:
+    """Write a GLB of the selected object in seconds and metres."""
+    render = scene.render
+    base = render.fps_base
+    render.fps_base = 1 / base  # Blender's exporter multiplies by it, where it should divide
+    try:
+        ask(
+            "export_scene.gltf", filepath=str(path), export_format="GLB", use_selection=True, export_apply=False,
+            export_skins=False, export_yup=True, export_attributes=False, export_animations=True,
+            export_animation_mode="SCENE", export_frame_range=True, export_anim_slide_to_zero=True,
+            export_force_sampling=True, export_optimize_animation_size=False, export_morph=True,
+            export_morph_animation=True, export_morph_normal=True,
+        )  # fmt: skip
+    finally:
+        render.fps_base = base
+    metres = scene_objects.metres_per_unit(scene)
+    if metres != 1:
+        _scale_gltf(path, metres)
+
+
+def _scale_gltf(path: Path, scale: float) -> None:
+    """Put what is in a GLB below a node of some scale."""
+    data = path.read_bytes()
+    end = 20 + int.from_bytes(data[12:16], "little")
+    words = json.loads(data[20:end])
+    words["nodes"].append({"name": "Metres", "scale": [scale] * 3, "children": words["scenes"][0]["nodes"]})
+    words["scenes"][0]["nodes"] = [len(words["nodes"]) - 1]
+    text = json.dumps(words, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(data) - end, len(text), b"JSON")
+    path.write_bytes(head + text + data[end:])
 
 
 def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     """Write the pictures, the mesh with its second UV map, and what a shader must know, into a folder."""
     from ...core.recording import vertex_texture
 
-    frames, vertices, _ = clip.samples.shape
+    frames, vertices = len(clip.samples), len(clip.vertex_of)
     where = vertex_texture.layout(vertices, frames)
-    picture = vertex_texture.pixels(clip.samples[..., [0, 2, 1]] * np.float32([1, 1, -1]), where)
+    points, normals = (
+        each[..., [0, 2, 1]] * np.float32([1, 1, -1]) for each in (clip.samples[:, clip.vertex_of], clip.normals)
+    )
+    offsets = points - points[0]
+    least, most = float(offsets.min()), float(offsets.max())
+    picture = vertex_texture.pixels(offsets, where)
     yield 0.2
     path.mkdir()
     vertex_texture.write_exr(path / "offsets.exr", picture)
     yield 0.4
-    least, most = vertex_texture.write_png(path / "offsets.png", picture)
+    vertex_texture.write_png(path / "offsets.png", picture, least, most)
+    yield 0.6
+    vertex_texture.write_png(path / "normals.png", vertex_texture.pixels(normals, where), -1.0, 1.0)
     yield 0.8
     with clips.mapped(context, clip, vertex_texture.uv(vertices, where)):
-        still = GLB | {"export_animations": False, "export_attributes": False}
-        ask("export_scene.gltf", filepath=str(path / "mesh.glb"), **still)
+        _ask_gltf(context.scene, path / "mesh.glb")
     words = {
         "about": vertex_texture.__doc__, "width": where.width, "height": where.height, "rows": where.rows,
         "vertices": vertices, "frames": frames, "frame_rate": 1 / timeline.frame_s(context.scene),
         "uv_map": clips.UV_MAP, "least": least, "most": most,
+        "bounds": [points.min(axis=(0, 1)).tolist(), points.max(axis=(0, 1)).tolist()],
     }  # fmt: skip
     (path / "layout.json").write_text(json.dumps(words, indent=1) + "\n", encoding="utf-8")
     yield 1.0
 
 
-def _baked(size: Size) -> float:
-    return 12 * (size.vertices + size.corners * size.normals)
+def _corners(size: Size) -> float:
+    return 12 * (size.vertices + size.corners)
 
 
-def _split(size: Size) -> float:
-    """Return the length of a frame where a vertex has one normal: a sharp one is written for each triangle at it."""
-    return 12 * (1 + size.normals) * (3 * size.triangles if size.sharp else size.vertices)
-
-
-OBJECT = "the object's own coordinates: x, y and z as in Blender, after modifiers, in its own scale"
-SCENE = "the scene's coordinates: Z up, in scene units, after modifiers"
-USD = "Z up, in scene units"
-TEXTURE = "offsets in the coordinates of mesh.glb: Y up, in scene units, after modifiers; layout.json says how"
 FORMATS = {
     "ALEMBIC": Format(
-        "Alembic", ".abc", "Y up, as Alembic has it, in scene units, after modifiers",
-        lambda size: 12 * (size.vertices + size.corners * (size.normals and size.sharp)), "wm.alembic_export", _alembic,
-        played=True,
+        "Alembic", ".abc", "Y up, as Alembic has it, in scene units",
+        lambda size: _corners(size) if size.split > size.vertices else 12 * size.vertices,  # who reads it smooths
+        _alembic, "wm.alembic_export", played=True, pictures=False,
     ),
-    "USD": Format("USD", ".usdc", f"{USD}, after modifiers", _baked, "wm.usd_export", _usd, played=True),
-    "USD_SHAPES": Format(
-        "USD Blend Shapes", "_shapes.usdc", f"{USD}, after modifiers", lambda size: 16 * size.vertices,
-        "wm.usd_export", lambda clip: _usd(clip) | {"export_shapekeys": True}, keyed=True,
-    ),
+    "USD": Format("USD", "_usd", "Z up, metersPerUnit says the unit", _corners, _usd, "wm.usd_export", played=True),
     "GLB": Format(
-        "glTF", ".glb", "Y up, as glTF has it, in scene units, after modifiers", _split, "export_scene.gltf", _glb,
-        keyed=True,
+        "glTF", ".glb", "Y up, in metres, as glTF has it", lambda size: 24 * size.split, _glb, "export_scene.gltf",
+        keyed=True, slid=True,
     ),
     "FBX": Format(
-        "FBX", ".fbx", "Y up, -Z forward, UnitScaleFactor says the unit, after modifiers",
-        lambda size: 17 * size.vertices, "export_scene.fbx", _fbx, keyed=True,  # it is compressed
+        "FBX", ".fbx", "Y up, -Z forward, UnitScaleFactor says the unit",
+        lambda size: 18 * size.vertices, _fbx, "export_scene.fbx", keyed=True,  # it is compressed
     ),
-    "PC2": Format("PC2", ".pc2", OBJECT, lambda size: 12 * size.vertices, writer=_pc2),
-    "MDD": Format("MDD", ".mdd", OBJECT, lambda size: 12 * size.vertices, writer=_mdd),
-    "STL": Format(
-        "STL", "_stl", SCENE, lambda size: 84 + 50 * size.triangles, "wm.stl_export", writer=_stl, played=True
-    ),
-    "PLY": Format(
-        "PLY", "_ply", SCENE, lambda size: 12 * (1 + size.normals) * size.vertices + 13 * size.triangles,
-        "wm.ply_export", writer=_ply, played=True,
+    "PC2": Format(
+        "PC2", ".pc2", "the object's own coordinates: x, y and z as in Blender, in its own scale",
+        lambda size: 12 * size.vertices, _pc2, pictures=False,
     ),
     "VAT": Format(
-        "Vertex Animation Texture", "_vat", TEXTURE, lambda size: 18 * size.vertices, "export_scene.gltf",
-        writer=_texture,
+        "Vertex Animation Texture", "_vat", "Y up, in the coordinates of mesh.glb; layout.json says how",
+        lambda size: 24 * size.split, _texture, "export_scene.gltf", slid=True,
     ),
 }  # fmt: skip
 UNSHEARED = ("GLB", "FBX", "VAT")  # there an object has a place, a rotation and a scale

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
+import math
 import os
 import zlib
 from dataclasses import asdict, is_dataclass
@@ -32,6 +33,7 @@ def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
         "dimple": cache_files.version(),
         "blender": bpy.app.version_string,
         "object": obj.name,
+        "mesh": f"after modifiers, as for {'a render' if clip.plan.rendered else 'the viewport'}",
         "vertices": len(mesh.vertices),
         "polygons": len(mesh.polygons),
         "topology_crc32": f"{zlib.crc32(final_mesh.corners_of(mesh).tobytes()):08x}",
@@ -40,6 +42,7 @@ def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
         "metres_per_scene_unit": scene_objects.scale_and_top(context, obj)[0],
         "scene_unit_scale": context.scene.unit_settings.scale_length,
         "table_units": "force N, depth mm, pressure Pa, volume m3, work and energy J, time s",
+        "error_unit": "of the object's own coordinates",
         "seeds": [],  # nothing is random: the same file gives the same bytes
         "simulation": clip.simulated or "a bake or recording made before this export",
         "body": _plain(obj.dimple.to_params()),
@@ -67,7 +70,7 @@ def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
     """Return the contents, size and checksum of a file, or of the files in a folder."""
     kind = FORMATS[each]
     keys = clip.keys() if kind.keyed else None
-    files = sorted(path.iterdir()) if path.is_dir() else [path]
+    files = sorted(each for each in path.rglob("*") if each.is_file()) if path.is_dir() else [path]
     checksum = hashlib.sha256()
     for file in files:
         with file.open("rb") as opened:
@@ -76,8 +79,10 @@ def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
     return {
         "format": kind.label,
         "coordinates": kind.space,
-        "shape_keys": len(keys.shapes) if keys else None,
+        "time_0_is_frame": clip.plan.first if kind.slid else 0,
+        "shape_keys": len(keys.chosen) if keys else None,
         "worst_vertex_error": keys.error if keys else 0.0,
+        "worst_normal_error_degrees": math.degrees(keys.turn) if keys else 0.0,
         "bytes": sum(file.stat().st_size for file in files),
         "sha256": checksum.hexdigest(),
     }

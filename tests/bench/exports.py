@@ -14,7 +14,7 @@ from pathlib import Path
 import bpy
 
 VERTICES, FRAMES = 40_962, 250
-FORMATS = ("PC2", "MDD", "ALEMBIC", "USD", "USD_SHAPES", "PLY", "STL", "VAT", "GLB", "FBX")
+FORMATS = ("PC2", "ALEMBIC", "USD", "VAT", "GLB", "FBX")
 
 
 def press() -> bpy.types.Object:
@@ -73,18 +73,16 @@ class Table:
         shutil.rmtree(folder)
 
 
-def exported(kind: str, normals: bool, key_error: float = 0.0) -> Callable[[Path], object]:
+def exported(kind: str, key_error: float = 0.0) -> Callable[[Path], object]:
     return lambda folder: bpy.ops.dimple.export_animation(
-        directory=str(folder), formats={kind}, frame_start=1, frame_end=FRAMES, normals=normals, key_error=key_error
+        directory=str(folder), formats={kind}, frame_start=1, frame_end=FRAMES, key_error=key_error
     )
 
 
-def estimated(kind: str, normals: bool) -> float:
+def estimated(kind: str) -> float:
     """Return the size [bytes] that the export dialog says."""
     plans = importlib.import_module("bl_ext.user_default.dimple.operators.export.export_plan")
-    plan = plans.ExportPlan(
-        objects=[bpy.context.object], formats=[kind], folder=Path(), first=1, last=FRAMES, normals=normals
-    )
+    plan = plans.ExportPlan(objects=[bpy.context.object], formats=[kind], folder=Path(), first=1, last=FRAMES)
     return plans.estimate(bpy.context, plan)
 
 
@@ -105,16 +103,12 @@ def main() -> None:
     table.measure("Dimple simulates and bakes to PC2", work / "caches", _bake)
     _bake(work)
     table.measure("Blender plays it once (Mesh Cache)", work / "a", _play)
-    for normals in (True, False):
-        words = "" if normals else ", no normals"
-        table.measure(f"Blender's own Alembic exporter{words}", work / "a", _blenders_alembic(normals))
-        table.measure(f"Blender's own USD exporter{words}", work / "a", _blenders_usd(normals))
-        for kind in FORMATS:
-            if normals or kind in ("ALEMBIC", "USD", "PLY", "GLB"):
-                expected = estimated(kind, normals)
-                table.measure(f"Dimple {kind}{words}", work / "a", exported(kind, normals), expected)
-    for kind in ("GLB", "FBX", "USD_SHAPES"):
-        table.measure(f"Dimple {kind}, key error 0.05 %", work / "a", exported(kind, True, 0.05))
+    table.measure("Blender's own Alembic exporter", work / "a", _blenders_alembic)
+    table.measure("Blender's own USD exporter", work / "a", _blenders_usd)
+    for kind in FORMATS:
+        table.measure(f"Dimple {kind}", work / "a", exported(kind), estimated(kind))
+    for kind in ("GLB", "FBX"):
+        table.measure(f"Dimple {kind}, key error 0.05 %", work / "a", exported(kind, 0.05))
     shutil.rmtree(work)
     with (options.out / "exports.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, [*table.rows[0], "estimate_MB"])
@@ -132,16 +126,14 @@ def _play(_folder: Path) -> None:
         bpy.context.scene.frame_set(frame)
 
 
-def _blenders_alembic(normals: bool) -> Callable[[Path], object]:
-    return lambda folder: bpy.ops.wm.alembic_export(
-        filepath=str(folder / "a.abc"), start=1, end=FRAMES, selected=True, as_background_job=False, normals=normals
+def _blenders_alembic(folder: Path) -> None:
+    bpy.ops.wm.alembic_export(
+        filepath=str(folder / "a.abc"), start=1, end=FRAMES, selected=True, as_background_job=False
     )
 
 
-def _blenders_usd(normals: bool) -> Callable[[Path], object]:
-    return lambda folder: bpy.ops.wm.usd_export(
-        filepath=str(folder / "a.usdc"), selected_objects_only=True, export_animation=True, export_normals=normals
-    )
+def _blenders_usd(folder: Path) -> None:
+    bpy.ops.wm.usd_export(filepath=str(folder / "a.usdc"), selected_objects_only=True, export_animation=True)
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ FLOORS = {
     "core.everyday_presets": 1,
     "core.other_tip": 1,
 }
-BLENDER = set("addon_utils bl_ext bl_operators bl_ui blf bmesh bpy bpy_extras gpu gpu_extras mathutils".split())
+BLENDER = set("addon_utils bl_ext bl_operators bl_ui blf bmesh bpy bpy_extras gpu gpu_extras mathutils pxr".split())
 ONLY_IN = {"ctypes": "core/native/", "serial": "core/device/serial_line.py"}
 REFUSED = {"threading", "multiprocessing", "_thread"}  # Blender's reviewers refuse threads
 BESIDE = {"blend_samples", "dev", "studies", "tests", "tools"}

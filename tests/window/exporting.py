@@ -40,7 +40,7 @@ def _in_dialog(at: tuple[int, int], folder: Path, out: Path, check: Check) -> ro
     yield from _open(lambda: bpy.ops.dimple.export_animation("INVOKE_DEFAULT", formats={"PC2"}))
     robot.screenshot(out / "11-export.png")
     said = dialog()._estimate(bpy.context)[0]
-    check("the export dialog says frames and size", said.startswith(f"{FRAMES} frames, about "), said)
+    check("the export dialog says frames and size", said.startswith(f"{FRAMES} frames of "), said)
     yield from choose("GLB")
     robot.screenshot(out / "11-export-2.png")
     browser().spaces.active.params.directory = str(folder).encode()

@@ -23,7 +23,7 @@ const JOB_TYPE = {
           description: "Frames of a task; 0 is all. Each task simulates from the first frame on, so this only helps "
                      + "where writing takes longer than simulating" },
         { key: "formats", type: "string", required: true, default: "abc",
-          description: "abc, usd, glb, fbx, pc2, mdd, stl, ply or vat, separated by commas" },
+          description: "abc, usd, glb, fbx, pc2 or vat, separated by commas" },
         { key: "output", type: "string", subtype: "dir_path", required: true,
           description: "The folder of the files, the same on every worker" },
         { key: "overwrite", type: "bool", default: false, visible: "submission",

@@ -29,11 +29,15 @@ def exported(bpy: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Itera
     rest = np.empty(3 * len(obj.data.vertices), np.float32)
     obj.data.vertices.foreach_get("co", rest)
     local = rest.reshape(-1, 3) + read_point_cache(cache_of(obj).filepath)[2]
-    world = []
+    world, normals = [], []
     for frame, sample in zip(range(FIRST, LAST + 1), local, strict=True):
         scene.frame_set(frame)
         matrix = np.array(obj.matrix_world)
         world.append(sample.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])
+        mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        now = np.empty(3 * len(mesh.loops), np.float32)
+        mesh.corner_normals.foreach_get("vector", now)
+        normals.append(now.reshape(-1, 3).astype(np.float64))
     corners, counts = np.empty(len(obj.data.loops), np.int32), np.empty(len(obj.data.polygons), np.int32)
     obj.data.loops.foreach_get("vertex_index", corners)
     obj.data.polygons.foreach_get("loop_total", counts)
@@ -44,7 +48,7 @@ def exported(bpy: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Itera
         directory=str(out), formats=set(EVERY), frame_start=FIRST, frame_end=LAST
     ) == {"FINISHED"}
     assert _state(bpy, obj) == before, "an export changes nothing in the file"
-    yield Exported(out, local.astype(np.float64), np.array(world), corners, counts)
+    yield Exported(out, local.astype(np.float64), np.array(world), np.array(normals), corners, counts)
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
 
 

@@ -16,7 +16,9 @@ def usd(path: Path) -> dict[str, Any]:
 
     stage = Usd.Stage.Open(str(path))
     (mesh,) = (UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
-    codes, local = blended(stage, mesh)
+    every = [attribute.Get() for prim in stage.Traverse() for attribute in prim.GetAttributes()]
+    codes = np.arange(stage.GetStartTimeCode(), stage.GetEndTimeCode() + 1)  # what is alike is written once
+    local = [np.array(mesh.GetPointsAttr().Get(code), np.float64) for code in codes]
     worlds = [np.array(UsdGeom.XformCache(code).GetLocalToWorldTransform(mesh.GetPrim())) for code in codes]
     return {
         "local": np.array(local),
@@ -28,30 +30,24 @@ def usd(path: Path) -> dict[str, Any]:
         "counts": np.array(mesh.GetFaceVertexCountsAttr().Get()),
         "unit": UsdGeom.GetStageMetersPerUnit(stage),
         "up": str(UsdGeom.GetStageUpAxis(stage)),
+        "shown_rate": stage.GetFramesPerSecond(),
+        "normals": np.array([mesh.GetNormalsAttr().Get(code) for code in codes]),
+        "pictures": [path for path in map(picture, every) if path],
+        "lights": sum("Light" in prim.GetTypeName() for prim in stage.Traverse()),
+        "faults": [each.GetMessage() for each in validated(stage)],
     }
 
 
-def blended(stage: Any, mesh: Any) -> tuple[list[float], list[np.ndarray]]:
-    """Return the time codes and points of a mesh: its samples, or the sums of its blend shapes."""
-    from pxr import UsdSkel
+def picture(value: Any) -> str:
+    """Return the path of a picture that is there, as the file names it."""
+    return value.path if type(value).__name__ == "AssetPath" and value.resolvedPath else ""
 
-    points = mesh.GetPointsAttr()
-    animations = [UsdSkel.Animation(prim) for prim in stage.Traverse() if prim.IsA(UsdSkel.Animation)]
-    if not animations:
-        return points.GetTimeSamples(), [np.array(points.Get(code), np.float64) for code in points.GetTimeSamples()]
-    (animation,) = animations
-    rest, shapes = np.array(points.Get(), np.float64), {}
-    binding = UsdSkel.BindingAPI(mesh)
-    targets = binding.GetBlendShapeTargetsRel().GetTargets()
-    for name, target in zip(binding.GetBlendShapesAttr().Get(), targets, strict=True):
-        shape = UsdSkel.BlendShape(stage.GetPrimAtPath(target))
-        offsets, some = np.array(shape.GetOffsetsAttr().Get(), np.float64), shape.GetPointIndicesAttr().Get()
-        shapes[name] = np.zeros_like(rest)
-        shapes[name][slice(None) if some is None else np.array(some)] = offsets.reshape(-1, 3)
-    weights, names = animation.GetBlendShapeWeightsAttr(), animation.GetBlendShapesAttr().Get()
-    basis = np.array([shapes[name] for name in names])
-    codes = weights.GetTimeSamples()
-    return codes, [rest + np.tensordot(np.array(weights.Get(code), np.float64), basis, 1) for code in codes]
+
+def validated(stage: Any) -> list[Any]:
+    from pxr import UsdValidation
+
+    registry = UsdValidation.ValidationRegistry()
+    return list(UsdValidation.ValidationContext(registry.GetOrLoadAllValidators()).Validate(stage))
 
 
 def glb(path: Path) -> dict[str, Any]:
@@ -83,17 +79,25 @@ def glb(path: Path) -> dict[str, Any]:
     (node,) = (node for node in file.nodes if node.mesh is not None)
     (primitive,) = file.meshes[node.mesh].primitives
     basis = values(primitive.attributes.POSITION).astype(np.float64)
-    result: dict[str, Any] = {"basis": basis, "corners": values(primitive.indices).ravel()}
+    still = values(primitive.attributes.NORMAL).astype(np.float64)
+    result: dict[str, Any] = {
+        "basis": basis, "corners": values(primitive.indices).ravel(), "images": len(file.images or ()),
+        "root": np.array(file.nodes[file.scenes[0].nodes[0]].scale or (1, 1, 1)),
+    }  # fmt: skip
     if primitive.attributes.TEXCOORD_1 is not None:
         result["uv"] = values(primitive.attributes.TEXCOORD_1)
     if not file.animations:
         return result
-    morphs = np.array([values(target["POSITION"]) for target in primitive.targets], np.float64)
     (animation,) = file.animations
     tracks = {channel.target.path: animation.samplers[channel.sampler] for channel in animation.channels}
-    times = values(tracks["weights"].input).ravel()
-    weights = values(tracks["weights"].output).reshape(len(times), -1)
-    result |= {"local": basis + np.einsum("tm,mvc->tvc", weights, morphs), "times": times}
+    if primitive.targets:
+        morphs, turns = (
+            np.array([values(each[name]) for each in primitive.targets], np.float64) for name in ("POSITION", "NORMAL")
+        )
+        times = values(tracks["weights"].input).ravel()
+        weights = values(tracks["weights"].output).reshape(len(times), -1)
+        result |= {"local": basis + np.einsum("tm,mvc->tvc", weights, morphs), "times": times, "weights": weights}
+        result["normals"] = still + np.einsum("tm,mvc->tvc", weights, turns)
     for path_of in ("translation", "rotation", "scale"):
         track, still = tracks.get(path_of), getattr(node, path_of)
         if track:

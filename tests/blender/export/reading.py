@@ -8,16 +8,21 @@ from typing import Any
 import numpy as np
 
 FIRST, LAST, FPS = 5, 16, 25
-EVERY = ("ALEMBIC", "USD", "USD_SHAPES", "GLB", "FBX", "PC2", "MDD", "STL", "PLY", "VAT")
-ENDINGS = (".abc", ".usdc", "_shapes.usdc", ".glb", ".fbx", ".pc2", ".mdd", "_stl", "_ply", "_vat")
+EVERY = ("ALEMBIC", "USD", "GLB", "FBX", "PC2", "VAT")
+ENDINGS = (".abc", "_usd", ".glb", ".fbx", ".pc2", "_vat")
+RIGHT = 0.1  # [degrees] of a normal: rounding of the deep dent's small faces
 FINEST = 1e-6  # of the size of the object: what is left of it in single precision, added and taken away once
 
 
 class Exported:
     """One export of all formats: the folder, and what the object did."""
 
-    def __init__(self, folder: Path, local: np.ndarray, world: np.ndarray, corners: np.ndarray, counts: np.ndarray):
-        self.folder, self.local, self.world, self.corners, self.counts = folder, local, world, corners, counts
+    def __init__(
+        self, folder: Path, local: np.ndarray, world: np.ndarray, normals: np.ndarray, corners: np.ndarray,
+        counts: np.ndarray,
+    ):  # fmt: skip
+        self.folder, self.local, self.world, self.normals = folder, local, world, normals
+        self.corners, self.counts = corners, counts
         self.size = float(np.ptp(local[0], axis=0).max())
         self.world_size = float(np.ptp(world[0], axis=0).max())
 
@@ -58,6 +63,25 @@ def carried(bpy: ModuleType) -> Any:
 def worst(found: np.ndarray, wanted: np.ndarray) -> float:
     assert found.shape == wanted.shape
     return float(np.linalg.norm(found - wanted, axis=-1).max())
+
+
+def angle(found: np.ndarray, wanted: np.ndarray) -> float:
+    """Return the largest angle [degrees] between normals."""
+    return float(angles(found, wanted).max())
+
+
+def angles(found: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    a, b = (each / np.linalg.norm(each, axis=-1, keepdims=True) for each in (found, wanted))
+    return np.degrees(2 * np.arcsin(np.minimum(np.linalg.norm(a - b, axis=-1) / 2, 1)))
+
+
+def split_angle(found: np.ndarray, which: np.ndarray, exported: Exported) -> float:
+    """Return how far normals (frames, n, 3) of split vertices are off, each beside that corner of its vertex (n,) from
+    which it is least off throughout."""
+    return max(
+        angles(found[:, [number]], exported.normals[:, exported.corners == vertex]).max(axis=0).min()
+        for number, vertex in enumerate(which)
+    )
 
 
 def nearest(found: np.ndarray, wanted: np.ndarray) -> np.ndarray:

@@ -46,7 +46,8 @@ def test_it_writes_every_format_and_says_so(command: Any, blend: Path, tmp_path:
     assert code == 0 and said["ok"] and said["error"] is None
     assert said["objects"] == ["Ball"] and said["frames"] == [2, 5], "the bodies and frames of the scene"
     assert {Path(path).name for path in said["written"]} == {path.name for path in out.iterdir()}
-    assert {path.suffix for path in out.iterdir()} == {".abc", ".usdc", ".glb", ".pc2", ".csv", ".json"}
+    assert {path.suffix for path in out.iterdir()} == {".abc", "", ".glb", ".pc2", ".csv", ".json"}
+    assert [path.name for path in (out / "Ball_usd").iterdir()] == ["Ball.usdc"]
     assert json.loads(summary.read_text()) == said
 
 

@@ -33,7 +33,7 @@ def killed_at(share: float, blend: Path, out: Path) -> bool:
     script = ENABLED + (
         "import time\n"
         "share, blend, out = float(sys.argv[1]), *sys.argv[2:]\n"
-        "words = ['bake', blend, '--format', 'pc2,abc,usd,stl', '--frames', '1-12', '--overwrite', '--out']\n"
+        "words = ['bake', blend, '--format', 'pc2,abc,usd,vat', '--frames', '1-12', '--overwrite', '--out']\n"
         "for _ in range(2):\n"
         "    began = time.perf_counter()\n"
         "    assert part('export.command_line').run([*words, out + '_whole']) == 0\n"
@@ -62,7 +62,7 @@ def test_an_export_that_is_killed_leaves_whole_files_or_those_from_before(
     for _ in range(count):
         at_work += killed_at(chance.uniform(0.05, 0.9), blend, out)
         now = {name: data for name, data in contents(out).items() if not name.startswith(".dimple-")}
-        assert {name for name in before if not name.startswith("Ball_stl")} <= now.keys()
+        assert {name for name in before if not name.startswith(("Ball_usd", "Ball_vat"))} <= now.keys()
         for name in now.keys() - {name for name, data in before.items() if now.get(name) == data}:
             path = out / name
             if path.suffix == ".pc2":
