@@ -2,7 +2,7 @@
 
 
 import bpy
-from bpy.props import FloatProperty, FloatVectorProperty, StringProperty
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from ..operators.experiment.blind_trial import is_blind
 from ..operators.names import Op
@@ -14,19 +14,32 @@ _FIXED = {"options": set()}
 FULL = 0.95  # of the peak force: shown as all of it
 
 
-class DevicePlace:
-    """The settings of a scene that name the device and place its workspace."""
+class DeviceChoice:
+    """The settings of this computer that name its device: not a scene's, for a file may come from anybody."""
 
     device_port: StringProperty(
         name="Port", description="Where the device is plugged in: a serial port, a path, or udp:HOST:PORT",
         search=lambda _settings, _context, _text: haptic_fingertips.ports(), search_options={"SORT", "SUGGESTION"},
-        **_FIXED,
     )  # fmt: skip
     device_file: StringProperty(
         name="Device File", description="TOML file that describes the device: its lengths, limits and protocol. Empty:"
                                         " the Haptic Master",
-        subtype="FILE_PATH", **_FIXED,
+        subtype="FILE_PATH",
     )  # fmt: skip
+    device_secret: StringProperty(
+        name="Device Secret", description="Text that a device on the network shows its owner. Nobody can move your "
+                                          "hand without it",
+        subtype="PASSWORD",
+    )  # fmt: skip
+    device_anywhere: BoolProperty(
+        name="Devices on Other Computers", description="Reach devices on the network of other computers too, while "
+                                                       "Blender allows online access",
+    )  # fmt: skip
+
+
+class DevicePlace:
+    """The settings of a scene that place the workspace of the device."""
+
     device_scale: FloatProperty(
         name="Workspace Scale", description="Scale from hand motion to scene motion: at 2, a fingertip moves twice as "
                                             "far as your hand",
@@ -53,10 +66,13 @@ class DIMPLE_PT_device(SidebarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         settings, layout, connection = context.scene.dimple, self.layout, haptic_fingertips.get()
         layout.use_property_split = True
-        which = layout.column()
-        which.enabled = connection is None
-        which.prop(settings, "device_port")
-        which.prop(settings, "device_file")
+        if chosen := haptic_fingertips.choice():
+            which = layout.column()
+            which.enabled = connection is None
+            which.prop(chosen, "device_port")
+            which.prop(chosen, "device_file")
+            if chosen.device_port.startswith("udp:"):
+                which.prop(chosen, "device_secret")
         layout.prop(settings, "device_scale", text="Scale")
         layout.prop(settings, "device_origin")
         layout.operator(Op.CENTRE_DEVICE, icon="PIVOT_CURSOR")

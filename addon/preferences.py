@@ -1,15 +1,16 @@
-"""The preferences of the extension: the name of its tab and the folder for recordings."""
+"""The preferences of the extension: the name of its tab, the folder for recordings, and the haptic device."""
 
 import bpy
 from bpy.props import StringProperty
 
 from ..operators.names import Op
 from . import panels
+from .device import DeviceChoice
 
 PACKAGE = __package__.rpartition(".")[0]  # the extension itself: bl_ext.<repository>.dimple
 
 
-class DIMPLE_AP_preferences(bpy.types.AddonPreferences):
+class DIMPLE_AP_preferences(DeviceChoice, bpy.types.AddonPreferences):
     """The settings that are the same in every file."""
 
     bl_idname = PACKAGE
@@ -30,6 +31,8 @@ class DIMPLE_AP_preferences(bpy.types.AddonPreferences):
         layout.use_property_split = True
         layout.prop(self, "tab_name")
         layout.prop(self, "cache_dir")
+        layout.prop(self, "device_secret")
+        layout.prop(self, "device_anywhere")
         layout.operator(Op.COPY_REPORT, icon="COPYDOWN")
 
 

@@ -9,23 +9,24 @@ import argparse
 import csv
 import json
 import math
+import os
+import secrets
 import signal
-import socket
 import sys
 from pathlib import Path
 
 from core.device import wire
-from core.device.udp_line import UdpLine
+from core.device.process import SECRET
 from core.errors import DimpleError
 
 from . import pseudo_terminal
 from .faults import FAULTS, InjectedFault, parse_fault
 from .faulty_emulator import FaultyEmulator, SessionRoundTrips, TraceRow
 from .hand import load_hand, poking_hand
+from .network import DeviceLine
 from .numbers import load_emulated
 from .round_trips import percentiles
 
-FIRST_HOST = 30.0  # [s] to wait for it
 MODES = ("idle", "arming", "ramp", "armed", "brake", "fault")
 COLUMNS = (
     "t_s",
@@ -44,7 +45,7 @@ def add_emulator(command: argparse.ArgumentParser) -> None:
     )
     port = command.add_mutually_exclusive_group(required=True)
     port.add_argument("--pty", type=Path, metavar="PATH", help="where the port is to be")
-    port.add_argument("--udp", type=int, metavar="PORT", help="serve the first host on this computer that asks")
+    port.add_argument("--udp", type=int, metavar="PORT", help="serve a host on this computer that knows its secret")
     command.add_argument("--device", type=Path, metavar="TOML", help="device file, if not the Haptic Master's")
     command.add_argument("--hand", type=Path, metavar="JSON", help="what holds the device, if not a hand that pokes")
     command.add_argument(
@@ -78,7 +79,9 @@ def run_emulator(options: argparse.Namespace) -> int:
     if options.pty:
         served = pseudo_terminal.serve(emulator, options.pty, lifeline=lifeline)
     else:
-        line = UdpLine(_socket(options.udp), "host")
+        secret = os.environ.get(SECRET) or secrets.token_hex(16)
+        line = DeviceLine(options.udp, secret)
+        print(f"{emulator.spec.name} (emulated) at udp:127.0.0.1:{options.udp}, its secret: {secret}", flush=True)
         served = pseudo_terminal.run(emulator, line.fileno(), lifeline, line.read, line.write)
         line.close()
     record = {
@@ -98,19 +101,6 @@ def run_emulator(options: argparse.Namespace) -> int:
     except OSError as error:
         raise DimpleError(f"{error.filename} cannot be written: {error.strerror}.") from None
     return 0
-
-
-def _socket(number: int) -> socket.socket:
-    """Return a socket to the first host that sends to this port of this computer."""
-    port = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    port.bind(("127.0.0.1", number))
-    port.settimeout(FIRST_HOST)
-    try:
-        port.connect(port.recvfrom(1, socket.MSG_PEEK)[1])
-    except TimeoutError:
-        raise DimpleError("No host asked for the device.") from None
-    port.setblocking(False)
-    return port
 
 
 def measured(emulator: FaultyEmulator) -> dict[str, float | str]:

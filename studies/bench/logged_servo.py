@@ -49,7 +49,7 @@ def run_logged_servo(options: argparse.Namespace) -> int:
         return made[-1]
 
     try:
-        return servo_process.run(make, options.port, options.mailbox, options.device)
+        return servo_process.run(make, options)
     finally:
         write_log(options.log, [row for servo in made for row in servo.log])
 

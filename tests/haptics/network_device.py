@@ -1,10 +1,13 @@
-"""A device on a UDP socket, written from PROTOCOL.md alone: `network_device.py PORT GEOMETRY_CRC TRACE`.
+"""A device on a UDP socket, written from PROTOCOL.md alone: `network_device.py PORT GEOMETRY_CRC TRACE SECRET`.
 
 Standard library only, nothing of Dimple: another maker's device can be one. Its fingertips stand still.
-It ends when its standard input closes, and writes a row a tick: time [s], mode, largest torque word.
+It ends when its standard input closes, and writes a row a tick: time [s], mode, largest torque word, session.
 """
 
+import hashlib
+import hmac
 import random
+import secrets
 import select
 import socket
 import struct
@@ -43,7 +46,9 @@ def unstuffed(code: bytes) -> bytes | None:
 
 
 class Device:
-    def __init__(self, port: int, geometry_crc: int) -> None:
+    def __init__(self, port: int, geometry_crc: int, secret: str) -> None:
+        self.key = hashlib.blake2s(secret.encode()).digest()
+        self.own, self.other, self.count, self.newest, self.spoken = secrets.token_bytes(8), bytes(8), 0, {}, -1.0
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", port))
         self.socket.setblocking(False)
@@ -57,20 +62,40 @@ class Device:
 
     def send(self, payload: bytes) -> None:
         if self.host:
+            self.count += 1
+            datagram = self.other + self.own + struct.pack("<Q", self.count) + stuffed(payload)
             try:
-                self.socket.sendto(stuffed(payload), self.host)
+                self.socket.sendto(datagram + self.mac(datagram), self.host)
             except OSError:
                 pass
 
-    def take(self, frame: bytes, sender: tuple[str, int], now: float) -> None:
+    def mac(self, data: bytes) -> bytes:
+        return hashlib.blake2s(data, digest_size=16, key=self.key).digest()
+
+    def hear(self, datagram: bytes, sender: tuple[str, int], now: float) -> None:
+        body = datagram[:-16]
+        if len(body) < 24 or not hmac.compare_digest(self.mac(body), datagram[-16:]):
+            return
+        to, other, count = struct.unpack_from("<8s8sQ", body)
+        if to != self.own and (any(to) or now - self.spoken < 0.3):
+            return
+        if count <= self.newest.get(other, 0):
+            return
+        self.newest[other], self.other, self.host, self.spoken = count, other, sender, now
+        for piece in body[24:].split(b"\0"):
+            frame = unstuffed(piece) if piece else None
+            if frame and (any(to) or frame[0] == HELLO):
+                self.take(frame, now)
+
+    def take(self, frame: bytes, now: float) -> None:
         kind = frame[0]
         if kind == HELLO:
             (nonce,) = struct.unpack_from("<H", frame, 1)
-            self.host, self.session = sender, (self.session + 1) & 0xFF
+            self.session = (self.session + 1) & 0xFF
             self.mode, self.torque, self.flags = IDLE, [0] * 9, 0
             numbers = (nonce, 1, 0, self.session, 3, 12, 12, 20944, 6000, 3200, 3200, 1000, 5, 25, 100, 1000, 400, 15)
             self.send(struct.pack("<BHBBBBBBH3HHBBBHHB", INFO, *numbers) + struct.pack("<BIB", 1, self.geometry_crc, 1))
-        elif sender != self.host or frame[1] != self.session:
+        elif frame[1] != self.session:
             return
         elif kind == CMD:
             _, _, self.ack, echo, *rest = struct.unpack("<BBHH9hBB", frame)
@@ -123,7 +148,7 @@ class Device:
 
 
 def main() -> None:
-    device, rows, due = Device(int(sys.argv[1]), int(sys.argv[2])), [], time.perf_counter()
+    device, rows, due = Device(int(sys.argv[1]), int(sys.argv[2]), sys.argv[4]), [], time.perf_counter()
     print("ready", flush=True)
     while True:
         ready = select.select([device.socket, sys.stdin], [], [], max(due - time.perf_counter(), 0.0))[0]
@@ -135,13 +160,10 @@ def main() -> None:
                 data, sender = device.socket.recvfrom(2048)
             except OSError:
                 break
-            for piece in data.split(b"\0"):
-                frame = unstuffed(piece) if piece else None
-                if frame:
-                    device.take(frame, sender, now)
+            device.hear(data, sender, now)
         if now >= due:
             due = max(due + TICK, now - 0.01)
-            rows.append(f"{now},{device.mode},{device.tick(now)}\n")
+            rows.append(f"{now},{device.mode},{device.tick(now)},{device.session}\n")
     with open(sys.argv[3], "w") as file:
         file.writelines(rows)
 
