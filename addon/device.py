@@ -12,6 +12,7 @@ from .readout import iface_
 
 _FIXED = {"options": set()}
 FULL = 0.95  # of the peak force: shown as all of it
+LATE_S = 0.001  # [s] a tick: a later answer acts one tick later, or more
 
 
 class DeviceChoice:
@@ -132,6 +133,8 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
     if softer:
         said = iface_("{} cannot be rendered without shaking, so the object feels softer than its material.")
         sentences.append(said.format(", ".join(softer)))
+        if report.delay_p99 > LATE_S:
+            sentences.append(iface_("The device is answered late, which makes it softer still. Connect it by network."))
     if material and knee_force(material) > report.peak:
         sentences.append(iface_("At its knee the material needs more force than the device can exert."))
     if report.arming.name == "WAITING":

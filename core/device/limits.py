@@ -52,6 +52,7 @@ GRAIN = 4e-4  # [m] a piece of the path: five times the noise of a 12-bit conver
 MOST_DAMPING = 12.0  # [N s/m] of the passivity controller: a tenth of tip mass over tick; more would shake
 ALLOWED = 5e-4  # [J] that a touch may give back beyond what it took: one piece of the path at 1.25 N
 YIELD_ENERGY = ALLOWED / 2  # [J] for each more that is given back, the force yields to 1/e
+FELT = 0.07  # share by which a force must fall until a hand notices: the just-noticeable difference is 6 to 8 %
 SPARE = 4 * ALLOWED  # [J] of what was taken are kept once the device let go: what it gave is known some pieces late
 GRAIN_ENERGY = ALLOWED / 5  # [J] less is the noise of the converters
 KNOWN_LATE = STATE_GAP + TICK  # [s] what a force gave has been counted by then, and the force has ended

@@ -20,3 +20,7 @@ STOOD_STILL = "Device or computer stood still for more than 100 ms, or the devic
 TOO_FAST = "A fingertip was faster than 1.5 m/s. Arm the device again."
 BAD_FORCE = "The simulation gave forces that are not numbers. Reset it and arm the device again."
 LOSSY = "{share:.0%} of the frames are lost on the line. Check the cable or the network, then arm the device again."
+YIELDS = (
+    "The force on a fingertip is reduced, for it would give your hand more energy than it took. Press on, or lift the "
+    "fingertip for a moment."
+)

@@ -13,7 +13,7 @@ from ..messages import Message
 from ..vectors import ZERO, Vector, is_finite, length
 from . import kinematics, limits, wire
 from .force_guard import Arming, BadNumbers, Guard, Switch
-from .notes import BAD_FORCE, FAULTS, LOSSY, NO_ANSWER, NO_STATES, SILENT, STOOD_STILL, TOO_FAST, WAS_SILENT
+from .notes import BAD_FORCE, FAULTS, LOSSY, NO_ANSWER, NO_STATES, SILENT, STOOD_STILL, TOO_FAST, WAS_SILENT, YIELDS
 from .orders import LinkState, Order, ServoReport, TipState
 from .passivity import SentForces
 from .received import Received
@@ -51,18 +51,22 @@ class Servo:
         self._state: wire.DeviceState | None = None
         self._heard = self._device_time = 0.0  # when the last STATE came, on our clock and on the device's [s]
         self._measured: wire.LinkReport | None = None
+        self._late = 0.0  # share of the last STATEs that had no answer within a tick
         self._sent = SentForces()
         self.unsent = 0
         self.cap = stiffness_cap(spec.viscous, spec.tick, self.delay)
 
     @property
     def delay(self) -> float:
-        """Return the delay t_d [s] from sensor to motor: a torque acts from the device's next tick on.
+        """Return the delay t_d [s] from sensor to motor, in the mean: a torque acts from the device's next tick on.
 
-        Until it is measured, two ticks are assumed.
+        An answer that is late acts some ticks later, the slowest of a hundred by as many as its round trip takes. The
+        energy that a delayed wall gives grows with the mean. Until it is measured, two ticks are assumed.
         """
         tick = self.spec.tick
-        return max(math.ceil(self._measured.rtt_p99_us * 1e-6 / tick), 1) * tick if self._measured else 2 * tick
+        if not self._measured:
+            return 2 * tick
+        return tick * (1 + self._late * max(math.ceil(self._measured.rtt_p99_us * 1e-6 / tick) - 1, 1))
 
     def step(self, now: float, incoming: bytes) -> bytes:
         """Take the bytes that came in at a time [s]; return those to send."""
@@ -77,7 +81,7 @@ class Servo:
             elif isinstance(frame, wire.Fault) and frame.session == self._session:
                 self._take_fault(frame)
             elif isinstance(frame, wire.LinkReport) and frame.session == self._session and frame.answered:
-                self._measured = frame
+                self._measure(frame)
         if self.link is not LinkState.READY:
             return self._send_hello(now)
         out = self._take_requests()
@@ -94,6 +98,8 @@ class Servo:
         """Return the state of device and link."""
         measured, received = self._measured, self._received
         warning = Message(LOSSY, share=received.lost_share) if received.lost_share > limits.LOSS_WARNS else ""
+        if self._switch.arming is Arming.ON and any(f.guard.passivity.share < 1 - limits.FELT for f in self._fingers):
+            warning = warning or YIELDS
         return ServoReport(
             link=self.link, arming=self._switch.arming, states=received.taken, lost=received.missing,
             unsent=self.unsent, wrong=self._decoder.refused, stale=received.stale, rate=received.rate,
@@ -140,6 +146,16 @@ class Servo:
         self._received.take((state.seq - last.seq - 1) & 0xFFFF if last else 0, now)
         self._old_fault &= state.status & wire.MODE == wire.FAULT
         return state
+
+    def _measure(self, report: wire.LinkReport) -> None:
+        """Take the share of the STATEs since the last REPORT that had no answer within a tick."""
+        before = self._measured or report._replace(ticks=0, answered=0, late=0)
+        ticks, answered, late = ((a - b) & 0xFFFFFFFF for a, b in zip(report[2:5], before[2:5], strict=True))
+        if ticks:
+            # one STATE is still under way
+            in_time = (answered - late + 1) / ticks if report.rtt_p50_us * 1e-6 <= self.spec.tick else 0.0
+            self._late = min(max(1 - in_time, 0.0), 1.0)
+        self._measured = report
 
     def _take_requests(self) -> bytes:
         """Take new requests to arm and to disarm; return the frames they need."""

@@ -58,7 +58,7 @@ class Device:
         self.since = self.quiet = 0.0
         self.trips: list[float] = []
         self.sent: dict[int, float] = {}
-        self.answered = 0
+        self.answered = self.late = 0
 
     def send(self, payload: bytes) -> None:
         if self.host:
@@ -102,7 +102,7 @@ class Device:
             self.torque, self.flags, self.heard = rest[:9], rest[9], now
             if echo in self.sent:
                 self.trips = [*self.trips[-999:], now - self.sent.pop(echo)]
-                self.answered += 1
+                self.answered, self.late = self.answered + 1, self.late + (self.trips[-1] > TICK)
             if self.flags & 4 and self.mode == FAULT:
                 self.mode = IDLE
         elif kind == ARM and self.mode == IDLE:
@@ -113,7 +113,7 @@ class Device:
             trips = sorted(self.trips) or [0.0]
             some = trips[len(trips) // 2], trips[len(trips) * 99 // 100], trips[-1]
             times = [min(round(1e6 * t), 65535) for t in some]
-            head = REPORT, self.session, struct.unpack_from("<H", frame, 2)[0], self.seq, self.answered, 0
+            head = REPORT, self.session, struct.unpack_from("<H", frame, 2)[0], self.seq, self.answered, self.late
             self.send(struct.pack("<BBHIIIHHHHHHH", *head, *times, 0, 0, 0, 0))
 
     def tick(self, now: float) -> int:

@@ -50,9 +50,8 @@ def network(tmp_path: Path) -> Iterator[Network]:
         number = free.getsockname()[1]
     trace = tmp_path / "trace.csv"
     words = [sys.executable, "-I", "-S", str(Path(__file__).with_name("network_device.py"))]
-    process = subprocess.Popen(
-        [*words, str(number), str(geometry_crc(SPEC)), str(trace), SECRET], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-    )
+    words += [str(number), str(geometry_crc(SPEC)), str(trace), SECRET]
+    process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     assert process.stdout and process.stdout.readline() == b"ready\n"
     yield Network(f"udp:127.0.0.1:{number}", trace, process)
     process.kill()
