@@ -22,11 +22,6 @@ class DeviceChoice:
         name="Port", description="Where the device is plugged in: a serial port, a path, or udp:HOST:PORT",
         search=lambda _settings, _context, _text: haptic_fingertips.ports(), search_options={"SORT", "SUGGESTION"},
     )  # fmt: skip
-    device_file: StringProperty(
-        name="Device File", description="TOML file that describes the device: its lengths, limits and protocol. Empty:"
-                                        " the Haptic Master",
-        subtype="FILE_PATH",
-    )  # fmt: skip
     device_secret: StringProperty(
         name="Device Secret", description="Text that a device on the network shows its owner. Nobody can move your "
                                           "hand without it",
@@ -71,7 +66,6 @@ class DIMPLE_PT_device(SidebarPanel, bpy.types.Panel):
             which = layout.column()
             which.enabled = connection is None
             which.prop(chosen, "device_port")
-            which.prop(chosen, "device_file")
             if chosen.device_port.startswith("udp:"):
                 which.prop(chosen, "device_secret")
         layout.prop(settings, "device_scale", text="Scale")

@@ -7,7 +7,6 @@ import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import IO
 
 from ..errors import DimpleError
@@ -25,7 +24,6 @@ class Device:
     """A haptic device. It is given surfaces, not forces: a force held for a frame of Blender is not stable.
 
     port: path of the serial port, or udp:HOST:PORT.
-    spec_path: device file, None for the Haptic Master's.
     secret: of a device on the network.
     anywhere: on the network of other computers too.
     held_until: until when the dead-man key counts as held, as long as orders are sent [s]; 0: not held.
@@ -33,7 +31,6 @@ class Device:
     """
 
     port: str
-    spec_path: Path | None = None
     secret: str = ""
     anywhere: bool = False
     held_until: float = 0.0
@@ -65,7 +62,6 @@ class Device:
         self._box, self._seen, self._order, self._report = Mailbox(), 0, Order(), ServoReport()
         self._errors = tempfile.TemporaryFile()
         words = ["--mailbox", str(self._box.path), *(["--anywhere"] if self.anywhere else [])]
-        words += ["--device", str(self.spec_path)] if self.spec_path else []
         words += ["--", self.port]  # a port is no option, whatever its name
         self.process = self._start(words, self._errors)
 

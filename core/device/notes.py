@@ -12,7 +12,7 @@ FAULTS = {
     wire.FAULT_ARM_REFUSED: NOT_ARMED,
     wire.FAULT_LINK: "The device lost too many frames. Check the cable or the network, then arm it again.",
 }
-NO_ANSWER = "Nothing answers within 1 s. Check port, baud rate ({baud}) and power of the {name}."
+NO_ANSWER = "Nothing answers within 1 s. Check the port, the power of the device, and its baud rate ({baud}) or secret."
 NO_STATES = "The device answers but streams no positions. Switch it off and on, then connect again."
 SILENT = "The device is silent: the connection is lost. When it is back, arm it again."
 WAS_SILENT = "The device was silent for more than 100 ms. Arm it again."

@@ -23,8 +23,8 @@ from .orders import LinkState, ServoReport, pack_report, unpack_order
 from .process import SECRET
 from .serial_line import WINDOWS, LineLost, Poller, SerialLine, open_line
 from .servo import Servo
-from .spec import load_spec
 from .udp_line import PREFIX, open_udp
+from .wire import BAUD
 
 
 def main(words: list[str]) -> int:
@@ -43,7 +43,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the servo."""
     parser.add_argument("port", help="serial port, path of a pseudo-terminal, or udp:HOST:PORT")
     parser.add_argument("--mailbox", type=Path, required=True, metavar="FILE", help="made by Blender")
-    parser.add_argument("--device", type=Path, metavar="TOML", help="device file, if not the Haptic Master's")
     parser.add_argument("--anywhere", action="store_true", help="on the network of other computers too")
 
 
@@ -63,12 +62,11 @@ def run(make_servo: Callable[..., Servo], options: argparse.Namespace) -> int:
     gc.disable()  # nothing here is in a cycle, and a collection would be late for a tick
     box, servo = Mailbox(options.mailbox), None
     try:
-        spec = load_spec(options.device)
-        servo = make_servo(spec, nonce=os.getpid() & 0xFFFF)
+        servo = make_servo(nonce=os.getpid() & 0xFFFF)
         if options.port.startswith(PREFIX):
             line: SerialLine = open_udp(options.port, os.environ.get(SECRET, ""), anywhere=options.anywhere)
         else:
-            line = open_line(options.port, spec.baud)
+            line = open_line(options.port, BAUD)
         try:
             serve(servo, line, box, listener(line))
         finally:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
@@ -80,7 +79,6 @@ def connect() -> Connection:
         raise DimpleError("Choose a port, or type its path.")
     device = Device(
         bpy.path.abspath(port),
-        spec_path=Path(bpy.path.abspath(chosen.device_file)) if chosen.device_file else None,
         secret=chosen.device_secret.strip(),
         anywhere=chosen.device_anywhere and bpy.app.online_access,
     )

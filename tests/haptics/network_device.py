@@ -1,7 +1,7 @@
-"""A device on a UDP socket, written from PROTOCOL.md alone: `network_device.py PORT GEOMETRY_CRC TRACE SECRET`.
+"""A device on a UDP socket, written from PROTOCOL.md alone: `network_device.py PORT TRACE SECRET`.
 
 Standard library only, nothing of Dimple: another maker's device can be one. Its fingertips stand still.
-It ends when its standard input closes, and writes a row a tick: time [s], mode, largest torque word, session.
+It ends when its standard input closes, and writes a row a tick: time [s], mode, largest force [mN], session.
 """
 
 import hashlib
@@ -46,15 +46,15 @@ def unstuffed(code: bytes) -> bytes | None:
 
 
 class Device:
-    def __init__(self, port: int, geometry_crc: int, secret: str) -> None:
+    def __init__(self, port: int, secret: str) -> None:
         self.key = hashlib.blake2s(secret.encode()).digest()
         self.own, self.other, self.count, self.newest, self.spoken = secrets.token_bytes(8), bytes(8), 0, {}, -1.0
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", port))
         self.socket.setblocking(False)
-        self.geometry_crc, self.host = geometry_crc, None
+        self.host = None
         self.mode, self.session, self.seq, self.ack = IDLE, 0, 0, 0
-        self.torque, self.flags, self.heard = [0] * 9, 0, -1.0
+        self.force, self.flags, self.heard = [0] * 9, 0, -1.0
         self.since = self.quiet = 0.0
         self.trips: list[float] = []
         self.sent: dict[int, float] = {}
@@ -92,14 +92,14 @@ class Device:
         if kind == HELLO:
             (nonce,) = struct.unpack_from("<H", frame, 1)
             self.session = (self.session + 1) & 0xFF
-            self.mode, self.torque, self.flags = IDLE, [0] * 9, 0
-            numbers = (nonce, 1, 0, self.session, 3, 12, 12, 20944, 6000, 3200, 3200, 1000, 5, 25, 100, 1000, 400, 15)
-            self.send(struct.pack("<BHBBBBBBH3HHBBBHHB", INFO, *numbers) + struct.pack("<BIB", 1, self.geometry_crc, 1))
+            self.mode, self.force, self.flags = IDLE, [0] * 9, 0
+            numbers = (nonce, 2, 0, self.session, 1000, 5, 25, 100, 1000, 400, 15, 200)
+            self.send(struct.pack("<BHBBBHBBBHHBH", INFO, *numbers))
         elif frame[1] != self.session:
             return
         elif kind == CMD:
             _, _, self.ack, echo, *rest = struct.unpack("<BBHH9hBB", frame)
-            self.torque, self.flags, self.heard = rest[:9], rest[9], now
+            self.force, self.flags, self.heard = rest[:9], rest[9], now
             if echo in self.sent:
                 self.trips = [*self.trips[-999:], now - self.sent.pop(echo)]
                 self.answered, self.late = self.answered + 1, self.late + (self.trips[-1] > TICK)
@@ -117,10 +117,10 @@ class Device:
             self.send(struct.pack("<BBHIIIHHHHHHH", *head, *times, 0, 0, 0, 0))
 
     def tick(self, now: float) -> int:
-        """Return the torque that acts: the largest word of the nine."""
+        """Return the largest part of the forces that act [mN]."""
         held, age = self.flags & 3 == 3, now - self.heard
         if self.mode == ARMING:
-            if not held or max(map(abs, self.torque)) > 0:
+            if not held or max(map(abs, self.force)) > 0:
                 self.quiet = now
             if now - self.quiet >= 0.05:
                 self.mode, self.since = RAMP, now
@@ -138,17 +138,17 @@ class Device:
         self.seq = (self.seq + 1) & 0xFFFF
         self.sent[self.seq] = now
         self.sent.pop((self.seq - 6) & 0xFFFF, None)
-        words = [0x8000 + random.randint(-8, 8) for _ in range(9)]  # a 12-bit converter, at rest
+        words = [random.randint(-3, 3) for _ in range(9)]  # a fingertip at rest: 30 um of noise
         head = STATE, self.session, self.seq, self.ack, int(now * 1e6) & 0xFFFFFFFF
-        self.send(struct.pack("<BBHHI9HBB", *head, *words, 0, self.mode))
+        self.send(struct.pack("<BBHHI9hBB", *head, *words, 0, self.mode))
         if self.mode not in (RAMP, ARMED) or not held or age > 0.025:
             return 0
         gain = 1.0 if self.mode == ARMED else (now - self.since) / 0.5
-        return round(max(map(abs, self.torque)) * gain * min((0.025 - age) / 0.020, 1.0))
+        return round(max(map(abs, self.force)) * gain * min((0.025 - age) / 0.020, 1.0))
 
 
 def main() -> None:
-    device, rows, due = Device(int(sys.argv[1]), int(sys.argv[2]), sys.argv[4]), [], time.perf_counter()
+    device, rows, due = Device(int(sys.argv[1]), sys.argv[3]), [], time.perf_counter()
     print("ready", flush=True)
     while True:
         ready = select.select([device.socket, sys.stdin], [], [], max(due - time.perf_counter(), 0.0))[0]
@@ -164,7 +164,7 @@ def main() -> None:
         if now >= due:
             due = max(due + TICK, now - 0.01)
             rows.append(f"{now},{device.mode},{device.tick(now)},{device.session}\n")
-    with open(sys.argv[3], "w") as file:
+    with open(sys.argv[2], "w") as file:
         file.writelines(rows)
 
 

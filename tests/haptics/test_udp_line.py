@@ -20,10 +20,8 @@ from core.device.device import Device
 from core.device.force_guard import Arming
 from core.device.orders import LinkState, ServoReport
 from core.device.seal import Seal
-from core.device.spec import geometry_crc
 from core.device.udp_line import open_udp
 from tests.haptics.bench_device import wall
-from tests.haptics.host import SPEC
 from tests.haptics.machine import unable
 
 PATIENCE = 20.0  # [s]
@@ -50,7 +48,7 @@ def network(tmp_path: Path) -> Iterator[Network]:
         number = free.getsockname()[1]
     trace = tmp_path / "trace.csv"
     words = [sys.executable, "-I", "-S", str(Path(__file__).with_name("network_device.py"))]
-    words += [str(number), str(geometry_crc(SPEC)), str(trace), SECRET]
+    words += [str(number), str(trace), SECRET]
     process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     assert process.stdout and process.stdout.readline() == b"ready\n"
     yield Network(f"udp:127.0.0.1:{number}", trace, process)
@@ -89,9 +87,9 @@ def test_a_device_of_somebody_elses_is_armed_pressed_and_lets_go_when_the_host_i
     assert report.arming is Arming.OFF
     device.close()
     time.sleep(0.2)
-    time_s, mode, torque, _ = network.rows().T
-    assert torque.max() > 0 and mode.max() == 5 and torque[-100:].max() == 0
-    last = time_s[np.flatnonzero(torque)[-1]]
+    time_s, mode, force, _ = network.rows().T
+    assert force.max() > 0 and mode.max() == 5 and force[-100:].max() == 0
+    last = time_s[np.flatnonzero(force)[-1]]
     assert time_s[mode == 5][0] - last > 0.05, "zero well before the fault is latched"
 
 
@@ -101,8 +99,8 @@ def test_without_the_key_a_device_on_the_network_never_gets_force(network: Netwo
     begun = time.perf_counter()
     drive(device, lambda report: report.states > 300 and time.perf_counter() - begun > 1.0, held=False)
     device.close()
-    _, mode, torque, _ = network.rows().T
-    assert torque.max() == 0 and not np.isin(mode, (2, 3)).any()
+    _, mode, force, _ = network.rows().T
+    assert force.max() == 0 and not np.isin(mode, (2, 3)).any()
 
 
 def test_a_device_that_leaves_the_network_is_lost_and_blender_hears_of_it(network: Network) -> None:
@@ -171,12 +169,12 @@ class Relay:
 
 def attacks(relay: Relay) -> list[tuple[str, list[bytes], list[bytes]]]:
     """Return names, what is sent to the device, and what to the host: of all sessions, in the old form and sealed."""
-    full, held = (wire.FULL_SCALE,) * 9, wire.ENABLE | wire.DEADMAN
-    to_device, to_host = [wire.encode(wire.Hello(9, 1, 1))], []
+    full, held = (0x7FFF,) * 9, wire.ENABLE | wire.DEADMAN
+    to_device, to_host = [wire.encode(wire.Hello(9, *wire.PROTOCOL[:1] * 2))], []
     for session in range(256):
         to_device += [wire.encode(wire.Arm(session)), wire.encode(wire.Disarm(session, 0))]
         to_device += [wire.encode(wire.Command(session, seq, seq, full, held, 5)) for seq in (0, 0x4000, 0x8000)]
-        away = tuple(0xA000 for _ in range(9))
+        away = (0x2000,) * 9
         to_host += [wire.encode(wire.Fault(session, wire.FAULT_SPEED, 255, 0))]
         to_host += [wire.encode(wire.DeviceState(session, seq, 0, 0, away, 1, wire.ARMED)) for seq in (0, 0x8000)]
     stranger = Seal("the secret of another")
@@ -234,8 +232,7 @@ def test_nobody_who_lacks_the_secret_moves_the_hand_or_ends_the_touch(network: N
     device.close()
     relay.close()
     other.close()
-    time_s, mode, torque, session = network.rows().T
+    time_s, mode, force, session = network.rows().T
     attacked = (time_s > begun) & (time_s < ended)
     assert np.isin(mode[attacked], (2, 3)).all() and len(set(session[attacked])) == 1
-    own = wire.FULL_SCALE * 2.0 * 0.3 / 3.2  # 2 N on an arm of 0.3 m: more than the wall presses
-    assert torque[attacked].max() < own, "the force is the host's alone"
+    assert force[attacked].max() < 2000, "the force is the host's alone, 1.5 N"
