@@ -19,7 +19,8 @@ class DeviceChoice:
     """The settings of this computer that name its device: not a scene's, for a file may come from anybody."""
 
     device_port: StringProperty(
-        name="Port", description="Where the device is plugged in: a serial port, a path, or udp:HOST:PORT",
+        name="Port", description="Where the device is plugged in: a serial port, a path, udp:HOST:PORT, "
+                                  "or haply:PORT",
         search=lambda _settings, _context, _text: haptic_fingertips.ports(), search_options={"SORT", "SUGGESTION"},
     )  # fmt: skip
     device_secret: StringProperty(

@@ -23,7 +23,7 @@ from .rendered_surface import Surface
 class Device:
     """A haptic device. It is given surfaces, not forces: a force held for a frame of Blender is not stable.
 
-    port: path of the serial port, or udp:HOST:PORT.
+    port: path of the serial port, udp:HOST:PORT, or haply:PORT.
     secret: of a device on the network.
     anywhere: on the network of other computers too.
     held_until: until when the dead-man key counts as held, as long as orders are sent [s]; 0: not held.

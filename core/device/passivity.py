@@ -107,10 +107,10 @@ class Passivity:
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
         """Return the force [N], damped so that what was given too much is taken back."""
-        squared = dot(speed, speed)
-        if self.stored >= 0 or force == ZERO or squared == 0 or dt <= 0:
+        taken = dot(speed, speed) * dt  # [J] by a damper of 1 N s/m; of a fingertip at rest it underflows
+        if self.stored >= 0 or force == ZERO or taken <= 0:
             return force
-        return along(force, speed, -min(-self.stored / (squared * dt), limits.MOST_DAMPING))
+        return along(force, speed, -min(-self.stored / taken, limits.MOST_DAMPING))
 
 
 @dataclass(slots=True)

@@ -55,7 +55,7 @@ class Servo:
 
     def _make_fingers(self) -> list[ServoFinger]:
         peak, continuous = self.spec.peak_force, self.spec.continuous_force
-        return [ServoFinger(guard=Guard(peak, continuous)) for _ in range(wire.FINGERS)]
+        return [ServoFinger(guard=Guard(peak, continuous)) for _ in range(self.spec.fingers)]
 
     @property
     def delay(self) -> float:
@@ -198,11 +198,11 @@ class Servo:
             for finger in self._fingers:
                 finger.guard.passivity.lose()
         out += self._update_forces(now, min(dt, limits.STATE_GAP), held=held, device_on=device_on)
-        a, b, c = (finger.command() for finger in self._fingers)
+        words = [word for finger in self._fingers for word in finger.command()]
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held
         if self._old_fault and self._switch.arming is Arming.WAITING and state.status & wire.MODE == wire.FAULT:
             flags = wire.CLEAR
-        return out + self._command((*a, *b, *c), flags)
+        return out + self._command((*words, *wire.NO_FORCE[len(words) :]), flags)
 
     def _take_surfaces(self, now: float) -> None:
         """Give the fingers the newest surfaces, as stiff as the delay allows; drop one that is not made of numbers."""
@@ -284,7 +284,7 @@ class Servo:
     def _disarm(self, code: int) -> bytes:
         return wire.encode(wire.Disarm(self._session, code))
 
-    def _command(self, force: wire.Nine, flags: int = 0) -> bytes:
+    def _command(self, force: tuple[int, ...], flags: int = 0) -> bytes:
         self._seq = (self._seq + 1) & 0xFFFF
         held = flags & wire.DEADMAN
         self._sent.send(self._seq, tuple([finger.guard.sent for finger in self._fingers]) if held else None)

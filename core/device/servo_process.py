@@ -17,6 +17,8 @@ from pathlib import Path
 
 from ..errors import DimpleError
 from . import priority
+from .haply_line import PREFIX as HAPLY
+from .haply_line import open_haply
 from .limits import BLENDER_GONE, POLL_TIME, REPORT_EVERY, STATE_GAP
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .orders import LinkState, ServoReport, pack_report, unpack_order
@@ -41,7 +43,7 @@ def main(words: list[str]) -> int:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the servo."""
-    parser.add_argument("port", help="serial port, path of a pseudo-terminal, or udp:HOST:PORT")
+    parser.add_argument("port", help="serial port, path of a pseudo-terminal, udp:HOST:PORT, or haply:PORT")
     parser.add_argument("--mailbox", type=Path, required=True, metavar="FILE", help="made by Blender")
     parser.add_argument("--anywhere", action="store_true", help="on the network of other computers too")
 
@@ -65,6 +67,8 @@ def run(make_servo: Callable[..., Servo], options: argparse.Namespace) -> int:
         servo = make_servo(nonce=os.getpid() & 0xFFFF)
         if options.port.startswith(PREFIX):
             line: SerialLine = open_udp(options.port, os.environ.get(SECRET, ""), anywhere=options.anywhere)
+        elif options.port.startswith(HAPLY):
+            line = open_haply(options.port)
         else:
             line = open_line(options.port, BAUD)
         try:

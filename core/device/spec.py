@@ -14,6 +14,7 @@ from .limits import HARD_CEILING, LOST_TIME, STATE_GAP, TOP_SPEED, ZERO_TIME
 class Spec:
     """The numbers of a device in SI units; until it reports its own, those of the Haptic Master are assumed.
 
+    fingers: fingertips, one to three.
     peak_force, continuous_force: at a fingertip, at once and for long (root of the mean square of 10 s) [N].
     viscous: friction as it acts at a fingertip [N s/m]: how stiff a surface can be follows from it.
     tick_hz: rate of its positions [1/s].
@@ -22,6 +23,7 @@ class Spec:
     tip_speed: a fingertip that is faster is a fault [m/s].
     """
 
+    fingers: int = wire.FINGERS
     peak_force: float = 10.0
     continuous_force: float = 4.0
     viscous: float = 2.0
@@ -40,6 +42,16 @@ class Spec:
         """Return the period of the device [s]."""
         return 1 / self.tick_hz
 
+    def info(self, nonce: int, session: int) -> wire.Info:
+        """Return the INFO of a device with these numbers."""
+        return wire.Info(
+            nonce=nonce, major=wire.PROTOCOL[0], minor=wire.PROTOCOL[1], session=session, fingers=self.fingers,
+            tick_hz=self.tick_hz, hold_ms=round(1e3 * self.hold), zero_ms=round(1e3 * self.zero),
+            latch_ms=round(1e3 * self.latch), peak_cn=round(100 * self.peak_force),
+            continuous_cn=round(100 * self.continuous_force), speed_dms=round(10 * self.tip_speed),
+            viscous_cns_m=round(100 * self.viscous),
+        )  # fmt: skip
+
 
 def spec_of(info: wire.Info) -> Spec:
     """Return the numbers in a device's INFO.
@@ -54,11 +66,12 @@ def spec_of(info: wire.Info) -> Spec:
             major=info.major, minor=info.minor, own_major=wire.PROTOCOL[0], own_minor=wire.PROTOCOL[1]
         )  # fmt: skip
     spec = Spec(
-        peak_force=info.peak_cn / 100, continuous_force=info.continuous_cn / 100, viscous=info.viscous_cns_m / 100,
-        tick_hz=info.tick_hz, hold=info.hold_ms / 1e3, zero=info.zero_ms / 1e3, latch=info.latch_ms / 1e3,
-        tip_speed=info.speed_dms / 10,
+        fingers=info.fingers, peak_force=info.peak_cn / 100, continuous_force=info.continuous_cn / 100,
+        viscous=info.viscous_cns_m / 100, tick_hz=info.tick_hz, hold=info.hold_ms / 1e3, zero=info.zero_ms / 1e3,
+        latch=info.latch_ms / 1e3, tip_speed=info.speed_dms / 10,
     )  # fmt: skip
     for what, holds in (
+        (Message("it must have one to three fingertips"), 1 <= spec.fingers <= wire.FINGERS),
         (Message("its forces must be above 0, {most:g} N at most, the continuous one not above the peak",
                  most=HARD_CEILING),
          0 < spec.continuous_force <= spec.peak_force <= HARD_CEILING),

@@ -71,11 +71,21 @@ def open_udp(path: str, secret: str, *, anywhere: bool = False) -> UdpLine:
     host, _, number = path.removeprefix(PREFIX).rpartition(":")
     if not host or not number.isdecimal() or not 0 < int(number) < 0x10000:
         raise DimpleError("{path} is not an address of a device. Write it as {example}.", path=path, example=EXAMPLE)
+    if len(secret) < SHORTEST_SECRET:
+        raise DimpleError(
+            "A device on the network needs the secret that it shares with Dimple, of at least {shortest} characters. "
+            "Enter it in Dimple's preferences.",
+            shortest=SHORTEST_SECRET
+        )  # fmt: skip
     port = None
     try:
         found = socket.getaddrinfo(host.strip("[]"), int(number), type=socket.SOCK_DGRAM)[0]
         family, kind, protocol, _, address = found
-        _check_allowed(path, str(address[0]), secret, anywhere)
+        if not anywhere and not ipaddress.ip_address(str(address[0]).partition("%")[0]).is_loopback:
+            raise DimpleError(
+                "{path} is another computer. To reach it, switch on Devices on Other Computers in Dimple's "
+                "preferences, and Allow Online Access in Blender's.", path=path
+            )  # fmt: skip
         port = socket.socket(family, kind, protocol)
         port.setblocking(False)
         port.connect(address)  # from now on only that address is heard
@@ -84,18 +94,3 @@ def open_udp(path: str, secret: str, *, anywhere: bool = False) -> UdpLine:
             port.close()
         raise DimpleError("{path} cannot be reached ({error}).", path=path, error=error.strerror or error) from None
     return UdpLine(port, path, Seal(secret))
-
-
-def _check_allowed(path: str, address: str, secret: str, anywhere: bool) -> None:
-    if not anywhere and not ipaddress.ip_address(address.partition("%")[0]).is_loopback:
-        raise DimpleError(
-            "{path} is another computer. To reach it, switch on Devices on Other Computers in Dimple's preferences, "
-            "and Allow Online Access in Blender's.",
-            path=path,
-        )
-    if len(secret) < SHORTEST_SECRET:
-        raise DimpleError(
-            "A device on the network needs the secret that it shares with Dimple, of at least {shortest} characters. "
-            "Enter it in Dimple's preferences.",
-            shortest=SHORTEST_SECRET
-        )  # fmt: skip

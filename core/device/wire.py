@@ -17,7 +17,7 @@ from typing import Final, NamedTuple
 PROTOCOL: Final = (2, 0)  # major: a difference is refused; minor: more frame types, skipped where they are unknown
 MOST_PAYLOAD: Final = 33  # bytes
 FINGERS: Final = 3
-PLACE_STEP: Final = 1e-5  # [m] of a word: a third of a metre to either side
+PLACE_STEP: Final = 2e-5  # [m] of a word: 0.65 m to either side
 FORCE_STEP: Final = 1e-3  # [N] of a word: 32 N at most
 BAUD: Final = 921600  # bits a second of a serial line; it carries 2000 STATEs a second
 
@@ -32,7 +32,7 @@ FAULT_ARM_REFUSED, FAULT_VERSION, FAULT_LINK, FAULT_HOST = range(4, 8)
 DEADMAN_BUTTON: Final = 1  # DeviceState.buttons
 EVERY_FINGER: Final = 255  # Fault.finger
 
-Nine = tuple[int, int, int, int, int, int, int, int, int]
+Nine = tuple[int, ...]  # three words for each finger
 NO_FORCE: Final[Nine] = (0,) * 9
 
 
@@ -74,6 +74,7 @@ class Info(NamedTuple):
     major: int
     minor: int
     session: int
+    fingers: int
     tick_hz: int
     hold_ms: int
     zero_ms: int
@@ -139,7 +140,7 @@ _TYPES: Final[dict[type, tuple[int, struct.Struct]]] = {
     DeviceState: (0x11, struct.Struct("<BBHHI9hBB")),
     Command: (0x12, struct.Struct("<BBHH9hBB")),
     Hello: (0x13, struct.Struct("<BHBB")),
-    Info: (0x14, struct.Struct("<BHBBBHBBBHHBH")),
+    Info: (0x14, struct.Struct("<BHBBBBHBBBHHBH")),
     Arm: (0x15, struct.Struct("<BB")),
     Disarm: (0x16, struct.Struct("<BBB")),
     Ping: (0x17, struct.Struct("<BBH")),

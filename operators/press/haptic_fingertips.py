@@ -220,10 +220,10 @@ def _look() -> float | None:
 
 def ports() -> list[tuple[str, str]]:
     """Return what can be connected, as paths and descriptions."""
+    from ...core.device import haply_line, udp_line
     from ...core.device.serial_line import ports
-    from ...core.device.udp_line import EXAMPLE
 
-    return [*ports(), (EXAMPLE, "Network")]
+    return [*ports(), (haply_line.EXAMPLE, "Haply Inverse3"), (udp_line.EXAMPLE, "Network")]
 
 
 @bpy.app.handlers.persistent

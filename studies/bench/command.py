@@ -23,6 +23,7 @@ from . import pseudo_terminal
 from .faults import FAULTS, InjectedFault, parse_fault
 from .faulty_emulator import FaultyEmulator, SessionRoundTrips, TraceRow
 from .hand import load_hand, poking_hand
+from .haply_service import HaplyService, run_service
 from .network import DeviceLine
 from .numbers import load_emulated
 from .round_trips import percentiles
@@ -46,6 +47,7 @@ def add_emulator(command: argparse.ArgumentParser) -> None:
     port = command.add_mutually_exclusive_group(required=True)
     port.add_argument("--pty", type=Path, metavar="PATH", help="where the port is to be")
     port.add_argument("--udp", type=int, metavar="PORT", help="serve a host on this computer that knows its secret")
+    port.add_argument("--haply", type=int, metavar="PORT", help="serve as Haply's service does for three Inverse3")
     command.add_argument("--device", type=Path, metavar="TOML", help="device file, if not the Haptic Master's")
     command.add_argument("--hand", type=Path, metavar="JSON", help="what holds the device, if not a hand that pokes")
     command.add_argument(
@@ -65,6 +67,8 @@ def run_emulator(options: argparse.Namespace) -> int:
     faults = [parse_fault(text) for text in options.fault]
     if options.seconds < math.inf:
         faults.append(InjectedFault("unplug", 1.0, start=options.seconds))
+    if options.haply:
+        return _run_service(options)
     emulator = FaultyEmulator(
         load_emulated(options.device),
         hand=load_hand(options.hand) if options.hand else poking_hand(),
@@ -100,6 +104,19 @@ def run_emulator(options: argparse.Namespace) -> int:
                 csv.writer(file).writerows([COLUMNS, *trace])
     except OSError as error:
         raise DimpleError(f"{error.filename} cannot be written: {error.strerror}.") from None
+    return 0
+
+
+def _run_service(options: argparse.Namespace) -> int:
+    """Run a Haply service until its lifeline closes."""
+    trace: list[TraceRow] = []
+    hand = load_hand(options.hand) if options.hand else poking_hand()
+    service = HaplyService(options.haply, load_emulated(options.device), hand=hand, trace=trace)
+    print(f"Three Inverse3 (emulated) at haply:{options.haply}", flush=True)
+    run_service(service, sys.stdin.fileno() if options.lifeline else None, options.seconds)
+    if options.trace:
+        with options.trace.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([COLUMNS, *trace])
     return 0
 
 

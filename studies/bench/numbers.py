@@ -100,9 +100,4 @@ def _radians(degrees: list[float]) -> Vector:
 
 def info(spec: Spec, nonce: int, session: int, protocol: tuple[int, int] = wire.PROTOCOL) -> wire.Info:
     """Return the INFO of a device."""
-    return wire.Info(
-        nonce=nonce, major=protocol[0], minor=protocol[1], session=session, tick_hz=spec.tick_hz,
-        hold_ms=round(1e3 * spec.hold), zero_ms=round(1e3 * spec.zero), latch_ms=round(1e3 * spec.latch),
-        peak_cn=round(100 * spec.peak_force), continuous_cn=round(100 * spec.continuous_force),
-        speed_dms=round(10 * spec.tip_speed), viscous_cns_m=round(100 * spec.viscous),
-    )  # fmt: skip
+    return spec.info(nonce, session)._replace(major=protocol[0], minor=protocol[1])

@@ -93,8 +93,8 @@ class Device:
             (nonce,) = struct.unpack_from("<H", frame, 1)
             self.session = (self.session + 1) & 0xFF
             self.mode, self.force, self.flags = IDLE, [0] * 9, 0
-            numbers = (nonce, 2, 0, self.session, 1000, 5, 25, 100, 1000, 400, 15, 200)
-            self.send(struct.pack("<BHBBBHBBBHHBH", INFO, *numbers))
+            numbers = (nonce, 2, 0, self.session, 3, 1000, 5, 25, 100, 1000, 400, 15, 200)
+            self.send(struct.pack("<BHBBBBHBBBHHBH", INFO, *numbers))
         elif frame[1] != self.session:
             return
         elif kind == CMD:

@@ -267,4 +267,4 @@ def test_a_frozen_simulation() -> None:
 
 def test_another_protocol() -> None:
     press = Press("version=3").run(0.3)
-    assert press.servo.link is LinkState.REFUSED and "2.0" in press.note and "1.0" in press.note
+    assert press.servo.link is LinkState.REFUSED and "3.0" in press.note and "2.0" in press.note

@@ -156,11 +156,11 @@ def test_a_second_opener_is_refused(emulator: Rig) -> None:
 
 
 def test_another_protocol_is_refused_naming_both(tmp_path: Path) -> None:
-    made = rig(tmp_path, "--fault", "version=2")
+    made = rig(tmp_path, "--fault", "version=3")
     device = Device(made.port)
     device.open()
     report = drive(device, ready)
-    assert report.link is LinkState.REFUSED and "2.0" in report.note and "1.0" in report.note
+    assert report.link is LinkState.REFUSED and "3.0" in report.note and "2.0" in report.note
     device.close()
     made.stop()
 

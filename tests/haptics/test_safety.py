@@ -5,6 +5,7 @@ import math
 import pytest
 
 from core.device.force_guard import Arming, BadNumbers, Guard, Switch
+from core.device.passivity import Passivity
 from core.vectors import ZERO, length
 
 LIMITS = 10.0, 4.0  # [N] peak, continuous
@@ -224,6 +225,13 @@ def test_the_passivity_controller_takes_back_what_a_sampled_wall_leaks() -> None
     """Each tick holds the force of the one before: K T v x = 0.3 mJ for 600 N/m, 1 ms, 0.05 m/s, 10 mm."""
     assert press_and_leave(600.0, 600.0, control=False) == pytest.approx(-0.0003, rel=0.1)
     assert press_and_leave(600.0, 600.0, control=True) > -0.00003
+
+
+@pytest.mark.parametrize("speed", [1e-150, 1e-160, 1e-161, 1e-162, 5e-324])
+def test_a_fingertip_that_has_all_but_come_to_rest_keeps_its_force(speed: float) -> None:
+    """Its filtered speed falls by a sixth each tick, until its square is no number above 0."""
+    owing = Passivity(stored=-1e-4)
+    assert owing.damp((0.0, 0.0, 1.0), (0.0, 0.0, speed), MS)[2] == pytest.approx(1.0)
 
 
 def test_the_passivity_controller_leaves_a_passive_wall_alone() -> None:

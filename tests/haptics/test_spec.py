@@ -13,12 +13,15 @@ INFO = info(Spec(), 1, 2)
 def test_a_device_is_what_it_reports() -> None:
     assert wire.Decoder().feed(wire.encode(INFO)) == [INFO]
     assert spec_of(INFO) == Spec()
-    assert spec_of(INFO._replace(tick_hz=500, viscous_cns_m=150)) == Spec(tick_hz=500, viscous=1.5)
+    other = Spec(fingers=1, tick_hz=500, viscous=1.5)
+    assert spec_of(other.info(1, 2)) == other
 
 
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
+        ({"fingers": 0}, "fingertips"),
+        ({"fingers": 4}, "fingertips"),
         ({"peak_cn": 2001}, "forces"),
         ({"continuous_cn": 1001}, "forces"),
         ({"continuous_cn": 0}, "forces"),

@@ -20,7 +20,7 @@ def test_the_rendered_stiffness_is_that_of_the_contact_within_3_percent(k: float
     """Up to the largest there is (None), through converters of 12 bits, their noise and dry friction."""
     share, force = walls.static_error(k)
     assert share < 0.03
-    assert force < 0.06  # at rest anywhere in a step of the converters: 0.08 mm rms of it, at 1067 N/m, and 0.2 N of dry friction
+    assert force < 0.06  # [N] a fingertip rests anywhere in a step of the converters: 0.08 mm at 1067 N/m
 
 
 def test_poking_the_stiffest_wall_gives_no_hand_a_millijoule() -> None:

@@ -31,7 +31,7 @@ def some_frames(seed: int) -> list[Frame]:
         DeviceState(b(), w(), w(), long(), nine(-32768, 32767, dice), b(), b()),
         Command(b(), w(), w(), nine(-32768, 32767, dice), b(), b()),
         Hello(w(), b(), b()),
-        Info(w(), b(), b(), b(), w(), b(), b(), b(), w(), w(), b(), w()),
+        Info(w(), b(), b(), b(), b(), w(), b(), b(), b(), w(), w(), b(), w()),
         Arm(b()),
         Disarm(b(), b()),
         Ping(b(), w()),

@@ -194,6 +194,40 @@ def test_a_port_that_is_not_there_is_refused_with_the_reason(bpy: ModuleType, em
     haptic_fingertips.disconnect()
 
 
+def test_the_owner_of_an_inverse3_connects_presses_and_feels(
+    bpy: ModuleType, empty_file: ModuleType, tmp_path: Path
+) -> None:
+    """The ten lines of docs/device.md, with the service of the test bench."""
+    from bl_ext.user_default.dimple.core.device.process import end, start
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips
+
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        number = free.getsockname()[1]
+    way = [[0.0, 0.05, -0.10, 0.12]] + [
+        [8 * k + t, 0.05, -0.10, z] for k in range(8) for t, z in ((2.0, 0.12), (3.0, 0.09), (7.0, 0.09), (8.0, 0.12))
+    ]
+    (tmp_path / "hand.json").write_text(json.dumps({"tips": [way, way[:1], way[:1]]}))
+    words = ["emulator", "--lifeline", "--haply", str(number), "--hand", str(tmp_path / "hand.json")]
+    service = start(words, None, script=BENCH)
+    try:
+        for _ in range(50):
+            time.sleep(0.1)
+            with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", number), 0.1):
+                break
+        connect(bpy, f"haply:{number}")
+        body = ball(bpy)
+        softened(bpy, body)
+        entry = run(bpy, body)
+        at = connection().report.tips[0].position
+        settings = bpy.context.scene.dimple
+        settings.device_centre_mm = [1e3 * at[0], 1e3 * at[1], 1e3 * 0.105]  # the hand goes 15 mm below
+        wait(lambda report: report.tips[0].force[2] > 0.3, bpy, arms=True)
+        assert entry.session.fingers
+    finally:
+        haptic_fingertips.disconnect()
+        end(service)
+
+
 def test_a_file_brings_no_device_and_another_computer_is_reached_only_where_that_is_allowed(
     bpy: ModuleType, empty_file: ModuleType, tmp_path: Path
 ) -> None:
