@@ -1,6 +1,9 @@
 """The haptic device in Blender."""
 
+import contextlib
+import json
 import signal
+import socket
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +12,17 @@ from typing import Any
 
 import pytest
 
-from tests.blender.operators.device_rig import PATIENCE, connect, connection, gone, run, softened, strongest, wait
+from tests.blender.operators.device_rig import (
+    BENCH,
+    PATIENCE,
+    connect,
+    connection,
+    gone,
+    run,
+    softened,
+    strongest,
+    wait,
+)
 from tests.haptics.machine import NEEDS_PTY
 
 pytestmark = NEEDS_PTY
@@ -195,7 +208,7 @@ def test_a_port_that_is_not_there_is_refused_with_the_reason(bpy: ModuleType, em
 
 
 def test_the_owner_of_an_inverse3_connects_presses_and_feels(
-    bpy: ModuleType, empty_file: ModuleType, tmp_path: Path
+    bpy: ModuleType, add: Callable[..., Any], tmp_path: Path
 ) -> None:
     """The ten lines of docs/device.md, with the service of the test bench."""
     from bl_ext.user_default.dimple.core.device.process import end, start
@@ -215,14 +228,14 @@ def test_the_owner_of_an_inverse3_connects_presses_and_feels(
             with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", number), 0.1):
                 break
         connect(bpy, f"haply:{number}")
-        body = ball(bpy)
+        body = add()
         softened(bpy, body)
         entry = run(bpy, body)
         at = connection().report.tips[0].position
         settings = bpy.context.scene.dimple
         settings.device_centre_mm = [1e3 * at[0], 1e3 * at[1], 1e3 * 0.105]  # the hand goes 15 mm below
         wait(lambda report: report.tips[0].force[2] > 0.3, bpy, arms=True)
-        assert entry.session.fingers
+        assert entry.frame.depths[0] > 0.0
     finally:
         haptic_fingertips.disconnect()
         end(service)
