@@ -152,9 +152,9 @@ class Servo:
         before = self._measured or report._replace(ticks=0, answered=0, late=0)
         ticks, answered, late = ((a - b) & 0xFFFFFFFF for a, b in zip(report[2:5], before[2:5], strict=True))
         if ticks:
+            least = 0.5 if report.rtt_p50_us * 1e-6 > self.spec.tick else 0.0  # whatever the device counts
             # one STATE is still under way
-            in_time = (answered - late + 1) / ticks if report.rtt_p50_us * 1e-6 <= self.spec.tick else 0.0
-            self._late = min(max(1 - in_time, 0.0), 1.0)
+            self._late = min(max(1 - (answered - late + 1) / ticks, least), 1.0)
         self._measured = report
 
     def _take_requests(self) -> bytes:
