@@ -2,7 +2,7 @@
 
 
 import bpy
-from bpy.props import FloatProperty, FloatVectorProperty, StringProperty
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, StringProperty
 
 from ..operators.names import Op
 from ..operators.press import haptic_fingertips
@@ -11,21 +11,31 @@ from .readout import iface_
 
 _FIXED = {"options": set()}
 FULL = 0.95  # of the peak force: shown as all of it
+LATE_S = 0.001  # [s] a tick: a later answer acts one tick later, or more
+
+
+class DeviceChoice:
+    """The settings of this computer that name its device: not a scene's, for a file may come from anybody."""
+
+    device_port: StringProperty(
+        name="Port", description="Where the device is plugged in: a serial port, a path, udp:HOST:PORT, "
+                                  "or haply:PORT",
+        search=lambda _settings, _context, _text: haptic_fingertips.ports(), search_options={"SORT", "SUGGESTION"},
+    )  # fmt: skip
+    device_secret: StringProperty(
+        name="Device Secret", description="Text that a device on the network shows its owner. Nobody can move your "
+                                          "hand without it",
+        subtype="PASSWORD",
+    )  # fmt: skip
+    device_anywhere: BoolProperty(
+        name="Devices on Other Computers", description="Reach devices on the network of other computers too, while "
+                                                       "Blender allows online access",
+    )  # fmt: skip
 
 
 class DevicePlace:
-    """The settings of a scene that name the device and place its workspace."""
+    """The settings of a scene that place the workspace of the device."""
 
-    device_port: StringProperty(
-        name="Port", description="Where the device is plugged in: a serial port, a path, or udp:HOST:PORT",
-        search=lambda _settings, _context, _text: haptic_fingertips.ports(), search_options={"SORT", "SUGGESTION"},
-        **_FIXED,
-    )  # fmt: skip
-    device_file: StringProperty(
-        name="Device File", description="TOML file that describes the device: its lengths, limits and protocol. Empty:"
-                                        " the Haptic Master",
-        subtype="FILE_PATH", **_FIXED,
-    )  # fmt: skip
     device_scale: FloatProperty(
         name="Workspace Scale", description="Scale from hand motion to scene motion: at 2, a fingertip moves twice as "
                                             "far as your hand",
@@ -52,10 +62,12 @@ class DIMPLE_PT_device(SidebarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         settings, layout, connection = context.scene.dimple, self.layout, haptic_fingertips.get()
         layout.use_property_split = True
-        which = layout.column()
-        which.enabled = connection is None
-        which.prop(settings, "device_port")
-        which.prop(settings, "device_file")
+        if chosen := haptic_fingertips.choice():
+            which = layout.column()
+            which.enabled = connection is None
+            which.prop(chosen, "device_port")
+            if chosen.device_port.startswith("udp:"):
+                which.prop(chosen, "device_secret")
         layout.prop(settings, "device_scale", text="Scale")
         layout.prop(settings, "device_origin")
         layout.operator(Op.CENTRE_DEVICE, icon="PIVOT_CURSOR")
@@ -115,6 +127,8 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
     if softer:
         said = iface_("{} cannot be rendered without shaking, so the object feels softer than its material.")
         sentences.append(said.format(", ".join(softer)))
+        if report.delay_p99 > LATE_S:
+            sentences.append(iface_("The device is answered late, which makes it softer still. Connect it by network."))
     if material and knee_force(material) > report.peak:
         sentences.append(iface_("At its knee the material needs more force than the device can exert."))
     if report.arming.name == "WAITING":

@@ -1,12 +1,13 @@
-"""The preferences of the extension: the folder for recordings, and its share of the cores."""
+"""The preferences of the extension: the folder for recordings, its share of the cores, and the haptic device."""
 
 import bpy
 from bpy.props import IntProperty, StringProperty
 
 from ..operators.names import Op
+from .device import DeviceChoice
 
 
-class DIMPLE_AP_preferences(bpy.types.AddonPreferences):
+class DIMPLE_AP_preferences(DeviceChoice, bpy.types.AddonPreferences):
     """The settings that are the same in every file."""
 
     bl_idname = __package__.rpartition(".")[0]  # the extension itself: bl_ext.<repository>.dimple
@@ -29,6 +30,8 @@ class DIMPLE_AP_preferences(bpy.types.AddonPreferences):
         layout.use_property_split = True
         layout.prop(self, "cache_dir")
         layout.prop(self, "cores")
+        layout.prop(self, "device_secret")
+        layout.prop(self, "device_anywhere")
         layout.operator(Op.COPY_REPORT, icon="COPYDOWN")
 
 

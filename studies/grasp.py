@@ -88,7 +88,7 @@ def _way(side: float, y: float) -> tuple[Keyframe, ...]:
 def run(session: Session, *, spec: EmulatedSpec | None = None, seconds: float = END) -> Iterator[Moment]:
     """Grasp; yield each frame once there is force."""
     spec = spec or load_emulated()
-    emulator, servo = Emulator(spec, hand=hand()), Servo(spec)
+    emulator, servo = Emulator(spec, hand=hand()), Servo()
     workspace = Workspace()
     now, next_frame, began, to_device = 0.0, 0.0, None, b""
     while began is None or now - began < seconds:

@@ -1,4 +1,4 @@
-"""Haptic devices behind one protocol, and the first of them: the Haptic Master through its servo process."""
+"""A haptic device as Blender sees it, run by a servo process of its own, whatever line it is on."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import IO, Protocol
+from typing import IO
 
 from ..errors import DimpleError
 from ..messages import Message
@@ -20,54 +19,20 @@ from .process import end, start
 from .rendered_surface import Surface
 
 
-class Device(Protocol):
-    """What every haptic device does. It is given surfaces, not forces: a force held for a frame is not stable."""
-
-    def open(self) -> None:
-        """Connect; `read` then reports how that went."""
-
-    def read(self) -> ServoReport:
-        """Return where its fingertips are, and its state; never wait."""
-
-    def samples(self) -> list[tuple[float, ...]]:
-        """Return what its servo measured and rendered since the last call: time [s], then place [m] and force [N] of
-        each fingertip.
-        """
-
-    def write(self, surfaces: Sequence[Surface | None]) -> None:
-        """Set the surface under each of its fingertips."""
-
-    def arm(self) -> None:
-        """Request force."""
-
-    def disarm(self) -> None:
-        """End all force."""
-
-    def hold(self, until: float) -> None:
-        """Set until when the dead-man key counts as held [s of time.perf_counter]; the device's own button also counts.
-
-        It is held for no longer than LEASE after the last call of any method that sends something.
-        """
-
-    def renew(self) -> None:
-        """Send the last order again, so that the key's lease is renewed."""
-
-    def close(self) -> None:
-        """Release the device; closing twice does nothing."""
-
-
 @dataclass(slots=True)
-class HapticMaster:
-    """A Haptic Master on a serial port, or what speaks its protocol, run by a servo process.
+class Device:
+    """A haptic device. It is given surfaces, not forces: a force held for a frame of Blender is not stable.
 
-    port: path of the serial port.
-    spec_path: device file, None for the Haptic Master's.
+    port: path of the serial port, udp:HOST:PORT, or haply:PORT.
+    secret: of a device on the network.
+    anywhere: on the network of other computers too.
     held_until: until when the dead-man key counts as held, as long as orders are sent [s]; 0: not held.
     process: the servo.
     """
 
     port: str
-    spec_path: Path | None = None
+    secret: str = ""
+    anywhere: bool = False
     held_until: float = 0.0
     process: subprocess.Popen[bytes] | None = None
     _box: Mailbox | None = None
@@ -79,7 +44,7 @@ class HapticMaster:
     _errors: IO[bytes] | None = None
 
     def open(self) -> None:
-        """Start the servo.
+        """Start the servo; `read` then reports how that went.
 
         Raises:
             DimpleError: there is no Python or no pyserial to start it with, or the system refuses.
@@ -98,15 +63,16 @@ class HapticMaster:
         self._box, self._seen, self._sampled, self._order = Mailbox(), 0, 0, Order()
         self._report = ServoReport()
         self._errors = tempfile.TemporaryFile()
-        device = ["--device", str(self.spec_path)] if self.spec_path else []
-        words = ["--mailbox", str(self._box.path), *device, "--", self.port]  # a port is no option, whatever its name
+        words = ["--mailbox", str(self._box.path), *(["--anywhere"] if self.anywhere else [])]
+        words += ["--", self.port]  # a port is no option, whatever its name
         self.process = self._start(words, self._errors)
 
     def _start(self, words: list[str], errors: IO[bytes]) -> subprocess.Popen[bytes]:
         """Start one of its processes; a study starts one that records more."""
-        return start(words, errors)
+        return start(words, errors, secret=self.secret)
 
     def read(self) -> ServoReport:
+        """Return where its fingertips are, and its state; never wait."""
         if self._box:
             self._seen, message = self._box.read(FROM_SERVO, self._seen)
             if message:
@@ -119,27 +85,38 @@ class HapticMaster:
         return self._report
 
     def samples(self) -> list[tuple[float, ...]]:
+        """Return what the servo measured and rendered since the last call: time [s], then place [m] and force [N] of each
+        fingertip.
+        """
         self._sampled, found = self._box.samples(self._sampled) if self._box else (0, [])
         return found
 
     def write(self, surfaces: Sequence[Surface | None]) -> None:
+        """Set the surface under each of its fingertips."""
         self._post(replace(self._order, surfaces=tuple(surfaces)))
 
     def arm(self) -> None:
+        """Request force."""
         self._post(replace(self._order, arm=self._order.arm + 1))
 
     def disarm(self) -> None:
+        """End all force."""
         self._post(replace(self._order, disarm=self._order.disarm + 1))
 
     def hold(self, until: float) -> None:
+        """Set until when the dead-man key counts as held [s of time.perf_counter]; the device's own button also counts.
+
+        It is held for no longer than LEASE after the last call of any method that sends something.
+        """
         self.held_until = until
         self.renew()
 
     def renew(self) -> None:
+        """Send the last order again, so that the key's lease is renewed."""
         self._post(self._order)
 
     def close(self) -> None:
-        """End the servo, which ends all force and frees the port."""
+        """End the servo, which ends all force and frees the port; closing twice does nothing."""
         if self.process:
             end(self.process)
         if self._box:

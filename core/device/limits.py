@@ -1,6 +1,6 @@
 """The numbers of this room: what keeps a hand safe, and the times within which device, servo and Blender must answer.
 
-Those of one device are in its TOML file (spec.py), those of the protocol in wire.py. What follows from others is
+Those of one device it reports itself (spec.py), those of the protocol are in wire.py. What follows from others is
 written as such. Nothing here may be weakened.
 """
 
@@ -18,7 +18,7 @@ RAMP_TIME = 0.5  # [s] from nothing to the whole force: longer than a hand takes
 RAMP_DAMPING = 3.0  # [N s/m] while it ramps: of the order of a device's own friction
 
 # how long anything may be silent
-TICK = 0.001  # [s] of a device, by which the times here are judged; a device file may name another (spec.py)
+TICK = 0.001  # [s] of a device, by which the times here are judged; a device may have another (spec.py)
 STATE_GAP = 5 * TICK  # [s] without a STATE there is no force after this; clocks agree, and steps are cut, to as much
 SPEED_TIME = STATE_GAP  # [s] time constant of the speed: one converter bit a tick is already 0.1 m/s
 LOST_TIME = 0.100  # [s] without a STATE the device counts as lost, and a surface of Blender begins to fade
@@ -31,8 +31,7 @@ SLOWEST_FRAME = 0.050  # [s] a change of the surface is spread over one frame of
 QUIET_TIME = SLOWEST_FRAME  # [s] arming waits for as long a quiet; without force for as long a touch is over
 
 # readings and messages that are not trusted
-RAIL = 0x0100  # of 16 bits, at either end of a converter: a wire is disconnected
-JUMP = 20.0  # [rad/s] of a joint: 6 m/s at the tip, four times the speed limit
+FASTEST = 4 * TOP_SPEED  # [m/s] a fingertip that moves faster was not sensed right
 FAILED_TICKS = round(STATE_GAP / TICK)  # impossible readings in a row: the sensor has failed
 BAD_NUMBERS = 3  # NaN or inf within LOST_TIME disarm: one may be a message that was cut
 FARTHEST = 10.0  # [m] a place farther off is an error
@@ -52,6 +51,7 @@ GRAIN = 4e-4  # [m] a piece of the path: five times the noise of a 12-bit conver
 MOST_DAMPING = 12.0  # [N s/m] of the passivity controller: a tenth of tip mass over tick; more would shake
 ALLOWED = 5e-4  # [J] that a touch may give back beyond what it took: one piece of the path at 1.25 N
 YIELD_ENERGY = ALLOWED / 2  # [J] for each more that is given back, the force yields to 1/e
+FELT = 0.07  # share by which a force must fall until a hand notices: the just-noticeable difference is 6 to 8 %
 SPARE = 4 * ALLOWED  # [J] of what was taken are kept once the device let go: what it gave is known some pieces late
 GRAIN_ENERGY = ALLOWED / 5  # [J] less is the noise of the converters
 KNOWN_LATE = STATE_GAP + TICK  # [s] what a force gave has been counted by then, and the force has ended

@@ -35,11 +35,12 @@ class Passivity:
     begin: where the piece under way began [m].
     total: the sum of the forces along it [N].
     count: their number.
-    share: of the force that is left, once the touch gave back too much; it ends with the touch.
+    share: of the force that is left, less once the touch gave back too much.
     floor: stored energy below which it falls [J].
+    owed: stored energy above which it comes back: the hand has paid by pressing on [J].
     unwanted: for how long no force has been wanted [s].
 
-    Source: Hannaford and Ryu, time-domain passivity control; a force that yields until the touch is over is ours.
+    Source: Hannaford and Ryu, time-domain passivity control; the force that yields is ours.
     """
 
     stored: float = 0.0
@@ -51,6 +52,7 @@ class Passivity:
     count: int = 0
     share: float = 1.0
     floor: float = -limits.ALLOWED
+    owed: float = -limits.ALLOWED
     unwanted: float = 0.0
 
     def observe(self, force: Vector, x: Vector, now: float) -> None:
@@ -83,12 +85,19 @@ class Passivity:
     def lose(self) -> None:
         """Note that the device let go: a fingertip that sank in is pushed out with no more than the hand gave."""
         self.floor = min(limits.SPARE, self.stored - limits.GRAIN_ENERGY)
+        self.owed = max(self.owed, self.floor)
 
     def want(self, force: Vector, dt: float) -> Vector:
-        """Return what is left of a force [N] wanted for a time [s]; wanted none for a while, the touch is over."""
+        """Return what is left of a force [N] wanted for a time [s]; wanted none for a while, the touch is over.
+
+        What was taken away comes back slowly, as a force that is armed does; at once it would push the hand.
+        """
         self.unwanted = 0.0 if force != ZERO else self.unwanted + dt
         if self.unwanted > limits.QUIET_TIME:
             self.share, self.floor = 1.0, min(self.stored, 0.0) - limits.ALLOWED
+            self.owed = self.floor
+        elif self.share < 1 and self.stored > self.owed:
+            self.share, self.floor = min(self.share + dt / limits.RAMP_TIME, 1.0), self.owed
         return scaled(force, self.share)
 
     def afford(self, force: Vector, speed: Vector) -> Vector:
@@ -98,10 +107,10 @@ class Passivity:
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
         """Return the force [N], damped so that what was given too much is taken back."""
-        squared = dot(speed, speed)
-        if self.stored >= 0 or force == ZERO or squared == 0 or dt <= 0:
+        taken = dot(speed, speed) * dt  # [J] by a damper of 1 N s/m; of a fingertip at rest it underflows
+        if self.stored >= 0 or force == ZERO or taken <= 0:
             return force
-        return along(force, speed, -min(-self.stored / (squared * dt), limits.MOST_DAMPING))
+        return along(force, speed, -min(-self.stored / taken, limits.MOST_DAMPING))
 
 
 @dataclass(slots=True)

@@ -14,15 +14,19 @@ from ..errors import DimpleError
 from .limits import ANSWER_TIME
 
 START: Final = Path(__file__).with_name("start.py")
+SECRET: Final = "DIMPLE_DEVICE_SECRET"  # in the environment of a process, where no other account can read it
 
 
-def start(words: Sequence[str], errors: IO[bytes] | None, *, script: Path = START) -> subprocess.Popen[bytes]:
+def start(
+    words: Sequence[str], errors: IO[bytes] | None, *, script: Path = START, secret: str = ""
+) -> subprocess.Popen[bytes]:
     """Start a process that ends when its standard input closes.
 
     Args:
         words: of its command line, see servo_process.py.
         errors: file for what it writes to standard error, None for none.
         script: what Python runs; its first argument is the folder of pyserial.
+        secret: of a device on the network.
 
     Raises:
         DimpleError: there is no Python or no pyserial to start it with, or the system refuses.
@@ -30,7 +34,7 @@ def start(words: Sequence[str], errors: IO[bytes] | None, *, script: Path = STAR
     serial = importlib.util.find_spec("serial")
     if serial is None or serial.origin is None:
         raise DimpleError("pyserial is not installed, so no serial device can be used. Install the extension's zip.")
-    clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")} | {SECRET: secret}
     try:
         return subprocess.Popen(
             [python(), "-I", "-S", str(script), str(Path(serial.origin).parents[1]), *words],

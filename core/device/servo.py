@@ -1,4 +1,4 @@
-"""The servo: it answers each STATE of the device with torques. Pure: bytes and a time in, bytes out.
+"""The servo: it answers each STATE of the device with forces. Pure: bytes and a time in, bytes out.
 
 The device sets the rate, so the servo needs no timer. It evaluates the law at the newest position of each fingertip on
 the surface that Blender carried there (surface.py says why), and every force passes the finger's Guard.
@@ -11,15 +11,15 @@ import math
 from ..errors import DimpleError
 from ..messages import Message
 from ..vectors import ZERO, Vector, is_finite, length
-from . import kinematics, limits, wire
+from . import limits, wire
 from .force_guard import Arming, BadNumbers, Guard, Switch
-from .notes import BAD_FORCE, FAULTS, LOSSY, NO_ANSWER, NO_STATES, SILENT, STOOD_STILL, TOO_FAST, WAS_SILENT
+from .notes import BAD_FORCE, FAULTS, LOSSY, NO_ANSWER, NO_STATES, SILENT, STOOD_STILL, TOO_FAST, WAS_SILENT, YIELDS
 from .orders import LinkState, Order, ServoReport, TipState
 from .passivity import SentForces
 from .received import Received
 from .rendered_surface import Surface, is_sane, stiffness_cap
 from .servo_finger import ServoFinger
-from .spec import Spec, check_info
+from .spec import Spec, spec_of
 
 UNCONNECTED = (LinkState.OPENING, LinkState.LOST)
 
@@ -35,34 +35,39 @@ class Servo:
     unsent: answers that the line did not take.
     """
 
-    def __init__(self, spec: Spec, *, nonce: int = 1) -> None:
-        self.spec, self.order = spec, Order()
+    def __init__(self, *, nonce: int = 1) -> None:
+        self.spec, self.order = Spec(), Order()
         self.link, self.note = LinkState.OPENING, ""
         self._nonce, self._taken = nonce, Order()
         self._surfaces: tuple[Surface | None, ...] = ()
         self._decoder, self._session, self._seq = wire.Decoder(), -1, 0
         self._began = self._asked = self._pinged = -math.inf
-        self._fingers = [
-            ServoFinger(block=block, guard=Guard(spec.peak_force, spec.continuous_force))
-            for block in kinematics.blocks(spec)
-        ]
+        self._fingers = self._make_fingers()
         self._switch, self._bad, self._received = Switch(), BadNumbers(), Received()
         self._old_fault = False  # the device's latched fault is older than the request to arm, and may be cleared
         self._state: wire.DeviceState | None = None
         self._heard = self._device_time = 0.0  # when the last STATE came, on our clock and on the device's [s]
         self._measured: wire.LinkReport | None = None
+        self._late = 0.0  # share of the last STATEs that had no answer within a tick
         self._sent = SentForces()
         self.unsent = 0
-        self.cap = stiffness_cap(spec.viscous, spec.tick, self.delay)
+        self.cap = stiffness_cap(self.spec.viscous, self.spec.tick, self.delay)
+
+    def _make_fingers(self) -> list[ServoFinger]:
+        peak, continuous = self.spec.peak_force, self.spec.continuous_force
+        return [ServoFinger(guard=Guard(peak, continuous)) for _ in range(self.spec.fingers)]
 
     @property
     def delay(self) -> float:
-        """Return the delay t_d [s] from sensor to motor: a torque acts from the device's next tick on.
+        """Return the delay t_d [s] from sensor to motor, in the mean: a force acts from the device's next tick on.
 
-        Until it is measured, two ticks are assumed.
+        An answer that is late acts some ticks later, the slowest of a hundred by as many as its round trip takes. The
+        energy that a delayed wall gives grows with the mean. Until it is measured, two ticks are assumed.
         """
         tick = self.spec.tick
-        return max(math.ceil(self._measured.rtt_p99_us * 1e-6 / tick), 1) * tick if self._measured else 2 * tick
+        if not self._measured:
+            return 2 * tick
+        return tick * (1 + self._late * max(math.ceil(self._measured.rtt_p99_us * 1e-6 / tick) - 1, 1))
 
     def step(self, now: float, incoming: bytes) -> bytes:
         """Take the bytes that came in at a time [s]; return those to send."""
@@ -77,23 +82,25 @@ class Servo:
             elif isinstance(frame, wire.Fault) and frame.session == self._session:
                 self._take_fault(frame)
             elif isinstance(frame, wire.LinkReport) and frame.session == self._session and frame.answered:
-                self._measured = frame
+                self._measure(frame)
         if self.link is not LinkState.READY:
             return self._send_hello(now)
         out = self._take_requests()
         return out + (self._answer(newest, now) if newest else self._handle_silence(now)) + self._ping(now)
 
     def close(self) -> bytes:
-        """Return the last frames: no torque, and a DISARM."""
+        """Return the last frames: no force, and a DISARM."""
         self._stop("")
         if self._session < 0:
             return b""
-        return self._command(wire.NO_TORQUE) + self._disarm(wire.FAULT_HOST)
+        return self._command(wire.NO_FORCE) + self._disarm(wire.FAULT_HOST)
 
     def report(self) -> ServoReport:
         """Return the state of device and link."""
         measured, received = self._measured, self._received
         warning = Message(LOSSY, share=received.lost_share) if received.lost_share > limits.LOSS_WARNS else ""
+        if self._switch.arming is Arming.ON and any(f.guard.passivity.share < 1 - limits.FELT for f in self._fingers):
+            warning = warning or YIELDS
         return ServoReport(
             link=self.link, arming=self._switch.arming, states=received.taken, lost=received.missing,
             unsent=self.unsent, wrong=self._decoder.refused, stale=received.stale, rate=received.rate,
@@ -101,7 +108,7 @@ class Servo:
             delay_p99=measured.rtt_p99_us * 1e-6 if measured else 0.0,
             cap=self.cap, peak=self.spec.peak_force, note=self.note or self._switch.reason or warning,
             tips=tuple(
-                TipState(f.at, f.guard.sent, f.guard.passivity.least, f.bad > 0 or f.angles is None, f.guard.full)
+                TipState(f.at, f.guard.sent, f.guard.passivity.least, f.bad > 0 or not f.known, f.guard.full)
                 for f in self._fingers
             ),
         )  # fmt: skip
@@ -114,7 +121,7 @@ class Servo:
     def _send_hello(self, now: float) -> bytes:
         """Return a HELLO each limits.LOST_TIME until a device answers; give up after limits.ANSWER_TIME."""
         if self.link is LinkState.OPENING and now - self._began > limits.ANSWER_TIME:
-            self.link, self.note = LinkState.REFUSED, Message(NO_ANSWER, baud=self.spec.baud, name=self.spec.name)
+            self.link, self.note = LinkState.REFUSED, Message(NO_ANSWER, baud=wire.BAUD)
         if self.link is LinkState.REFUSED or now - self._asked < limits.LOST_TIME:
             return b""
         self._asked = now
@@ -123,12 +130,11 @@ class Servo:
     def _take_info(self, info: wire.Info, now: float) -> None:
         """Take the device's INFO: a new session, in which nothing is armed."""
         try:
-            check_info(self.spec, info)
+            self.spec = spec_of(info)
         except DimpleError as error:
             self.link, self.note = LinkState.REFUSED, str(error)
             return
-        for finger in self._fingers:
-            finger.forget()
+        self._fingers, self._surfaces = self._make_fingers(), ()
         self.link, self.note, self._session = LinkState.READY, "", info.session
         self._state, self._measured, self._heard = None, None, now
         self._taken = self.order  # earlier requests are not meant for this session
@@ -146,6 +152,16 @@ class Servo:
         self._old_fault &= state.status & wire.MODE == wire.FAULT
         return state
 
+    def _measure(self, report: wire.LinkReport) -> None:
+        """Take the share of the STATEs since the last REPORT that had no answer within a tick."""
+        before = self._measured or report._replace(ticks=0, answered=0, late=0)
+        ticks, answered, late = ((a - b) & 0xFFFFFFFF for a, b in zip(report[2:5], before[2:5], strict=True))
+        if ticks:
+            least = 0.5 if report.rtt_p50_us * 1e-6 > self.spec.tick else 0.0  # whatever the device counts
+            # one STATE is still under way
+            self._late = min(max(1 - (answered - late + 1) / ticks, least), 1.0)
+        self._measured = report
+
     def _take_requests(self) -> bytes:
         """Take new requests to arm and to disarm; return the frames they need."""
         before, self._taken = self._taken, self.order
@@ -162,7 +178,7 @@ class Servo:
             self._stop(FAULTS.get(fault.code, "The device disarmed itself."))
 
     def _answer(self, state: wire.DeviceState, now: float) -> bytes:
-        """Return the torques for a STATE."""
+        """Return the forces for a STATE."""
         silent, before = now - self._heard, self._state
         self._state, self._heard = state, now
         ticks = (state.seq - before.seq) & 0xFFFF if before else 1
@@ -172,7 +188,8 @@ class Servo:
         acted, left = self._sent.between(self.spec, before, state, self._device_time)
         for i, finger in enumerate(self._fingers):
             masked = bool(state.status & wire.MASKED << i)
-            finger.sense(self.spec, state.adc[3 * i : 3 * i + 3], masked, ticks, self._device_time, acted[i], left)
+            since = self.spec.tick * max(ticks, 1)
+            finger.sense(state.place[3 * i : 3 * i + 3], masked, since, self._device_time, acted[i], left)
         self._take_surfaces(now)
         # a frozen simulation counts as a released key; the quiet is judged by surfaces that have not begun to fade
         oldest = limits.LOST_TIME if self._switch.arming is Arming.WAITING else limits.LEASE
@@ -186,11 +203,11 @@ class Servo:
             for finger in self._fingers:
                 finger.guard.passivity.lose()
         out += self._update_forces(now, min(dt, limits.STATE_GAP), held=held, device_on=device_on)
-        a, b, c = (finger.drive(self.spec, finger.guard.sent) for finger in self._fingers)
+        words = [word for finger in self._fingers for word in finger.command()]
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held
         if self._old_fault and self._switch.arming is Arming.WAITING and state.status & wire.MODE == wire.FAULT:
             flags = wire.CLEAR
-        return out + self._command((*a, *b, *c), flags)
+        return out + self._command((*words, *wire.NO_FORCE[len(words) :]), flags)
 
     def _take_surfaces(self, now: float) -> None:
         """Give the fingers the newest surfaces, as stiff as the delay allows; drop one that is not made of numbers."""
@@ -254,7 +271,7 @@ class Servo:
         if silent > limits.STATE_GAP and any(finger.guard.sent != ZERO for finger in self._fingers):
             for finger in self._fingers:
                 finger.guard.zero()
-            return self._command(wire.NO_TORQUE, wire.ENABLE)
+            return self._command(wire.NO_FORCE, wire.ENABLE)
         return b""
 
     def _end(self, reason: str, code: int) -> bytes:
@@ -272,13 +289,13 @@ class Servo:
     def _disarm(self, code: int) -> bytes:
         return wire.encode(wire.Disarm(self._session, code))
 
-    def _command(self, torque: wire.Nine, flags: int = 0) -> bytes:
+    def _command(self, force: tuple[int, ...], flags: int = 0) -> bytes:
         self._seq = (self._seq + 1) & 0xFFFF
         held = flags & wire.DEADMAN
         self._sent.send(self._seq, tuple([finger.guard.sent for finger in self._fingers]) if held else None)
         echo = self._state.seq if self._state else 0
         ttl = round(1e3 * self.spec.hold)
-        return wire.encode(wire.Command(self._session, self._seq, echo, torque, flags, ttl))
+        return wire.encode(wire.Command(self._session, self._seq, echo, force, flags, ttl))
 
     def _ping(self, now: float) -> bytes:
         if now - self._pinged < limits.PING_EVERY:

@@ -1,82 +1,62 @@
-"""One finger of the servo: from the readings of its sensors to a position, from a force to its torques."""
+"""One finger of the servo: from what the device reports to a place, from a force to a command."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 from ..vectors import ZERO, Vector
-from . import kinematics
 from .force_guard import Guard
-from .kinematics import Block
-from .limits import JUMP, RAIL
+from .limits import FASTEST
 from .rendered_surface import Contact
-from .spec import Spec
+from .wire import FORCE_STEP, PLACE_STEP
 
 
 @dataclass(slots=True, kw_only=True)
 class ServoFinger:
     """One finger.
 
-    block: its linkage.
     guard: its limits.
     contact: with the surface under it.
-    angles: of the last reading that was trusted [rad].
-    at: its position then [m].
-    bad: readings since then that were not trusted.
+    at: its last place that was trusted [m].
+    known: there is one.
+    bad: places since then that were not trusted.
     """
 
-    block: Block
     guard: Guard
     contact: Contact = field(default_factory=Contact)
-    angles: Vector | None = None
     at: Vector = ZERO
+    known: bool = False
     bad: int = 0
 
     def sense(
-        self, spec: Spec, words: tuple[int, ...], masked: bool, ticks: int, time: float, acted: Vector, left: float
+        self, words: tuple[int, ...], masked: bool, since: float, time: float, acted: Vector, left: float
     ) -> None:
-        """Take a reading.
+        """Take a place.
 
         Args:
-            spec: the device.
-            words: of its three joints, see `kinematics.adc_angles`.
+            words: of a STATE.
             masked: the device itself does not trust it.
-            ticks: since the last reading.
+            since: the last place, by the device's ticks [s].
             time: of the device [s].
-            acted: the force of the motors since the last reading [N].
+            acted: the force of the motors since the last place [N].
             left: share of it that is left by now.
         """
-        angles = kinematics.adc_angles(spec, words)
-        if (
-            masked
-            or not RAIL <= min(words) <= max(words) < 0x10000 - RAIL
-            or self._jumps(angles, spec.tick * max(ticks, 1))
-        ):
+        x, y, z = words
+        at = x * PLACE_STEP, y * PLACE_STEP, z * PLACE_STEP
+        far = max(abs(a - b) for a, b in zip(at, self.at, strict=True)) if self.known else 0.0
+        if masked or far > FASTEST * since:
             self.bad += 1
             self.guard.skip()
             return
-        self.at, self.angles, self.bad = kinematics.forward(self.block, angles), angles, 0
+        self.at, self.known, self.bad = at, True, 0
         self.guard.move(self.at, time, acted, left)
 
-    def _jumps(self, angles: Vector, dt: float) -> bool:
-        if self.angles is None:
-            return False
-        (a, b, c), (x, y, z) = angles, self.angles
-        return max(abs(a - x), abs(b - y), abs(c - z)) > JUMP * dt
-
     def forget(self) -> None:
-        """Trust the next reading wherever it is: no force acts."""
-        self.angles, self.bad = None, 0
+        """Trust the next place wherever it is: no force acts."""
+        self.known, self.bad = False, 0
         self.guard.skip()
 
-    def drive(self, spec: Spec, force: Vector) -> tuple[int, int, int]:
-        """Return the torque words for a force [N]; a torque beyond its motor shortens the force, never turns it."""
-        if force == ZERO or self.angles is None:
-            return (0, 0, 0)
-        torques = kinematics.torques(self.block, self.angles, force)
-        (x, y, z), (a, b, c) = torques, spec.torque_limits
-        over = max(abs(x) / a, abs(y) / b, abs(z) / c)
-        if over > 1:
-            self.guard.full = True
-            torques = x / over, y / over, z / over
-        return kinematics.torque_words(spec, torques)
+    def command(self) -> tuple[int, int, int]:
+        """Return the words of the force that acts; it never exceeds the guard's ceiling."""
+        x, y, z = self.guard.sent if self.known else ZERO
+        return round(x / FORCE_STEP), round(y / FORCE_STEP), round(z / FORCE_STEP)

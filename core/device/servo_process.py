@@ -17,13 +17,16 @@ from pathlib import Path
 
 from ..errors import DimpleError
 from . import priority
+from .haply_line import PREFIX as HAPLY
+from .haply_line import open_haply
 from .limits import BLENDER_GONE, POLL_TIME, REPORT_EVERY, STATE_GAP
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .orders import LinkState, ServoReport, pack_report, unpack_order
+from .process import SECRET
 from .serial_line import WINDOWS, LineLost, Poller, SerialLine, open_line
 from .servo import Servo
-from .spec import load_spec
 from .udp_line import PREFIX, open_udp
+from .wire import BAUD
 
 
 def main(words: list[str]) -> int:
@@ -32,7 +35,7 @@ def main(words: list[str]) -> int:
     add_options(parser)
     options = parser.parse_args(words)
     try:
-        return run(Servo, options.port, options.mailbox, options.device)
+        return run(Servo, options)
     except DimpleError as error:
         print(error, file=sys.stderr)
         return 2
@@ -40,17 +43,17 @@ def main(words: list[str]) -> int:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the servo."""
-    parser.add_argument("port", help="serial port, path of a pseudo-terminal, or udp:HOST:PORT")
+    parser.add_argument("port", help="serial port, path of a pseudo-terminal, udp:HOST:PORT, or haply:PORT")
     parser.add_argument("--mailbox", type=Path, required=True, metavar="FILE", help="made by Blender")
-    parser.add_argument("--device", type=Path, metavar="TOML", help="device file, if not the Haptic Master's")
+    parser.add_argument("--anywhere", action="store_true", help="on the network of other computers too")
 
 
-def run(make_servo: Callable[..., Servo], port: str, mailbox: Path, device: Path | None) -> int:
+def run(make_servo: Callable[..., Servo], options: argparse.Namespace) -> int:
     """Serve a line until standard input closes, and leave the device without force.
 
     Args:
         make_servo: Servo, or of a study one that keeps a log.
-        port, mailbox, device: see `add_options`.
+        options: see `add_options`.
 
     Returns:
         The exit code: 0, or 2 where the line was refused or lost; the reason is in the last report.
@@ -59,11 +62,15 @@ def run(make_servo: Callable[..., Servo], port: str, mailbox: Path, device: Path
     priority.request_priority()
     priority.keep_processors_awake()
     gc.disable()  # nothing here is in a cycle, and a collection would be late for a tick
-    box, servo = Mailbox(mailbox), None
+    box, servo = Mailbox(options.mailbox), None
     try:
-        spec = load_spec(device)
-        servo = make_servo(spec, nonce=os.getpid() & 0xFFFF)
-        line = open_udp(port) if port.startswith(PREFIX) else open_line(port, spec.baud)
+        servo = make_servo(nonce=os.getpid() & 0xFFFF)
+        if options.port.startswith(PREFIX):
+            line: SerialLine = open_udp(options.port, os.environ.get(SECRET, ""), anywhere=options.anywhere)
+        elif options.port.startswith(HAPLY):
+            line = open_haply(options.port)
+        else:
+            line = open_line(options.port, BAUD)
         try:
             serve(servo, line, box, listener(line))
         finally:

@@ -1,31 +1,45 @@
 """A line to a device on the network: a UDP socket in place of a serial port, with the same frames.
 
-A datagram holds whole frames. What is lost, late or doubled there is dropped by its sequence number as on a serial
-line; a device that falls silent has no force after 5 ms and is lost after 100 ms. Only its own address is heard.
+A datagram holds whole frames under a seal (seal.py). What is lost, late or doubled there is dropped by its sequence
+number; a device that falls silent has no force after 5 ms and is lost after 100 ms.
 """
 
 from __future__ import annotations
 
+import ipaddress
 import select
 import socket
 from typing import Final
 
 from ..errors import DimpleError
+from .seal import SHORTEST_SECRET, Seal
 from .serial_line import MAX_BYTES, SerialLine
 
 PREFIX: Final = "udp:"
 EXAMPLE: Final = "udp:127.0.0.1:7400"
 
 
-class UdpLine(SerialLine):
+class SocketLine(SerialLine):
+    """An open socket in place of a serial port."""
+
+    def wait(self, seconds: float) -> bool:
+        """Wait for bytes, at most for a time [s]; tell whether there are some."""
+        return bool(select.select([self._port], [], [], seconds)[0])
+
+
+class UdpLine(SocketLine):
     """An open socket to one device."""
 
+    def __init__(self, port: socket.socket, name: str, seal: Seal) -> None:
+        super().__init__(port, name)
+        self._seal = seal
+
     def read(self) -> bytes:
-        """Return all there is, b"" where there is nothing."""
+        """Return the frames of all datagrams there are, b"" where there is nothing."""
         parts = []
         while True:
             try:
-                parts.append(self._port.recv(MAX_BYTES))
+                parts.append(self._seal.open(self._port.recv(MAX_BYTES)))
             except BlockingIOError:
                 return b"".join(parts)
             except ConnectionRefusedError:  # nobody listens there now: silence, which the servo judges
@@ -34,31 +48,44 @@ class UdpLine(SerialLine):
                 raise self._gone(error) from None
 
     def write(self, data: bytes) -> bool:
-        """Send bytes; return False where they did not leave."""
+        """Send frames; return False where they did not leave."""
         try:
-            return self._port.send(data) == len(data)
+            return bool(self._port.send(self._seal.close(data)))
         except (BlockingIOError, ConnectionRefusedError):
             return False
         except OSError as error:
             raise self._gone(error) from None
 
-    def wait(self, seconds: float) -> bool:
-        """Wait for bytes, at most for a time [s]; tell whether there are some."""
-        return bool(select.select([self._port], [], [], seconds)[0])
 
-
-def open_udp(path: str) -> UdpLine:
+def open_udp(path: str, secret: str, *, anywhere: bool = False) -> UdpLine:
     """Open a socket to "udp:HOST:PORT".
 
+    Args:
+        path: the address.
+        secret: of the device.
+        anywhere: other computers than this one too.
+
     Raises:
-        DimpleError: it is no address, or cannot be reached.
+        DimpleError: it is no address, on a computer that is not allowed, without a secret, or cannot be reached.
     """
     host, _, number = path.removeprefix(PREFIX).rpartition(":")
     if not host or not number.isdecimal() or not 0 < int(number) < 0x10000:
         raise DimpleError("{path} is not an address of a device. Write it as {example}.", path=path, example=EXAMPLE)
+    if len(secret) < SHORTEST_SECRET:
+        raise DimpleError(
+            "A device on the network needs the secret that it shares with Dimple, of at least {shortest} characters. "
+            "Enter it in Dimple's preferences.",
+            shortest=SHORTEST_SECRET
+        )  # fmt: skip
     port = None
     try:
-        family, kind, protocol, _, address = socket.getaddrinfo(host, int(number), type=socket.SOCK_DGRAM)[0]
+        found = socket.getaddrinfo(host.strip("[]"), int(number), type=socket.SOCK_DGRAM)[0]
+        family, kind, protocol, _, address = found
+        if not anywhere and not ipaddress.ip_address(str(address[0]).partition("%")[0]).is_loopback:
+            raise DimpleError(
+                "{path} is another computer. To reach it, switch on Devices on Other Computers in Dimple's "
+                "preferences, and Allow Online Access in Blender's.", path=path
+            )  # fmt: skip
         port = socket.socket(family, kind, protocol)
         port.setblocking(False)
         port.connect(address)  # from now on only that address is heard
@@ -66,4 +93,4 @@ def open_udp(path: str) -> UdpLine:
         if port:
             port.close()
         raise DimpleError("{path} cannot be reached ({error}).", path=path, error=error.strerror or error) from None
-    return UdpLine(port, path)
+    return UdpLine(port, path, Seal(secret))

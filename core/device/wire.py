@@ -14,11 +14,12 @@ import zlib
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-PROTOCOL: Final = (1, 0)  # major: a difference is refused; minor: more frame types, skipped where they are unknown
+PROTOCOL: Final = (2, 0)  # major: a difference is refused; minor: more frame types, skipped where they are unknown
 MOST_PAYLOAD: Final = 33  # bytes
 FINGERS: Final = 3
-CHANNELS: Final = 3 * FINGERS  # three joints each
-FULL_SCALE: Final = 32767  # of a torque word
+PLACE_STEP: Final = 2e-5  # [m] of a word: 0.65 m to either side
+FORCE_STEP: Final = 1e-3  # [N] of a word: 32 N at most
+BAUD: Final = 921600  # bits a second of a serial line; it carries 2000 STATEs a second
 
 ENABLE, DEADMAN, CLEAR = 1, 2, 4  # Command.flags
 IDLE, ARMING, RAMP, ARMED, BRAKE, FAULT = range(6)  # DeviceState.status & MODE
@@ -31,29 +32,29 @@ FAULT_ARM_REFUSED, FAULT_VERSION, FAULT_LINK, FAULT_HOST = range(4, 8)
 DEADMAN_BUTTON: Final = 1  # DeviceState.buttons
 EVERY_FINGER: Final = 255  # Fault.finger
 
-Nine = tuple[int, int, int, int, int, int, int, int, int]
-NO_TORQUE: Final[Nine] = (0,) * 9
+Nine = tuple[int, ...]  # three words for each finger
+NO_FORCE: Final[Nine] = (0,) * 9
 
 
 class DeviceState(NamedTuple):
-    """STATE, from the device at each tick: where the joints are."""
+    """STATE, from the device at each tick: where the fingertips are."""
 
     session: int
     seq: int
     ack: int
     t_us: int
-    adc: Nine
+    place: Nine
     buttons: int
     status: int
 
 
 class Command(NamedTuple):
-    """CMD, from the host for each STATE: the torques."""
+    """CMD, from the host for each STATE: the forces."""
 
     session: int
     seq: int
     echo: int
-    torque: Nine
+    force: Nine
     flags: int
     ttl_ms: int
 
@@ -73,11 +74,7 @@ class Info(NamedTuple):
     major: int
     minor: int
     session: int
-    blocks: int
-    adc_bits: int
-    dac_bits: int
-    span_1e4rad: int
-    torque_mnm: tuple[int, int, int]
+    fingers: int
     tick_hz: int
     hold_ms: int
     zero_ms: int
@@ -85,9 +82,7 @@ class Info(NamedTuple):
     peak_cn: int
     continuous_cn: int
     speed_dms: int
-    geometry: int
-    geometry_crc: int
-    capabilities: int
+    viscous_cns_m: int
 
 
 class Arm(NamedTuple):
@@ -142,17 +137,17 @@ class LinkReport(NamedTuple):
 Frame = DeviceState | Command | Hello | Info | Arm | Disarm | Ping | Fault | LinkReport
 
 _TYPES: Final[dict[type, tuple[int, struct.Struct]]] = {
-    DeviceState: (0x11, struct.Struct("<BBHHI9HBB")),
+    DeviceState: (0x11, struct.Struct("<BBHHI9hBB")),
     Command: (0x12, struct.Struct("<BBHH9hBB")),
     Hello: (0x13, struct.Struct("<BHBB")),
-    Info: (0x14, struct.Struct("<BHBBBBBBH3HHBBBHHBBIB")),
+    Info: (0x14, struct.Struct("<BHBBBBHBBBHHBH")),
     Arm: (0x15, struct.Struct("<BB")),
     Disarm: (0x16, struct.Struct("<BBB")),
     Ping: (0x17, struct.Struct("<BBH")),
     Fault: (0x18, struct.Struct("<BBBBH")),
     LinkReport: (0x19, struct.Struct("<BBHIIIHHHHHHH")),
 }
-_NESTED: Final = {DeviceState: (5, 14), Command: (4, 13), Info: (9, 12)}  # numbers of a payload that are one field
+_NESTED: Final = {DeviceState: (5, 14), Command: (4, 13)}  # numbers of a payload that are one field
 
 
 def _maker(kind: type) -> Callable[[tuple[int, ...]], Frame]:

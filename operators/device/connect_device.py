@@ -25,11 +25,11 @@ class DIMPLE_OT_connect_device(polls.Declared, bpy.types.Operator):
     bl_idname = Op.CONNECT_DEVICE
     bl_label = "Connect"
 
-    def run(self, context: bpy.types.Context) -> None:
+    def run(self, _context: bpy.types.Context) -> None:
         if haptic_fingertips.get():
             haptic_fingertips.disconnect()
         else:
-            haptic_fingertips.connect(context.scene)
+            haptic_fingertips.connect()
 
 
 class DIMPLE_OT_arm_device(polls.Declared, bpy.types.Operator):

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
 
 SLOW_S = 0.25  # [s] between two frames of Blender: slower, and the dead-man key lapses between them (limits.LEASE)
 LOOK_S = 0.1  # [s] between two looks at the device while nothing runs
+_PACKAGE = (__package__ or "").partition(".operators")[0]
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -61,20 +61,30 @@ def disarm() -> None:
         connection.device.disarm()
 
 
-def connect(scene: bpy.types.Scene) -> Connection:
-    """Connect the device of a scene, and read it from now on.
+def choice() -> bpy.types.AddonPreferences | None:
+    """Return the preferences, which name the device, None where the extension is not among Blender's."""
+    addon = bpy.context.preferences.addons.get(_PACKAGE)
+    return addon.preferences if addon else None
+
+
+def connect() -> Connection:
+    """Connect the device of this computer, and read it from now on.
 
     Raises:
         DimpleError: it cannot be started, with the reason and what to do.
     """
-    from ...core.device.device import HapticMaster
+    from ...core.device.device import Device
 
     disconnect()
-    port = scene.dimple.device_port.strip()
+    chosen = choice()
+    port = chosen.device_port.strip() if chosen else ""
     if not port:
         raise DimpleError("Choose a port, or type its path.")
-    file = Path(bpy.path.abspath(scene.dimple.device_file)) if scene.dimple.device_file else None
-    device = HapticMaster(bpy.path.abspath(port), spec_path=file)
+    device = Device(
+        bpy.path.abspath(port),
+        secret=chosen.device_secret.strip(),
+        anywhere=chosen.device_anywhere and bpy.app.online_access,
+    )
     device.open()
     connection = Connection(device=device, report=device.read())
     connections.append(connection)
@@ -215,10 +225,10 @@ def _look() -> float | None:
 
 def ports() -> list[tuple[str, str]]:
     """Return what can be connected, as paths and descriptions."""
+    from ...core.device import haply_line, udp_line
     from ...core.device.serial_line import ports
-    from ...core.device.udp_line import EXAMPLE
 
-    return [*ports(), (EXAMPLE, "Network")]
+    return [*ports(), (haply_line.EXAMPLE, "Haply Inverse3"), (udp_line.EXAMPLE, "Network")]
 
 
 @bpy.app.handlers.persistent

@@ -9,23 +9,25 @@ import argparse
 import csv
 import json
 import math
+import os
+import secrets
 import signal
-import socket
 import sys
 from pathlib import Path
 
 from core.device import wire
-from core.device.udp_line import UdpLine
+from core.device.process import SECRET
 from core.errors import DimpleError
 
 from . import pseudo_terminal
 from .faults import FAULTS, InjectedFault, parse_fault
 from .faulty_emulator import FaultyEmulator, SessionRoundTrips, TraceRow
 from .hand import load_hand, poking_hand
+from .haply_service import HaplyService, run_service
+from .network import DeviceLine
 from .numbers import load_emulated
 from .round_trips import percentiles
 
-FIRST_HOST = 30.0  # [s] to wait for it
 MODES = ("idle", "arming", "ramp", "armed", "brake", "fault")
 COLUMNS = (
     "t_s",
@@ -44,7 +46,8 @@ def add_emulator(command: argparse.ArgumentParser) -> None:
     )
     port = command.add_mutually_exclusive_group(required=True)
     port.add_argument("--pty", type=Path, metavar="PATH", help="where the port is to be")
-    port.add_argument("--udp", type=int, metavar="PORT", help="serve the first host on this computer that asks")
+    port.add_argument("--udp", type=int, metavar="PORT", help="serve a host on this computer that knows its secret")
+    port.add_argument("--haply", type=int, metavar="PORT", help="serve as Haply's service does for three Inverse3")
     command.add_argument("--device", type=Path, metavar="TOML", help="device file, if not the Haptic Master's")
     command.add_argument("--hand", type=Path, metavar="JSON", help="what holds the device, if not a hand that pokes")
     command.add_argument(
@@ -64,6 +67,8 @@ def run_emulator(options: argparse.Namespace) -> int:
     faults = [parse_fault(text) for text in options.fault]
     if options.seconds < math.inf:
         faults.append(InjectedFault("unplug", 1.0, start=options.seconds))
+    if options.haply:
+        return _run_service(options)
     emulator = FaultyEmulator(
         load_emulated(options.device),
         hand=load_hand(options.hand) if options.hand else poking_hand(),
@@ -78,7 +83,9 @@ def run_emulator(options: argparse.Namespace) -> int:
     if options.pty:
         served = pseudo_terminal.serve(emulator, options.pty, lifeline=lifeline)
     else:
-        line = UdpLine(_socket(options.udp), "host")
+        secret = os.environ.get(SECRET) or secrets.token_hex(16)
+        line = DeviceLine(options.udp, secret)
+        print(f"{emulator.spec.name} (emulated) at udp:127.0.0.1:{options.udp}, its secret: {secret}", flush=True)
         served = pseudo_terminal.run(emulator, line.fileno(), lifeline, line.read, line.write)
         line.close()
     record = {
@@ -100,17 +107,17 @@ def run_emulator(options: argparse.Namespace) -> int:
     return 0
 
 
-def _socket(number: int) -> socket.socket:
-    """Return a socket to the first host that sends to this port of this computer."""
-    port = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    port.bind(("127.0.0.1", number))
-    port.settimeout(FIRST_HOST)
-    try:
-        port.connect(port.recvfrom(1, socket.MSG_PEEK)[1])
-    except TimeoutError:
-        raise DimpleError("No host asked for the device.") from None
-    port.setblocking(False)
-    return port
+def _run_service(options: argparse.Namespace) -> int:
+    """Run a Haply service until its lifeline closes."""
+    trace: list[TraceRow] = []
+    hand = load_hand(options.hand) if options.hand else poking_hand()
+    service = HaplyService(options.haply, load_emulated(options.device), hand=hand, trace=trace)
+    print(f"Three Inverse3 (emulated) at haply:{options.haply}", flush=True)
+    run_service(service, sys.stdin.fileno() if options.lifeline else None, options.seconds)
+    if options.trace:
+        with options.trace.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([COLUMNS, *trace])
+    return 0
 
 
 def measured(emulator: FaultyEmulator) -> dict[str, float | str]:

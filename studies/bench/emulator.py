@@ -12,14 +12,15 @@ import math
 import random
 from typing import Final
 
-from core.device import kinematics, wire
+from core.device import wire
 from core.vectors import ZERO, Vector
 
-from . import linkage
+from . import kinematics, linkage
 from .firmware import Firmware
 from .hand import EmulatedHand
 from .line import EmulatedLine
 from .numbers import EmulatedSpec
+from .sensors import CHANNELS
 from .tip import EmulatedTip
 
 NOISE: Final = 4093  # readings until the noise repeats; a prime, so that joints and ticks do not fall in step
@@ -147,7 +148,7 @@ class Emulator:
         """Let the firmware read its joints at the next tick; return the true angles there [rad]."""
         angles = [linkage.inverse(block, tip.position) for block, tip in zip(self._blocks, self.tips, strict=True)]
         scale, noise = 65536 / self.spec.adc_span, self._noise
-        at = self._ticks * wire.CHANNELS
+        at = self._ticks * CHANNELS
         self.firmware.sense([
             min(max(int((q - centre) * scale + 32768 + noise[(at + 3 * i + j) % NOISE]), 0), 0xFFFF)
             for i, three in enumerate(angles)

@@ -22,7 +22,7 @@ FAULTS: Final = {
     "wrong-baud": (1.0, "1: every byte is another one"),
     "unplug": (1.0, "1: the line is gone"),
     "stall": (1.0, "1: the device stands still"),
-    "version": (2.0, "major protocol version of the device"),
+    "version": (3.0, "major protocol version of the device"),
     "adc-range": (0.0, "finger whose sensor reads its end (0, 1, 2)"),
     "adc-frozen": (0.0, "finger whose sensor repeats one reading"),
     "adc-jump": (0.0, "finger whose sensor is suddenly 0.3 rad off"),

@@ -1,4 +1,4 @@
-"""The firmware of the device: it streams its joints, takes torques, and keeps the hand safe whatever the host does.
+"""The firmware of the device: it streams places, takes forces, and keeps the hand safe whatever the host does.
 
 The emulator runs it; it is also the specification of the firmware for anyone who builds a device.
 """
@@ -8,16 +8,15 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from core.device import kinematics, wire
+from core.device import wire
 from core.device.limits import SPEED_TIME
-from core.device.spec import info
 from core.vectors import ZERO, Vector, length, scaled
 
-from . import linkage
+from . import kinematics
 from .motors import Motors
-from .numbers import EmulatedSpec
+from .numbers import EmulatedSpec, info
 from .round_trips import RoundTrips
-from .sensors import Sensors
+from .sensors import CHANNELS, Sensors
 
 SILENCE: Final = 1.0  # [s] without a host, after which the device falls silent too
 ARM_PATIENCE: Final = 1.0  # [s] in which the host must become quiet
@@ -48,9 +47,10 @@ class Firmware:
         self._baud, self._last_session = baud, session
         self._blocks, self._sensors = kinematics.blocks(spec), Sensors(spec)
         self._motors = [Motors(spec) for _ in ALL_FINGERS]
-        self._words = [0] * wire.CHANNELS
+        self._words = [0] * CHANNELS
         self._angles: list[Vector] = [ZERO] * wire.FINGERS
         self._tips: list[Vector | None] = [None] * wire.FINGERS
+        self._places: list[Vector] = [ZERO] * wire.FINGERS  # the last that were right [m]
         self._velocities: list[Vector] = [ZERO] * wire.FINGERS
         self._fast = [0] * wire.FINGERS
         self._command: wire.Command | None = None
@@ -71,7 +71,7 @@ class Firmware:
         if isinstance(frame, wire.Command):
             if self.link.take(frame, now):
                 self._command, self._command_at = frame, now
-                if self.mode == wire.FAULT and frame.flags & wire.CLEAR and not any(frame.torque):
+                if self.mode == wire.FAULT and frame.flags & wire.CLEAR and not any(frame.force):
                     self._clear()
         elif isinstance(frame, wire.Arm):
             return self._arm(now)
@@ -148,7 +148,7 @@ class Firmware:
                 vy + share * ((y - before[1]) / spec.tick - vy),
                 vz + share * ((z - before[2]) / spec.tick - vz),
             )
-            self._angles[i], self._tips[i] = q, tip
+            self._angles[i], self._tips[i], self._places[i] = q, tip, tip
 
     def _check(self, now: float) -> list[wire.Frame]:
         """Find faults and advance the arming; return the FAULT frames to send."""
@@ -209,13 +209,10 @@ class Firmware:
 
     def _commanded(self, i: int) -> Vector:
         """Return the force [N] that the host commands of a finger."""
-        if self._command is None or not any(self._command.torque):
+        if self._command is None:
             return ZERO
-        torque = linkage.word_torques(self.spec, self._command.torque[3 * i : 3 * i + 3])
-        try:
-            return linkage.force(self._blocks[i], self._angles[i], torque)
-        except linkage.Singular:
-            return ZERO  # no force can act there
+        x, y, z = self._command.force[3 * i : 3 * i + 3]
+        return scaled((x, y, z), wire.FORCE_STEP)
 
     # the motors
 
@@ -252,10 +249,11 @@ class Firmware:
         return scaled(self._velocities[i], -self.spec.brake)
 
     def _convert(self, torque: Vector) -> Vector:
-        """Return the torques [N m] as the converters quantize them."""
+        """Return the torques [N m] as the converters quantize them; beyond a motor they shorten, and never turn."""
         steps = (1 << self.spec.dac_bits - 1) - 1
+        over = max(1.0, *(abs(part) / limit for part, limit in zip(torque, self.spec.torque_limits, strict=True)))
         a, b, c = (
-            round(min(max(part / limit, -1.0), 1.0) * steps) / steps * limit
+            round(part / over / limit * steps) / steps * limit
             for part, limit in zip(torque, self.spec.torque_limits, strict=True)
         )
         return a, b, c
@@ -265,7 +263,7 @@ class Firmware:
         return now - self._command_at if self._command else math.inf
 
     def _state(self, seq: int, now: float) -> wire.DeviceState:
-        a, b, c, d, e, f, g, h, i = self._words
+        a, b, c, d, e, f, g, h, i = (_word(part) for place in self._places for part in place)
         mode = self.mode
         if mode in (wire.RAMP, wire.ARMED) and self._age(now) >= self.spec.zero:
             mode = wire.BRAKE
@@ -275,3 +273,7 @@ class Firmware:
         session, ack = (self.link.session, self.link.ack) if self.link else (0, 0)
         time = int(1e6 * now) & 0xFFFFFFFF
         return wire.DeviceState(session, seq, ack, time, (a, b, c, d, e, f, g, h, i), self.buttons, status)
+
+
+def _word(metres: float) -> int:
+    return min(max(round(metres / wire.PLACE_STEP), -0x7FFF), 0x7FFF)

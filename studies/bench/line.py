@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from core.device.spec import BITS_A_BYTE
+from .numbers import BITS_A_BYTE
 
 
 class EmulatedLine:

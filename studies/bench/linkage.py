@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-from core.device.kinematics import Block
-from core.device.spec import Spec
-from core.device.wire import FULL_SCALE
 from core.errors import DimpleError
 from core.vectors import Vector
+
+from .kinematics import Block
 
 MOST_CONDITION = 1e3  # beyond it a force needs torques that no motor has
 
@@ -67,9 +66,3 @@ def _refuse_singular(block: Block, r: float, bend: float) -> None:
         )
     if abs(bend) * MOST_CONDITION < 1:
         raise Singular("The links of the {name} lie in one line: the tip cannot move along it.", name=block.name)
-
-
-def word_torques(spec: Spec, words: tuple[int, ...]) -> Vector:
-    """Return the torques [N m] that the words of a CMD command of a block."""
-    a, b, c = spec.torque_limits
-    return words[0] / FULL_SCALE * a, words[1] / FULL_SCALE * b, words[2] / FULL_SCALE * c

@@ -8,7 +8,6 @@ from pathlib import Path
 from core.device import servo_process
 from core.device.servo import Servo
 from core.device.servo_process import add_options
-from core.device.spec import Spec
 from core.errors import DimpleError
 
 LogRow = tuple[float, ...]  # time of the device [us], then position [m] and force [N] of each tip
@@ -20,8 +19,8 @@ class LoggedServo(Servo):
     log: a row for each STATE answered.
     """
 
-    def __init__(self, spec: Spec, *, nonce: int = 1) -> None:
-        super().__init__(spec, nonce=nonce)
+    def __init__(self, *, nonce: int = 1) -> None:
+        super().__init__(nonce=nonce)
         self.log: list[LogRow] = []
 
     def step(self, now: float, incoming: bytes) -> bytes:
@@ -44,12 +43,12 @@ def run_logged_servo(options: argparse.Namespace) -> int:
     """Run the servo; write its log at the end, however it ends."""
     made: list[LoggedServo] = []
 
-    def make(spec: Spec, *, nonce: int) -> LoggedServo:
-        made.append(LoggedServo(spec, nonce=nonce))
+    def make(*, nonce: int) -> LoggedServo:
+        made.append(LoggedServo(nonce=nonce))
         return made[-1]
 
     try:
-        return servo_process.run(make, options.port, options.mailbox, options.device)
+        return servo_process.run(make, options)
     finally:
         write_log(options.log, [row for servo in made for row in servo.log])
 

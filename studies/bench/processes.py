@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import secrets
 import shutil
 import socket
 import subprocess
@@ -15,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Final
 
-from core.device.device import HapticMaster
+from core.device.device import Device
 from core.device.process import end, start
 from core.errors import DimpleError
 
@@ -41,13 +42,15 @@ def main(words: list[str]) -> int:
         return 2
 
 
-def start_emulator(words: Sequence[str], errors: IO[bytes] | None = None) -> subprocess.Popen[bytes]:
+def start_emulator(
+    words: Sequence[str], errors: IO[bytes] | None = None, *, secret: str = ""
+) -> subprocess.Popen[bytes]:
     """Start an emulator that ends when its standard input closes; words: its options, see `dev.py core emulator`."""
-    return start(["emulator", "--lifeline", *words], errors, script=START)
+    return start(["emulator", "--lifeline", *words], errors, script=START, secret=secret)
 
 
 @dataclass(slots=True)
-class EmulatedDevice(HapticMaster):
+class EmulatedDevice(Device):
     """An emulated device in a process of its own, and the servo as for a real one, both with instruments.
 
     hand: JSON of what holds it, see `hand.load_hand`; "": a hand that pokes.
@@ -72,18 +75,18 @@ class EmulatedDevice(HapticMaster):
             words += ["--hand", str(self._folder / "hand.json")]
         if self.udp:
             number = _free_port()
-            self.port = f"udp:127.0.0.1:{number}"
-            self.emulator = start_emulator(["--udp", str(number), *words])
+            self.port, self.secret = f"udp:127.0.0.1:{number}", secrets.token_hex(16)
+            self.emulator = start_emulator(["--udp", str(number), *words], secret=self.secret)
         else:
             self.port = str(self._folder / "device")
             self.emulator = start_emulator(["--pty", self.port, *words])
             _wait_for(Path(self.port), self.emulator)
-        HapticMaster._open(self)
+        Device._open(self)
 
     def _start(self, words: list[str], errors: IO[bytes]) -> subprocess.Popen[bytes]:
         if not self.servo_words:
-            return HapticMaster._start(self, words, errors)
-        return start(["servo", *self.servo_words, *words], errors, script=START)
+            return Device._start(self, words, errors)
+        return start(["servo", *self.servo_words, *words], errors, script=START, secret=self.secret)
 
     def close(self) -> None:
         """End both, once they have written what they measured, which takes seconds on a busy computer."""
@@ -92,7 +95,7 @@ class EmulatedDevice(HapticMaster):
                 process.stdin.close()
                 with suppress(subprocess.TimeoutExpired):
                     process.wait(WRITE_WAIT)
-        HapticMaster.close(self)
+        Device.close(self)
         if self.emulator:
             end(self.emulator)
         if self._folder:

@@ -8,7 +8,9 @@ from typing import Final
 
 from core.device import wire
 from core.device.limits import LOSS_DISARMS
-from core.device.spec import BITS_A_BYTE, Spec
+from core.device.spec import Spec
+
+from .numbers import BITS_A_BYTE
 
 RECENT: Final = 1000  # STATEs in the percentiles: ten that wait too long move the 99th, one does not
 OLDEST_ECHO: Final = 5  # [ticks] an answer to an older STATE is refused

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from core.device.limits import FAILED_TICKS, JUMP, RAIL
-from core.device.wire import CHANNELS, FINGERS
+from core.device.limits import FAILED_TICKS
+from core.device.wire import FINGERS
 
 from .numbers import EmulatedSpec
 
+RAIL: Final = 0x0100  # of 16 bits, at either end of a converter: a wire is disconnected
+JUMP: Final = 20.0  # [rad/s] of a joint: 6 m/s at the tip, four times the speed limit
+CHANNELS: Final = 3 * FINGERS  # three joints each
 FROZEN_TICKS: Final = 50  # readings have noise; so many alike in a row have none
 
 

@@ -2,15 +2,14 @@
 
 from dataclasses import dataclass, field, replace
 
-from core.device import kinematics, wire
+from core.device import wire
 from core.device.limits import LEASE
 from core.device.orders import pack_order, unpack_order
 from core.device.rendered_surface import Law, Surface
 from core.device.servo import Servo
-from core.device.spec import Spec, info, load_spec
+from core.device.spec import Spec
 from core.vectors import ZERO, Vector, length
-from studies.bench import linkage
-from tests.haptics.converters import adc_words
+from studies.bench.numbers import info
 
 SESSION = 7
 TICK = 1e-3
@@ -29,7 +28,7 @@ class BenchDevice:
     at: the three fingertips [m].  mode, status, buttons: of the next STATE.  obedient: ARM makes it ARMED at once.
     """
 
-    spec: Spec = field(default_factory=load_spec)
+    spec: Spec = field(default_factory=Spec)
     at: list[Vector] = field(default_factory=lambda: [(0.0, 0.0, 0.01)] * 3)
     now: float = 100.0
     seq: int = 0
@@ -37,7 +36,7 @@ class BenchDevice:
     masked: int = 0
     buttons: int = 0
     obedient: bool = True
-    adc: tuple[int, ...] | None = None  # instead of what the places give
+    words: tuple[int, ...] | None = None  # instead of what the places give
     fresh: bool = True  # the simulation posts its surfaces again, 60 times a second
     held: bool = True  # and the dead-man key with them
     looks: int = 0  # Blender renews the key between them too, once in so many ticks
@@ -45,8 +44,7 @@ class BenchDevice:
     heard: list[wire.Frame] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.servo = Servo(self.spec, nonce=5)
-        self.blocks = kinematics.blocks(self.spec)
+        self.servo = Servo(nonce=5)
         self._decoder = wire.Decoder()
         self.exchange(b"")
         self.exchange(wire.encode(info(self.spec, 5, SESSION)))
@@ -68,12 +66,9 @@ class BenchDevice:
     def state(self) -> wire.DeviceState:
         """Return the STATE of now."""
         self.seq = (self.seq + 1) & 0xFFFF
-        adc = self.adc or sum(
-            (adc_words(self.spec, linkage.inverse(b, p)) for b, p in zip(self.blocks, self.at, strict=True)),
-            (),
-        )
+        words = self.words or tuple(word for i in range(3) for word in self.state_words(i))
         status = self.mode | self.masked
-        return wire.DeviceState(SESSION, self.seq, 0, round(self.now * 1e6) & 0xFFFFFFFF, adc, self.buttons, status)
+        return wire.DeviceState(SESSION, self.seq, 0, round(self.now * 1e6) & 0xFFFFFFFF, words, self.buttons, status)
 
     def tick(self, times: int = 1) -> None:
         """Let milliseconds pass with a STATE each."""
@@ -130,13 +125,13 @@ class BenchDevice:
     def _force(self, i: int, command: wire.Command) -> Vector:
         if not command.flags & wire.ENABLE or not command.flags & wire.DEADMAN:
             return ZERO
-        torque = linkage.word_torques(self.spec, command.torque[3 * i : 3 * i + 3])
-        words = self.state_words(i)
-        return linkage.force(self.blocks[i], kinematics.adc_angles(self.spec, words), torque)
+        x, y, z = (word * wire.FORCE_STEP for word in command.force[3 * i : 3 * i + 3])
+        return x, y, z
 
     def state_words(self, i: int) -> tuple[int, int, int]:
-        """Return the readings of a finger."""
-        return adc_words(self.spec, linkage.inverse(self.blocks[i], self.at[i]))
+        """Return the words of a finger's place."""
+        x, y, z = (round(part / wire.PLACE_STEP) for part in self.at[i])
+        return x, y, z
 
 
 def note(device: BenchDevice) -> str:

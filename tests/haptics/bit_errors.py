@@ -24,10 +24,10 @@ def lost_share(rate: float, kind: type = wire.DeviceState) -> float:
 
 def frames_of(kind: type, dice: np.random.Generator) -> list[wire.Frame]:
     """Return a batch of States or Commands, seq 0, 1, 2..., all else random."""
-    words, times = dice.integers(0, 65536, (BATCH, 9)).tolist(), dice.integers(0, 1 << 32, BATCH).tolist()
+    words, times = dice.integers(-0x8000, 0x8000, (BATCH, 9)).tolist(), dice.integers(0, 1 << 32, BATCH).tolist()
     if kind is wire.DeviceState:
         return [wire.DeviceState(7, i, i - 1 & 0xFFFF, times[i], tuple(words[i]), 0, 3) for i in range(BATCH)]
-    return [wire.Command(7, i, i, tuple(word - 32768 for word in words[i]), 3, 5) for i in range(BATCH)]
+    return [wire.Command(7, i, i, tuple(words[i]), 3, 5) for i in range(BATCH)]
 
 
 def survey(rate: float, frames: int, seed: int, kind: type = wire.DeviceState) -> tuple[int, int, int]:

@@ -1,12 +1,12 @@
-"""The converters of a device, as the tests need them: from joint angles to the words of a STATE."""
+"""The converters of a device, as the tests need them: from joint angles to readings of 16 bits."""
 
 import math
 
-from core.device.spec import Spec
 from core.vectors import Vector
+from studies.bench.numbers import EmulatedSpec
 
 
-def adc_words(spec: Spec, q: Vector) -> tuple[int, int, int]:
+def adc_words(spec: EmulatedSpec, q: Vector) -> tuple[int, int, int]:
     """Return the readings of joint angles [rad]: rounded down, clamped at the ends, left-justified."""
     steps, shift = 1 << spec.adc_bits, 16 - spec.adc_bits
     a, b, c = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from core.device import kinematics, wire
+from core.device import wire
 from core.vectors import ZERO, Vector
 from studies.bench.faults import parse_fault
 from studies.bench.faulty_emulator import FaultyEmulator, TraceRow
@@ -12,7 +12,6 @@ from studies.bench.hand import EmulatedHand
 from studies.bench.numbers import load_emulated
 
 SPEC = load_emulated()
-BLOCKS = kinematics.blocks(SPEC)
 HELD = wire.ENABLE | wire.DEADMAN
 
 
@@ -24,12 +23,12 @@ def still(finger: int, time: float) -> Vector:
 class Host:
     """Drive a device: bytes in, bytes out.
 
-    force: of a finger at a time [N].  arms: ask for it when a few States are there.  torque: instead of force.
+    force: of a finger at a time [N].  arms: ask for it when a few States are there.  words: instead of force.
     """
 
     def __init__(self, force: Callable[[int, float], Vector] = still, *, arms: bool = True, nonce: int = 1) -> None:
         self.force, self.arms, self.nonce, self.flags = force, arms, nonce, HELD
-        self.torque: wire.Nine | None = None
+        self.words: wire.Nine | None = None
         self.answers = True
         self.decoder = wire.Decoder()
         self.info: wire.Info | None = None
@@ -62,16 +61,13 @@ class Host:
         return b"".join(out)
 
     def answer(self, state: wire.DeviceState, now: float) -> bytes:
-        torque = self.torque
-        if torque is None:
-            words: list[int] = []
-            for i, block in enumerate(BLOCKS):
-                q = kinematics.adc_angles(SPEC, state.adc[3 * i : 3 * i + 3])
-                words += kinematics.torque_words(SPEC, kinematics.torques(block, q, self.force(i, now)))
-            torque = tuple(words)  # type: ignore[assignment]
+        words = self.words or tuple(
+            min(max(round(part / wire.FORCE_STEP), -0x8000), 0x7FFF) if part == part else 0
+            for i in range(wire.FINGERS)
+            for part in self.force(i, now)
+        )
         self._seq = self._seq + 1 & 0xFFFF
-        assert torque is not None
-        command = wire.Command(state.session, self._seq, state.seq, torque, self.flags, 5)
+        command = wire.Command(state.session, self._seq, state.seq, words, self.flags, 5)  # type: ignore[arg-type]
         self.sent[command.seq] = command
         return wire.encode(command)
 

@@ -1,10 +1,13 @@
-"""A device on a UDP socket, written from PROTOCOL.md alone: `network_device.py PORT GEOMETRY_CRC TRACE`.
+"""A device on a UDP socket, written from PROTOCOL.md alone: `network_device.py PORT TRACE SECRET`.
 
 Standard library only, nothing of Dimple: another maker's device can be one. Its fingertips stand still.
-It ends when its standard input closes, and writes a row a tick: time [s], mode, largest torque word.
+It ends when its standard input closes, and writes a row a tick: time [s], mode, largest force [mN], session.
 """
 
+import hashlib
+import hmac
 import random
+import secrets
 import select
 import socket
 import struct
@@ -43,41 +46,63 @@ def unstuffed(code: bytes) -> bytes | None:
 
 
 class Device:
-    def __init__(self, port: int, geometry_crc: int) -> None:
+    def __init__(self, port: int, secret: str) -> None:
+        self.key = hashlib.blake2s(secret.encode()).digest()
+        self.own, self.other, self.count, self.newest, self.spoken = secrets.token_bytes(8), bytes(8), 0, {}, -1.0
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", port))
         self.socket.setblocking(False)
-        self.geometry_crc, self.host = geometry_crc, None
+        self.host = None
         self.mode, self.session, self.seq, self.ack = IDLE, 0, 0, 0
-        self.torque, self.flags, self.heard = [0] * 9, 0, -1.0
+        self.force, self.flags, self.heard = [0] * 9, 0, -1.0
         self.since = self.quiet = 0.0
         self.trips: list[float] = []
         self.sent: dict[int, float] = {}
-        self.answered = 0
+        self.answered = self.late = 0
 
     def send(self, payload: bytes) -> None:
         if self.host:
+            self.count += 1
+            datagram = self.other + self.own + struct.pack("<Q", self.count) + stuffed(payload)
             try:
-                self.socket.sendto(stuffed(payload), self.host)
+                self.socket.sendto(datagram + self.mac(datagram), self.host)
             except OSError:
                 pass
 
-    def take(self, frame: bytes, sender: tuple[str, int], now: float) -> None:
+    def mac(self, data: bytes) -> bytes:
+        return hashlib.blake2s(data, digest_size=16, key=self.key).digest()
+
+    def hear(self, datagram: bytes, sender: tuple[str, int], now: float) -> None:
+        body = datagram[:-16]
+        if len(body) < 24 or not hmac.compare_digest(self.mac(body), datagram[-16:]):
+            return
+        to, other, count = struct.unpack_from("<8s8sQ", body)
+        if to != self.own and (any(to) or now - self.spoken < 0.3):
+            return
+        if count <= self.newest.get(other, 0):
+            return
+        self.newest[other], self.other, self.host, self.spoken = count, other, sender, now
+        for piece in body[24:].split(b"\0"):
+            frame = unstuffed(piece) if piece else None
+            if frame and (any(to) or frame[0] == HELLO):
+                self.take(frame, now)
+
+    def take(self, frame: bytes, now: float) -> None:
         kind = frame[0]
         if kind == HELLO:
             (nonce,) = struct.unpack_from("<H", frame, 1)
-            self.host, self.session = sender, (self.session + 1) & 0xFF
-            self.mode, self.torque, self.flags = IDLE, [0] * 9, 0
-            numbers = (nonce, 1, 0, self.session, 3, 12, 12, 20944, 6000, 3200, 3200, 1000, 5, 25, 100, 1000, 400, 15)
-            self.send(struct.pack("<BHBBBBBBH3HHBBBHHB", INFO, *numbers) + struct.pack("<BIB", 1, self.geometry_crc, 1))
-        elif sender != self.host or frame[1] != self.session:
+            self.session = (self.session + 1) & 0xFF
+            self.mode, self.force, self.flags = IDLE, [0] * 9, 0
+            numbers = (nonce, 2, 0, self.session, 3, 1000, 5, 25, 100, 1000, 400, 15, 200)
+            self.send(struct.pack("<BHBBBBHBBBHHBH", INFO, *numbers))
+        elif frame[1] != self.session:
             return
         elif kind == CMD:
             _, _, self.ack, echo, *rest = struct.unpack("<BBHH9hBB", frame)
-            self.torque, self.flags, self.heard = rest[:9], rest[9], now
+            self.force, self.flags, self.heard = rest[:9], rest[9], now
             if echo in self.sent:
                 self.trips = [*self.trips[-999:], now - self.sent.pop(echo)]
-                self.answered += 1
+                self.answered, self.late = self.answered + 1, self.late + (self.trips[-1] > TICK)
             if self.flags & 4 and self.mode == FAULT:
                 self.mode = IDLE
         elif kind == ARM and self.mode == IDLE:
@@ -88,14 +113,14 @@ class Device:
             trips = sorted(self.trips) or [0.0]
             some = trips[len(trips) // 2], trips[len(trips) * 99 // 100], trips[-1]
             times = [min(round(1e6 * t), 65535) for t in some]
-            head = REPORT, self.session, struct.unpack_from("<H", frame, 2)[0], self.seq, self.answered, 0
+            head = REPORT, self.session, struct.unpack_from("<H", frame, 2)[0], self.seq, self.answered, self.late
             self.send(struct.pack("<BBHIIIHHHHHHH", *head, *times, 0, 0, 0, 0))
 
     def tick(self, now: float) -> int:
-        """Return the torque that acts: the largest word of the nine."""
+        """Return the largest part of the forces that act [mN]."""
         held, age = self.flags & 3 == 3, now - self.heard
         if self.mode == ARMING:
-            if not held or max(map(abs, self.torque)) > 0:
+            if not held or max(map(abs, self.force)) > 0:
                 self.quiet = now
             if now - self.quiet >= 0.05:
                 self.mode, self.since = RAMP, now
@@ -113,17 +138,17 @@ class Device:
         self.seq = (self.seq + 1) & 0xFFFF
         self.sent[self.seq] = now
         self.sent.pop((self.seq - 6) & 0xFFFF, None)
-        words = [0x8000 + random.randint(-8, 8) for _ in range(9)]  # a 12-bit converter, at rest
+        words = [random.randint(-3, 3) for _ in range(9)]  # a fingertip at rest: 30 um of noise
         head = STATE, self.session, self.seq, self.ack, int(now * 1e6) & 0xFFFFFFFF
-        self.send(struct.pack("<BBHHI9HBB", *head, *words, 0, self.mode))
+        self.send(struct.pack("<BBHHI9hBB", *head, *words, 0, self.mode))
         if self.mode not in (RAMP, ARMED) or not held or age > 0.025:
             return 0
         gain = 1.0 if self.mode == ARMED else (now - self.since) / 0.5
-        return round(max(map(abs, self.torque)) * gain * min((0.025 - age) / 0.020, 1.0))
+        return round(max(map(abs, self.force)) * gain * min((0.025 - age) / 0.020, 1.0))
 
 
 def main() -> None:
-    device, rows, due = Device(int(sys.argv[1]), int(sys.argv[2])), [], time.perf_counter()
+    device, rows, due = Device(int(sys.argv[1]), sys.argv[3]), [], time.perf_counter()
     print("ready", flush=True)
     while True:
         ready = select.select([device.socket, sys.stdin], [], [], max(due - time.perf_counter(), 0.0))[0]
@@ -135,14 +160,11 @@ def main() -> None:
                 data, sender = device.socket.recvfrom(2048)
             except OSError:
                 break
-            for piece in data.split(b"\0"):
-                frame = unstuffed(piece) if piece else None
-                if frame:
-                    device.take(frame, sender, now)
+            device.hear(data, sender, now)
         if now >= due:
             due = max(due + TICK, now - 0.01)
-            rows.append(f"{now},{device.mode},{device.tick(now)}\n")
-    with open(sys.argv[3], "w") as file:
+            rows.append(f"{now},{device.mode},{device.tick(now)},{device.session}\n")
+    with open(sys.argv[2], "w") as file:
         file.writelines(rows)
 
 

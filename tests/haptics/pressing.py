@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from core.device import wire
-from core.device.device import HapticMaster
+from core.device.device import Device
 from core.device.force_guard import Arming
 from core.device.orders import LinkState, ServoReport
 from core.device.process import end
@@ -96,7 +96,7 @@ def rig(folder: Path, *words: str) -> Rig:
 
 
 def drive(
-    device: HapticMaster, until: Callable[[ServoReport], bool], *, k: float = 300.0, arms: bool = False
+    device: Device, until: Callable[[ServoReport], bool], *, k: float = 300.0, arms: bool = False
 ) -> ServoReport:
     """Play the simulation, 60 times a second, until something has happened; the wall is there once there is force.
 
@@ -146,7 +146,7 @@ def pressed() -> Callable[[ServoReport], bool]:
     return there
 
 
-def press(device: HapticMaster) -> ServoReport:
+def press(device: Device) -> ServoReport:
     """Connect, arm and wait until the hand has pressed."""
     for _ in range(3):  # again where the machine stood still for the second in which a device must answer
         device.open()
@@ -157,7 +157,7 @@ def press(device: HapticMaster) -> ServoReport:
 
 
 if __name__ == "__main__":  # what Blender is in the tests that kill it
-    device = HapticMaster(sys.argv[1])
+    device = Device(sys.argv[1])
     try:
         press(device)
     except UNABLE as busy:

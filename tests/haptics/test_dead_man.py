@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from core.device.device import HapticMaster
+from core.device.device import Device
 from core.device.limits import LEASE
 from core.device.mailbox import TO_SERVO, Mailbox
 from core.device.orders import Order, unpack_order
@@ -158,7 +158,7 @@ def test_a_time_that_is_none_of_this_clock_holds_nothing(until: float) -> None:
 
 def test_no_order_holds_the_key_for_longer_than_it_was_set() -> None:
     """Frames are written at their own rate; they renew the lease, but only until the time that was given."""
-    device, box = HapticMaster("nowhere"), Mailbox()
+    device, box = Device("nowhere"), Mailbox()
     device._box = box
 
     def held_for() -> float:

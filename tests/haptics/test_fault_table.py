@@ -52,7 +52,7 @@ class Press:
         self.trace: list[TraceRow] = []
         hand, spoiled = EmulatedHand(tips=(way,) * 3), [parse_fault(text) for text in faults]
         self.device = FaultyEmulator(spec, hand=hand, faults=spoiled, seed=3, trace=self.trace, baud=baud)
-        self.servo, self.surface = Servo(spec), surface
+        self.servo, self.surface = Servo(), surface
         self.now = self.next_frame = self.places = 0.0
         self.host_runs, self.line_runs, self.to_device, self.to_host = True, True, b"", b""
 
@@ -70,7 +70,7 @@ class Press:
                 order, held = self.servo.order, self.now + LEASE
                 self.servo.order = replace(order, arm=max(order.arm, 1), held_until=held, surfaces=surfaces)
             for tip, finger in zip(self.device.tips, self.servo._fingers, strict=True):
-                if finger.angles and not self.device.unplugged:
+                if finger.known and not self.device.unplugged:
                     self.places = max(self.places, math.dist(tip.position, finger.at))
         return self
 
@@ -266,5 +266,5 @@ def test_a_frozen_simulation() -> None:
 
 
 def test_another_protocol() -> None:
-    press = Press("version=2").run(0.3)
-    assert press.servo.link is LinkState.REFUSED and "2.0" in press.note and "1.0" in press.note
+    press = Press("version=3").run(0.3)
+    assert press.servo.link is LinkState.REFUSED and "3.0" in press.note and "2.0" in press.note

@@ -198,7 +198,7 @@ def test_words_of_full_scale_are_limited_like_any_others() -> None:
     """The largest words of the wire: 10 N, 1 N a millisecond later than the millisecond before."""
     table = Table().armed()
     at = len(table.trace)
-    table.host.torque = (32767, -32768, 32767) * 3  # type: ignore[assignment]
+    table.host.words = (32767, -32768, 32767) * 3  # type: ignore[assignment]
     table.run(0.05)
     force = sizes(table)[at:]
     assert max(force) <= 10.0 + CONVERTERS

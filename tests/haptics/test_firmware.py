@@ -32,7 +32,7 @@ def sizes(table: Table, finger: int = 0) -> list[float]:
 def test_no_force_acts_before_arm() -> None:
     """Every motor word at full scale, ENABLE and DEADMAN held, for a second: nothing."""
     table = Table(arms=False)
-    table.host.torque = (32767,) * 9
+    table.host.words = (32767,) * 9
     table.run(1.0)
     assert len(table.host.states) > 990
     assert {max(sizes(table, i)) for i in range(3)} == {0.0}
@@ -178,7 +178,7 @@ def test_no_command_whatever_exceeds_peak_slew_or_heat(seconds: int) -> None:
     table = Table(hand=EmulatedHand(stiffness=3000.0, damping=40.0)).armed()
     since = len(table.trace)
     for _ in range(5 * seconds):
-        table.host.torque = tuple(dice.choice((-32768, 32767, dice.randint(-9000, 9000))) for _ in range(9))  # type: ignore
+        table.host.words = tuple(dice.choice((-32768, 32767, dice.randint(-9000, 9000))) for _ in range(9))  # type: ignore
         table.run(0.2)
     assert table.device.mode == wire.ARMED
     for finger in range(3):
@@ -208,8 +208,8 @@ def test_a_tip_that_runs_away_is_braked_at_once_and_latched_after_5_ticks() -> N
 
 
 def test_another_major_protocol_is_refused_and_both_versions_are_named() -> None:
-    table = Table(up(3.0), "version=2").run(0.1)
-    assert table.host.info is not None and (table.host.info.major, wire.PROTOCOL[0]) == (2, 1)
+    table = Table(up(3.0), "version=3").run(0.1)
+    assert table.host.info is not None and (table.host.info.major, wire.PROTOCOL[0]) == (3, 2)
     assert table.host.states == [] and max(sizes(table)) == 0.0
     table.send(wire.Arm(0)).send(wire.Arm(1)).run(0.1)
     assert table.device.mode == wire.IDLE
@@ -277,7 +277,7 @@ def test_a_state_that_was_passed_over_has_waited_for_the_answer_to_the_next() ->
     """The host was kept from running for 2.4 ms, then answered the newest of three: an old force acted."""
     watch = RoundTrips(SPEC, 1)
     seqs = [watch.send(1e-3 * i) for i in range(3)]
-    assert watch.take(wire.Command(1, 1, seqs[-1], wire.NO_TORQUE, 0, 5), 2.4e-3)
+    assert watch.take(wire.Command(1, 1, seqs[-1], wire.NO_FORCE, 0, 5), 2.4e-3)
     assert list(watch.rtts) == pytest.approx([2.4e-3, 1.4e-3, 0.4e-3])
     assert (watch.answered, watch.in_time) == (1, 1)
-    assert not watch.take(wire.Command(1, 1, seqs[0], wire.NO_TORQUE, 0, 5), 2.5e-3) and len(watch.rtts) == 3
+    assert not watch.take(wire.Command(1, 1, seqs[0], wire.NO_FORCE, 0, 5), 2.5e-3) and len(watch.rtts) == 3

@@ -18,11 +18,11 @@ def mad_frame(dice: random.Random, session: int, state: wire.DeviceState | None,
     """Return a frame that is mostly right, or nonsense, or noise."""
     seq, echo = seq & 0xFFFF, state.seq if state else 0
     steady = random.Random(seq // 40)  # long enough for the force to grow
-    torque = tuple(steady.choice((0, steady.randint(-32768, 32767))) for _ in range(9))
+    force = tuple(steady.choice((0, steady.randint(-32768, 32767))) for _ in range(9))
     kind = dice.random()
     if kind < 0.985:
         flags = 3 if dice.random() < 0.99 else dice.randrange(256)
-        frame: wire.Frame = wire.Command(session, seq, echo, torque, flags, 5)  # type: ignore[arg-type]
+        frame: wire.Frame = wire.Command(session, seq, echo, force, flags, 5)  # type: ignore[arg-type]
         if dice.random() < 0.01:
             frame = frame._replace(seq=dice.randrange(65536), echo=dice.randrange(65536), ttl_ms=dice.randrange(256))
     elif kind < 0.99:
@@ -32,7 +32,7 @@ def mad_frame(dice: random.Random, session: int, state: wire.DeviceState | None,
             [
                 wire.Disarm(session, dice.randrange(256)),
                 wire.Ping(session, dice.randrange(65536)),
-                wire.Hello(dice.randrange(65536), dice.randrange(3), dice.randrange(3)),
+                wire.Hello(dice.randrange(65536), dice.randrange(4), dice.randrange(4)),
                 wire.Fault(session, 1, 2, 3),
                 state or wire.Ping(0, 0),
             ]
@@ -46,14 +46,14 @@ def test_whatever_a_host_sends_the_limits_hold(seed: int) -> None:
     """6 s each. Peak, slew upwards, and no force but in the modes that have some."""
     dice = random.Random(seed)
     device = FaultyEmulator(SPEC, seed=seed, baud=0, trace=[])
-    decoder, out, session, state, modes = wire.Decoder(), wire.encode(wire.Hello(1, 1, 1)), 0, None, set()
+    decoder, out, session, state, modes = wire.Decoder(), wire.encode(wire.Hello(1, 2, 2)), 0, None, set()
     for i in range(6000):
         for frame in decoder.feed(device.step(i * SPEC.tick + 5e-4, out)):
             session = frame.session if isinstance(frame, wire.Info) else session
             state = frame if isinstance(frame, wire.DeviceState) else state
-        calm = (i // 700) % 2 == 0  # long enough to be armed: no torque, all held
+        calm = (i // 700) % 2 == 0  # long enough to be armed: no force, all held
         if calm and state:
-            out = wire.encode(wire.Command(session, i & 0xFFFF, state.seq, wire.NO_TORQUE, 7, 5))
+            out = wire.encode(wire.Command(session, i & 0xFFFF, state.seq, wire.NO_FORCE, 7, 5))
             out += wire.encode(wire.Arm(session)) if i % 700 == 10 else b""
         else:
             out = mad_frame(dice, session, state, i)

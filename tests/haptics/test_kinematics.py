@@ -7,14 +7,11 @@ import re
 import numpy as np
 import pytest
 
-from core.device import kinematics, wire
-from core.device.kinematics import Block
-from core.device.spec import HAPTIC_MASTER, check_info, geometry_crc, info, load_spec
-from core.errors import DimpleError
 from core.vectors import Vector
-from studies.bench import linkage
+from studies.bench import kinematics, linkage
+from studies.bench.kinematics import Block
 from studies.bench.linkage import Singular, Unreachable
-from studies.bench.numbers import load_emulated
+from studies.bench.numbers import HAPTIC_MASTER, load_emulated
 from tests.haptics.converters import adc_words
 
 SPEC = load_emulated()
@@ -120,13 +117,6 @@ def test_a_converter_is_right_within_half_a_step_and_holds_at_its_ends() -> None
     assert adc_words(SPEC, (-9.0, 9.0, -9.0)) == (0, 0xFFF0, 0)
 
 
-def test_torque_words_hold_at_full_scale_and_know_only_numbers() -> None:
-    assert kinematics.torque_words(SPEC, (1e9, -1e9, 1.6)) == (32767, -32767, 16384)
-    assert kinematics.torque_words(SPEC, (math.nan, math.inf, -math.inf)) == (0, 0, 0)
-    for word in (-32767, -1, 0, 1, 32767):
-        assert kinematics.torque_words(SPEC, linkage.word_torques(SPEC, (word,) * 3)) == (word,) * 3
-
-
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.name)
 def test_the_motors_reach_the_peak_force_everywhere_in_the_workspace(block: Block) -> None:
     """10 N in any direction: no joint needs more than its motor has, and the weakest nearly all of it."""
@@ -168,48 +158,3 @@ def test_the_default_device_is_that_of_the_design() -> None:
     assert (SPEC.peak_force, SPEC.continuous_force, SPEC.torque_limits) == (10.0, 4.0, (6.0, 3.2, 3.2))
     assert (SPEC.hold, SPEC.zero, SPEC.latch, SPEC.slew, SPEC.tip_speed) == (0.005, 0.025, 0.1, 1000.0, 1.5)
     assert (SPEC.tip_mass, SPEC.viscous, SPEC.coulomb, SPEC.tick_hz, SPEC.baud) == (0.12, 2.0, 0.2, 1000, 921600)
-
-
-@pytest.mark.parametrize(
-    ("line", "instead", "words"),
-    [
-        ("peak_force_n = 10.0", "peak_force_n = 25.0", "peak_force_n"),
-        ("zero_s = 0.025", "zero_s = 0.5", "zero_s"),
-        ("tip_speed_m_s = 1.5", "tip_speed_m_s = 9.0", "tip_speed_m_s"),
-        ("continuous_force_n = 4.0", "continuous_force_n = nan", "continuous_force_n"),
-        ("l1_m = 0.28", "", "'l1_m'"),
-        ("l1_m = 0.28", "l1_m = 0.1", "within reach"),
-        ("l1_m = 0.28", "l1_m = [", "device.toml"),
-        ("l1_m = 0.28", 'l1_m = "long"', "device.toml"),
-        ("span_deg = 120.0", "span_deg = 0.0", "span_deg"),
-        (
-            "baud = 921600",
-            "baud = 115200",
-            "115200 baud cannot carry the 1000 positions a second of the Haptic Master, 320",
-        ),
-    ],
-)
-def test_a_device_file_that_is_not_safe_is_refused(tmp_path, line: str, instead: str, words: str) -> None:
-    text = HAPTIC_MASTER.read_text()
-    assert line in text
-    path = tmp_path / "device.toml"
-    path.write_text(text.replace(line, instead))
-    with pytest.raises(DimpleError, match=re.escape(words)):
-        load_spec(path)
-    with pytest.raises(DimpleError, match="cannot be read"):
-        load_spec(tmp_path / "none.toml")
-
-
-def test_a_device_that_is_another_is_refused_and_the_difference_named(tmp_path) -> None:
-    reported = info(SPEC, nonce=1, session=2)
-    check_info(SPEC, reported)
-    assert wire.Decoder().feed(wire.encode(reported)) == [reported]
-    with pytest.raises(DimpleError, match=r"protocol 2\.0, this Dimple 1\.0"):
-        check_info(SPEC, reported._replace(major=2))
-    with pytest.raises(DimpleError, match="peak_cn 2000 instead of 1000"):
-        check_info(SPEC, reported._replace(peak_cn=2000))
-    path = tmp_path / "longer.toml"
-    path.write_text(HAPTIC_MASTER.read_text().replace("l2_m = 0.30", "l2_m = 0.301"))
-    assert geometry_crc(load_spec(path)) != geometry_crc(SPEC)
-    with pytest.raises(DimpleError, match="geometry_crc"):
-        check_info(load_spec(path), reported)

@@ -17,7 +17,7 @@ import pytest
 
 from core.base import DimpleError
 from core.device import wire
-from core.device.device import HapticMaster
+from core.device.device import Device
 from core.device.force_guard import Arming
 from core.device.notes import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS_SILENT
 from core.device.orders import LinkState, ServoReport
@@ -47,7 +47,7 @@ def emulator(tmp_path: Path) -> Iterator[Rig]:
 
 def needs_a_new_arm(port: str) -> bool:
     """Tell whether the port is free, and a new connection has no force until it is requested."""
-    device = HapticMaster(port)
+    device = Device(port)
     device.open()
     try:
         report = drive(device, ready)
@@ -81,7 +81,7 @@ def test_blender_is_killed(emulator: Rig) -> None:
 
 def test_the_servo_is_killed(emulator: Rig) -> None:
     """The device lets go by itself and latches the fault; Blender reads on and reports it."""
-    device = HapticMaster(emulator.port)
+    device = Device(emulator.port)
     press(device)
     assert device.process
     device.process.send_signal(signal.SIGKILL)
@@ -96,7 +96,7 @@ def test_the_servo_is_killed(emulator: Rig) -> None:
 
 def test_the_servo_hangs(emulator: Rig) -> None:
     """The device lets go by itself; Blender reports it, and ends the servo."""
-    device = HapticMaster(emulator.port)
+    device = Device(emulator.port)
     press(device)
     assert device.process
     pid = device.process.pid
@@ -112,7 +112,7 @@ def test_the_servo_hangs(emulator: Rig) -> None:
 
 def test_the_mailbox_is_out_of_sight_once_both_have_it(emulator: Rig) -> None:
     """So that none is left whichever process is killed; it is mapped, and goes on."""
-    device = HapticMaster(emulator.port)
+    device = Device(emulator.port)
     device.open()
     drive(device, ready)
     assert device._box and not device._box.path.exists()
@@ -124,7 +124,7 @@ def test_the_mailbox_is_out_of_sight_once_both_have_it(emulator: Rig) -> None:
 def test_the_device_goes_away(tmp_path: Path, how: str) -> None:
     """The servo reports the loss and ends; another device is started at the same path and found, unarmed."""
     made = rig(tmp_path)
-    device = HapticMaster(made.port)
+    device = Device(made.port)
     press(device)
     assert device.process
     pid = device.process.pid
@@ -144,7 +144,7 @@ def test_the_device_goes_away(tmp_path: Path, how: str) -> None:
 
 
 def test_a_second_opener_is_refused(emulator: Rig) -> None:
-    first, second = HapticMaster(emulator.port), HapticMaster(emulator.port)
+    first, second = Device(emulator.port), Device(emulator.port)
     first.open()
     drive(first, ready)
     second.open()
@@ -156,18 +156,18 @@ def test_a_second_opener_is_refused(emulator: Rig) -> None:
 
 
 def test_another_protocol_is_refused_naming_both(tmp_path: Path) -> None:
-    made = rig(tmp_path, "--fault", "version=2")
-    device = HapticMaster(made.port)
+    made = rig(tmp_path, "--fault", "version=3")
+    device = Device(made.port)
     device.open()
     report = drive(device, ready)
-    assert report.link is LinkState.REFUSED and "2.0" in report.note and "1.0" in report.note
+    assert report.link is LinkState.REFUSED and "3.0" in report.note and "2.0" in report.note
     device.close()
     made.stop()
 
 
 def test_a_wrong_baud_rate_is_reported(tmp_path: Path) -> None:
     made = rig(tmp_path, "--fault", "wrong-baud")
-    device = HapticMaster(made.port)
+    device = Device(made.port)
     device.open()
     assert "baud" in drive(device, ready).note
     device.close()
@@ -179,7 +179,7 @@ def test_a_port_with_something_else_behind_it_is_refused_within_a_second(data: b
     """One that is silent, one that never ends a frame, one that sends noise; the servo ends each time."""
     master, slave = os.openpty()
     os.set_blocking(master, False)
-    device = HapticMaster(os.ttyname(slave))
+    device = Device(os.ttyname(slave))
     device.open()
     assert device.process
     pid = device.process.pid

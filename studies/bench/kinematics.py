@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..vectors import Vector
-from .spec import Spec
-from .wire import FULL_SCALE
+from core.vectors import Vector
+
+from .numbers import EmulatedSpec
 
 Rows = tuple[Vector, Vector, Vector]
 
@@ -36,7 +36,7 @@ class Block(NamedTuple):
     sin: float
 
 
-def blocks(spec: Spec) -> tuple[Block, ...]:
+def blocks(spec: EmulatedSpec) -> tuple[Block, ...]:
     """Return the blocks of a device; each stands at its angle, looking at the centre."""
     made = []
     for name, angle in zip(spec.block_names, spec.block_angles, strict=True):
@@ -74,19 +74,9 @@ def torques(block: Block, q: Vector, force: Vector) -> Vector:
     return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
 
 
-def adc_angles(spec: Spec, words: tuple[int, ...]) -> Vector:
-    """Return the angles [rad] of a block's three joints for its words of a STATE."""
+def adc_angles(spec: EmulatedSpec, words: tuple[int, ...]) -> Vector:
+    """Return the angles [rad] of a block's three joints for its readings of 16 bits."""
     scale = spec.adc_span / 65536
     half = 32768 - (1 << (15 - spec.adc_bits) if spec.adc_bits < 16 else 0)  # the middle of a converter's step
     a, b, c = spec.adc_centres
     return a + (words[0] - half) * scale, b + (words[1] - half) * scale, c + (words[2] - half) * scale
-
-
-def torque_words(spec: Spec, torque: Vector) -> tuple[int, int, int]:
-    """Return the words of a CMD for a block's torques [N m], clamped to full scale; 0 where one is not a number."""
-    a, b, c = spec.torque_limits
-    return _word(torque[0] / a), _word(torque[1] / b), _word(torque[2] / c)
-
-
-def _word(share: float) -> int:
-    return round(FULL_SCALE * min(max(share, -1.0), 1.0)) if math.isfinite(share) else 0

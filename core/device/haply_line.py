@@ -1,0 +1,155 @@
+"""A line to the Inverse3 of Haply, through the service of its maker on this computer: frames here, JSON there.
+
+Each message to the service sets the force of up to three devices and is answered with where they are, in metres and
+newtons, x right, y forward, z up: Blender's own axes. Service 3.1 or later.
+Sources: docs.haply.co, Inverse SDK, "WebSocket Protocol" and "Basis Permutation"; the types of the crate `haply` 1.3.
+(A) is assumed: the limits and the friction of the device are not published there, nor what the service does with the
+last force while a client stands still; when a client ends, its connection does too.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections import deque
+from dataclasses import replace
+from typing import Any, Final
+
+from ..errors import DimpleError
+from . import wire
+from .serial_line import LineLost
+from .spec import Spec
+from .udp_line import SocketLine
+from .web_socket import WebSocket
+
+PREFIX: Final = "haply:"
+EXAMPLE: Final = "haply:10001"
+INVERSE3: Final = Spec(peak_force=8.0, continuous_force=3.0, viscous=2.0)  # (A)
+_HELD: Final = wire.ENABLE | wire.DEADMAN
+
+
+class HaplyLine(SocketLine):
+    """A connection to the service; it answers the servo as a device of the protocol does.
+
+    The service sends nothing by itself, so each command paces the next position: a tick apart.
+    """
+
+    def __init__(self, service: WebSocket, name: str) -> None:
+        super().__init__(service.socket, name)
+        self._service = service
+        self._decoder, self._pending = wire.Decoder(), b""
+        self._devices: list[str] = []  # their names, in the order of the service
+        self._is_new = False  # service 3.5 or later, which renamed a field
+        self._hello: wire.Hello | None = None
+        self._session = self._states = self._ack = self._late = 0
+        self._mode, self._asked = wire.IDLE, 0.0  # when the last message left [s]
+        self._trips: deque[float] = deque(maxlen=1000)  # [s]
+        self._forces: wire.Nine = wire.NO_FORCE
+
+    def read(self) -> bytes:
+        """Return the frames that the newest message amounts to, b"" where none has come."""
+        try:
+            messages = self._service.read()
+        except OSError as error:
+            raise self._gone(error) from None
+        out, self._pending = self._pending, b""
+        for message in messages[-1:]:
+            try:
+                out += self._take(json.loads(message))
+            except DimpleError:
+                raise
+            except (AttributeError, KeyError, TypeError, ValueError) as error:
+                raise LineLost("The Haply service sent what is not understood: {error}.", error=repr(error)) from None
+        return out
+
+    def write(self, data: bytes) -> bool:
+        """Take the frames of the servo; set the forces; return False where they did not leave."""
+        ask = False
+        for frame in self._decoder.feed(data):
+            if isinstance(frame, wire.Hello):
+                self._hello, self._mode, self._forces, ask = frame, wire.IDLE, wire.NO_FORCE, True
+            elif isinstance(frame, wire.Command):
+                held = frame.flags & _HELD == _HELD and self._mode == wire.ARMED
+                self._ack, self._forces, ask = frame.seq, frame.force if held else wire.NO_FORCE, True
+            elif isinstance(frame, wire.Arm):
+                self._mode = wire.ARMED  # the ramp is the servo's
+            elif isinstance(frame, wire.Disarm):
+                self._mode, self._forces, ask = wire.IDLE, wire.NO_FORCE, True
+            elif isinstance(frame, wire.Ping):
+                self._pending += wire.encode(self._report(frame))
+        return self._ask() if ask and self._devices else True
+
+    def _ask(self) -> bool:
+        """Set the forces, which asks where the devices are."""
+        time.sleep(max(self._asked + INVERSE3.tick - time.perf_counter(), 0.0))
+        self._asked = time.perf_counter()
+        field, force = "vector" if self._is_new else "values", [part * wire.FORCE_STEP for part in self._forces]
+        devices = []
+        for i, each in enumerate(self._devices):
+            command = {field: dict(zip("xyz", force[3 * i : 3 * i + 3], strict=True))}
+            devices.append({"device_id": each, "commands": {"set_cursor_force": command}})
+        try:
+            return self._service.write(json.dumps({"inverse3": devices}))
+        except OSError as error:
+            raise self._gone(error) from None
+
+    def _take(self, message: dict[str, Any]) -> bytes:
+        """Return the frames of a message: the first names the devices, each has their positions."""
+        devices = {device["device_id"]: device for device in message.get("inverse3", ())}
+        if not self._devices:
+            if not devices:
+                raise DimpleError("The Haply service sees no Inverse3. Connect once Haply Hub shows the device.")
+            self._devices = list(devices)[: wire.FINGERS]
+            self._is_new = "preset" in devices[self._devices[0]].get("config", {})
+            self._ask()
+        else:
+            self._trips.append(time.perf_counter() - self._asked)
+            self._late += self._trips[-1] > INVERSE3.tick
+        out, hello, self._hello = b"", self._hello, None
+        if hello:
+            self._session = self._session % 255 + 1
+            out = wire.encode(replace(INVERSE3, fingers=len(self._devices)).info(hello.nonce, self._session))
+        return out + wire.encode(self._state(message, devices))
+
+    def _state(self, message: dict[str, Any], devices: dict[str, Any]) -> wire.DeviceState:
+        self._states += 1
+        words, status = [], self._mode
+        for i, each in enumerate(self._devices):
+            device = devices.get(each, {})
+            at = device.get("state", {}).get("cursor_position", {})
+            place = [float(at.get(axis, math.nan)) for axis in "xyz"]
+            trusted = all(device.get("status", {}).get(name, True) for name in ("ready", "calibrated", "power_supply"))
+            trusted &= all(abs(part) < 0x7FFF * wire.PLACE_STEP for part in place)
+            words += [round(part / wire.PLACE_STEP) if trusted else 0 for part in place]
+            status |= 0 if trusted else wire.MASKED << i
+        grips = (*message.get("wireless_verse_grip", ()), *message.get("custom_verse_grip", ()))
+        pressed = any(grip.get("state", {}).get("buttons", {}).get("a") for grip in grips)
+        return wire.DeviceState(
+            self._session, self._states & 0xFFFF, self._ack, round(1e6 * time.perf_counter()) & 0xFFFFFFFF,
+            (*words, *wire.NO_FORCE[len(words) :]), wire.DEADMAN_BUTTON * pressed, status,
+        )  # fmt: skip
+
+    def _report(self, ping: wire.Ping) -> wire.LinkReport:
+        trips, n = sorted(self._trips) or [0.0], max(len(self._trips), 1)
+        p50, p99, longest = (min(round(1e6 * trips[i]), 0xFFFF) for i in (n // 2, 99 * n // 100, n - 1))
+        counts = self._states, self._states, self._late
+        return wire.LinkReport(self._session, ping.nonce, *counts, p50, p99, longest, 0, 0, 0, 0)
+
+
+def open_haply(path: str) -> HaplyLine:
+    """Open a connection to the service at "haply:PORT" of this computer.
+
+    Raises:
+        DimpleError: it is no port, or no service answers there.
+    """
+    number = path.removeprefix(PREFIX)
+    if not number.isdecimal() or not 0 < int(number) < 0x10000:
+        raise DimpleError("{path} is no port of a Haply service. Write it as {example}.", path=path, example=EXAMPLE)
+    try:
+        return HaplyLine(WebSocket(int(number)), path)
+    except OSError as error:
+        raise DimpleError(
+            "No Haply service answers at {path} ({error}). Start Haply Hub, or the Inverse Service 3.1 or later.",
+            path=path, error=error.strerror or error
+        ) from None  # fmt: skip

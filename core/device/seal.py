@@ -1,0 +1,57 @@
+"""The seal of a datagram: on a network only someone who knows the secret of a device can move the hand on it.
+
+A datagram is: number of the end that it is for, number of the end that it is from (8 bytes each, drawn when that end
+starts), its place in the sequence (8 bytes, little-endian), whole frames, and a keyed BLAKE2s (16 bytes) of all that.
+A datagram that somebody else made, or that was made for another session, is dropped, and so is one that came before.
+"""
+
+from __future__ import annotations
+
+import hmac
+import secrets
+import struct
+from hashlib import blake2s
+from typing import Final
+
+NOBODY: Final = bytes(8)  # the number of an end that is not known yet
+SHORTEST_SECRET: Final = 16  # characters: 64 bits where they are hexadecimal
+_HEAD: Final = struct.Struct("<8s8sQ")
+_MAC_SIZE: Final = 16
+
+
+class Seal:
+    """One end of a sealed line.
+
+    Args:
+        secret: text that both ends know.
+    """
+
+    def __init__(self, secret: str) -> None:
+        self._key = blake2s(secret.encode()).digest()
+        self.own, self.other, self._count = secrets.token_bytes(8), NOBODY, 0
+        self._newest: dict[bytes, int] = {}  # by the end that they are from
+
+    def close(self, frames: bytes) -> bytes:
+        """Return frames as a datagram for the other end."""
+        self._count += 1
+        body = _HEAD.pack(self.other, self.own, self._count) + frames
+        return body + self._mac(body)
+
+    def open(self, datagram: bytes) -> bytes:
+        """Return the frames of a datagram, b"" where it is not the other end's, not for this one, or not new."""
+        body, mac = datagram[:-_MAC_SIZE], datagram[-_MAC_SIZE:]
+        if len(body) < _HEAD.size or not hmac.compare_digest(mac, self._mac(body)):
+            return b""
+        to, other, count = _HEAD.unpack_from(body)
+        newest = self._newest.get(other, 0)
+        if not self._is_mine(to) or count <= newest or (newest and other != self.other):
+            return b""
+        self.other = other  # a new one started; one that was left never comes back
+        self._newest[other] = count
+        return body[_HEAD.size :]
+
+    def _is_mine(self, to: bytes) -> bool:
+        return to == self.own
+
+    def _mac(self, body: bytes) -> bytes:
+        return blake2s(body, digest_size=_MAC_SIZE, key=self._key).digest()

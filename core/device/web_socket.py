@@ -1,0 +1,110 @@
+"""A WebSocket client on this computer, as much as a device's service needs: text messages, whole, never waiting.
+
+Source: RFC 6455.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import secrets
+import socket
+from typing import Final
+
+from ..errors import DimpleError
+from .limits import ANSWER_TIME
+
+_GUID: Final = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
+_CONTINUED, _TEXT, _CLOSE, _PING, _PONG = 0x0, 0x1, 0x8, 0x9, 0xA
+LONGEST: Final = 1 << 20  # bytes of a message
+
+
+class WebSocket:
+    """An open connection; `read` and `write` raise OSError where it is gone.
+
+    Args:
+        number: of the port on this computer.
+
+    Raises:
+        OSError: nobody answers there.
+        DimpleError: what answers is no WebSocket.
+    """
+
+    def __init__(self, number: int) -> None:
+        self._out = self._parts = b""
+        self.socket = socket.create_connection(("127.0.0.1", number), ANSWER_TIME)
+        try:
+            self._greet(number)
+        except BaseException:
+            self.socket.close()
+            raise
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)  # a force does not wait for the next one
+        self.socket.setblocking(False)
+
+    def _greet(self, number: int) -> None:
+        key = base64.b64encode(secrets.token_bytes(16))
+        self.socket.sendall(
+            b"GET / HTTP/1.1\r\nHost: localhost:%d\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            b"Sec-WebSocket-Key: %b\r\nSec-WebSocket-Version: 13\r\n\r\n" % (number, key)
+        )
+        head = b""
+        while b"\r\n\r\n" not in head and len(head) < LONGEST and (more := self.socket.recv(4096)):
+            head += more
+        head, _, self._in = head.partition(b"\r\n\r\n")
+        expected = base64.b64encode(hashlib.sha1(key + _GUID).digest())
+        if b" 101 " not in head.partition(b"\r\n")[0] + b" " or expected not in head:
+            raise DimpleError("What answers at port {number} of this computer is no device's service.", number=number)
+
+    def read(self) -> list[str]:
+        """Return the messages that have come."""
+        while True:
+            try:
+                data = self.socket.recv(1 << 16)
+            except BlockingIOError:
+                break
+            if not data:
+                raise ConnectionResetError("closed")
+            self._in += data
+        messages = []
+        while (frame := self._frame()) is not None:
+            kind, last, payload = frame
+            if kind == _CLOSE:
+                raise ConnectionResetError("closed")
+            if kind == _PING:
+                self._send(_PONG, payload)
+            elif kind in (_TEXT, _CONTINUED):
+                self._parts += payload
+                if last:
+                    messages.append(self._parts.decode(errors="replace"))
+                    self._parts = b""
+        return messages
+
+    def write(self, message: str) -> bool:
+        """Send a message; return False where there is no room: it is not sent later."""
+        return self._send(_TEXT, message.encode())
+
+    def _frame(self) -> tuple[int, bool, bytes] | None:
+        """Return kind, whether it is the last of its message, and payload of the next frame that is whole."""
+        if len(self._in) < 2:
+            return None
+        size, at = self._in[1] & 0x7F, 2
+        if size > 125:
+            at += 2 if size == 126 else 8
+            size = int.from_bytes(self._in[2:at], "big")
+        if size + len(self._parts) > LONGEST:
+            raise ConnectionResetError("message too long")
+        if len(self._in) < at + size:
+            return None
+        first, payload = self._in[0], self._in[at : at + size]
+        self._in = self._in[at + size :]
+        return first & 0x0F, bool(first & 0x80), payload
+
+    def _send(self, kind: int, payload: bytes) -> bool:
+        size, fits = len(payload), not self._out  # another frame would be taken for the rest of a half one
+        head = bytes((0x80 | kind, 0x80 | size)) if size < 126 else bytes((0x80 | kind, 0xFE)) + size.to_bytes(2, "big")
+        self._out = self._out or head + bytes(4) + payload  # masked by zeros: no proxy is in between
+        try:
+            self._out = self._out[self.socket.send(self._out) :]
+        except BlockingIOError:
+            pass
+        return fits
