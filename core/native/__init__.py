@@ -74,7 +74,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_scene_find_crossings": (c_void_p, POINTER(CCrossings)),
     "dm_scene_set_collider": (c_void_p, c_int64, c_void_p),
     "dm_scene_get_collider": (c_void_p, c_int64, c_void_p),
-    "dm_scene_step": (c_void_p, c_void_p, c_void_p, c_double, c_double, c_void_p, c_void_p, c_void_p),
+    "dm_scene_step": (c_void_p, c_void_p, c_void_p, c_double, c_double, c_void_p, c_void_p, c_void_p, c_void_p),
 }
 
 

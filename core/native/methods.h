@@ -32,6 +32,7 @@ typedef struct {
     void (*scene_place)(dm_scene_state *scene, int64_t collider, const double *positions);
     void (*scene_read)(const dm_scene_state *scene, int64_t collider, double *positions);
     int32_t (*scene_step)(dm_scene_state *scene, const dm_motion *motions, const dm_collider_motion *colliders,
-                          double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed);
+                          double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed,
+                          double *given);
 } dm_methods;
 #endif

@@ -16,6 +16,7 @@ import numpy as np
 
 from .. import native
 from ..base import Floats, Ints
+from ..constants import ROUNDING
 from ..body.model import Model
 from ..body.modes import Modes, modes_of
 from ..material import Material
@@ -23,7 +24,6 @@ from ..mesh.surface import Mesh
 from ..native.motion import Touch
 from .fingertip import Finger
 
-FOLLOWS = 3  # rounds in which a node's rotation is followed in a step: each squares what is left of it
 After = Callable[[Floats], tuple[Floats, Floats]]
 STILL = 1e-6  # [m] that no vertex sways beyond: it is at rest
 
@@ -80,6 +80,9 @@ class Sway:
         self._anchors, self._near = _anchors(modes, rest)
         self._arms = rest[self._anchors]
         self._middles = self._near @ self._arms
+        moment = self._moments(self._arms, self._middles)
+        size = np.einsum("mii->m", moment)[:, None, None]
+        self._yields = size * np.linalg.inv((1 + ROUNDING) * size * np.eye(3) - moment)
         self._flat = modes.shapes.reshape(len(modes.rates), -1)
         self._loads = self._flat * np.repeat(modes.volume, 3)
         self._reach = np.abs(self._flat).max(axis=1)
@@ -145,14 +148,17 @@ class Sway:
         """Return the places of the nodes (m, 3) without sway, and turn them along."""
         here = led[self._anchors]
         middle = self._near @ here
-        outer = (here[:, :, None] * self._arms[:, None, :]).reshape(-1, 9)
-        moment = (self._near @ outer).reshape(-1, 3, 3) - middle[:, :, None] * self._middles[:, None, :]
-        for _ in range(FOLLOWS):
-            left = moment @ self._turn.transpose(0, 2, 1)
-            torque = np.stack([left[:, i - 1, i - 2] - left[:, i - 2, i - 1] for i in range(3)], axis=1)
-            size = np.abs(left[:, 0, 0] + left[:, 1, 1] + left[:, 2, 2]) + 1e-30
-            self._turn = _rotation(torque / size[:, None]) @ self._turn
+        moment = self._moments(here, middle)
+        left = self._turn.transpose(0, 2, 1) @ moment
+        torque = np.stack([left[:, i - 1, i - 2] - left[:, i - 2, i - 1] for i in range(3)], axis=1)
+        size = np.abs(np.einsum("mii->m", left)) + 1e-30
+        self._turn = self._turn @ _rotation(np.einsum("mij,mj,m->mi", self._yields, torque, 1 / size))
         return middle + np.einsum("mij,mj->mi", self._turn, self.modes.lattice.nodes - self._middles)
+
+    def _moments(self, here: Floats, middle: Floats) -> Floats:
+        """Return what the anchors (a, 3) about each node (m, 3, 3) come to with their places at rest [m2]."""
+        outer = (here[:, :, None] * self._arms[:, None, :]).reshape(-1, 9)
+        return (self._near @ outer).reshape(-1, 3, 3) - middle[:, :, None] * self._middles[:, None, :]
 
     def _swing(self, load: Floats, seconds: float, pushes: Sequence[Push]) -> None:
         """Advance every mode exactly under a constant load; what pushes gives way to the surface as that moves."""
