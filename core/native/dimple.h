@@ -153,8 +153,10 @@ DM_API void dm_destroy(dm_body *body); /* null is taken */
 /* Give a living body other numbers; where it is does not change. */
 DM_API int32_t dm_set_constants(dm_body *body, const dm_constants *constants);
 /* Give a living body another shape at rest (3, vertices) [m], and with it lengths and volume. Over the next motion it
- * comes there at a rate (3, vertices) [m/s]; null: at once. Fingertips must be measured below the body's own surface. */
-DM_API int32_t dm_set_rest(dm_body *body, const double *rest, const double *rate);
+ * comes there at a rate (3, vertices) [m/s]; null: at once. surface: (3, surface_vertices) below which fingertips are
+ * measured [m]; null where it is the body's own. gain: (3, vertices) by which the body's speeds grow [m/s], or null. */
+DM_API int32_t dm_set_rest(dm_body *body, const double *rest, const double *surface, const double *rate,
+                           const double *gain);
 /* Let a body move again where it sleeps: what it rested on may be gone. */
 DM_API int32_t dm_wake_body(dm_body *body);
 DM_API double dm_rest_volume(const dm_body *body); /* [m3] */

@@ -12,7 +12,8 @@ typedef struct {
     int32_t (*create)(dm_state **state, const dm_body_def *def);
     void (*destroy)(dm_state *state);
     int32_t (*set_constants)(dm_state *state, const dm_constants *constants);
-    void (*set_rest)(dm_state *state, const double *rest, const double *rate);
+    void (*set_rest)(dm_state *state, const double *rest, const double *surface, int64_t surface_vertices,
+                     const double *rate, const double *gain);
     void (*wake)(dm_state *state);
     double (*rest_volume)(const dm_state *state);
     void (*set_state)(dm_state *state, const double *positions, const double *velocities);
