@@ -29,7 +29,7 @@ from .rest_shape import Rest
 from .skin import Pins, Skin
 from .sway import Push, push_of
 
-ANSWERED = 8  # ticks after which a body that sways gives way to what it meets: a fifth of a frame
+ANSWERED = 8  # ticks, a fifth of a frame, in which a shape at rest that moves and what meets it go on by themselves
 CLOSE = 1e-5  # of its size: a body so near its shape at rest shows no dent
 
 
@@ -103,8 +103,7 @@ class Session:
     def set_rest(self, positions: Floats) -> None:
         """Say which shape at rest the input vertices (N, 3) [m] have at the end of the next step, as a rig bends it.
 
-        Where the model is rigged that is also where it is; else only the shape counts. What carries the skin of a proxy
-        knows one shape alone: unless the body only sways, the mesh is simulated in full from then on.
+        Where the model is rigged that is also where it is; else only the shape counts.
 
         Raises:
             DimpleError: another number of vertices, or positions that are not numbers.
@@ -147,7 +146,8 @@ class Session:
         self._ride(alone and not any(self._tips))
         self._met = None if alone else self._met
         self._done, self._note, self._started = 0, "", time.perf_counter()
-        self.most = MAX_STEPS // self.substeps - 1 if alone or not self._rest.sway else ANSWERED
+        meets = not alone or any(self._tips)
+        self.most = ANSWERED if meets and (self._rest.sway or self._rest.moves) else MAX_STEPS // self.substeps - 1
         for tip in self._tips:
             if tip:
                 tip.impulse = ZERO

@@ -119,7 +119,9 @@ class Sway:
         at = self._follow(led)
         speed = (at - self._at) / seconds
         before, self._at, self._speed = (speed if self._speed is None else self._speed), at, speed
-        pull = np.einsum("mji,mj->mi", self._turn, self._gravity - (speed - before) / seconds) - self._modelled
+        kick = np.einsum("mji,mj->mi", self._turn, before - speed)  # at once: however long the steps, alike
+        pull = self._gravity @ self._turn - self._modelled
+        self._v = self._v + self._loads @ kick.ravel()
         self._swing(self._loads @ pull.ravel(), seconds, pushes)
 
     def met(self, impulses: Floats, seconds: float, vertices: Ints | None) -> Push:

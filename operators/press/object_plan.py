@@ -19,7 +19,6 @@ from ...core.messages import about, in_a_row, kept, read
 from ...core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
 from ...core.reduction.proxy_rule import Maker, Plan, plan, plan_full_mesh, plan_proxy
 from ...core.steps import Parts
-from ..bridge import modifiers
 from . import colliders
 
 if TYPE_CHECKING:
@@ -114,9 +113,7 @@ def choosing(scene: bpy.types.Scene, obj: bpy.types.Object) -> Callable[[Model, 
     itself = obj.dimple.self_contact
 
     def by_settings(model: Model, build: Maker) -> Plan:
-        # cells may bridge a fold; and what carries the skin of a proxy knows one shape at rest
-        bent = model.rigged and not (model.sway and not modifiers.is_shaped(obj))
-        because = "For self contact" if itself else "For its rig" if bent else ""
+        because = "For self contact" if itself else ""  # cells may bridge a fold
         if because or wanted["simulated"] == "mesh":
             return plan_full_mesh(model, budget=budget, because=because or "As chosen")
         if wanted["simulated"] == "proxy":

@@ -228,7 +228,7 @@ def test_skin_that_nothing_touches_lies_on_the_swaying_shape_whether_it_is_stepp
             body.set_pins(led)
             body.set_rest(led)
             body.step(1 / 24)
-        assert np.abs(stepped.positions() - rides.positions()).max() < 1e-4
+        assert np.abs(stepped.positions() - rides.positions()).max() < 2e-4
     assert rides.rides and not stepped.rides
 
 
