@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
 from ..base import Floats, Ints, Shorts, Singles
 from ..constants import LANES

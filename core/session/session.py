@@ -69,7 +69,7 @@ class Session:
         self._pins.rest_at(self.model.matching.rest)
         self._skin.reset()
         self._met: Push | None = None  # what other surfaces do to it
-        self._rate = 0.0
+        self._rate = np.zeros_like(self._moves.matching.rest)
         self._last = motion.Frame((), self.body.model.mesh.volume, 0.0, 0, True)
         self._done, self._note, self.most, self._started = 0, "", MAX_STEPS, time.perf_counter()
         self.frame = self._show((), self.clock.tick)
@@ -297,9 +297,9 @@ class Session:
         self.model, self.proxy, self._moves = model, proxy, moves
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
         self._rest, self._met = rest, None
-        self._rate: Floats | float = 0.0  # of the shape at rest (3, m), in the last motion [m/s]
-        self._pins = Pins(model, proxy)
-        self._skin = Skin(model, proxy, self._pins, rest)
+        self._rate = np.zeros_like(moves.matching.rest)  # of the shape at rest (3, m), in the last motion [m/s]
+        self._pins: Pins = Pins(model, proxy)
+        self._skin: Skin = Skin(model, proxy, self._pins, rest)
         return moves
 
     def _create(self, moves: Model, surface: Model) -> Body:
@@ -324,7 +324,7 @@ class Session:
         return self.body.step(Motion(0, self.substeps, self.clock.tick, self._motions(0.0, 0.0)))
 
     def meet(self, impulses: Floats, seconds: float) -> None:
-        """Let a body that sways give way to what the vertices that move (m, 3) got from others in some seconds [N s]."""
+        """Let a body that sways give way to what others gave its vertices (m, 3) in some seconds [N s]."""
         if self._rest.sway:
             self._met = self._rest.sway.met(impulses, seconds, self.proxy.seeds if self.proxy else None)
 

@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import native
-from ..base import Floats, Ints
-from ..constants import ROUNDING
+from ..base import Floats, Ints, Singles
 from ..body.lattice import POISSON
 from ..body.model import Model
 from ..body.modes import Modes, modes_of
+from ..constants import ROUNDING
 from ..material import Material
 from ..mesh.surface import Mesh
 from ..native.motion import Touch
@@ -140,9 +140,9 @@ class Sway:
         slope = 2 * self._young / (1 - POISSON**2) * radius
         return Push(at, impulses[touched] / seconds, slope * size[touched] / max(float(size.sum()), 1e-30))
 
-    def displacement(self) -> Floats:
+    def displacement(self) -> Singles:
         """Return how far (n, 3) each vertex is from its place without sway [m]."""
-        return self.amount * self._carried(self.node_displacement())
+        return self._carried(self.amount * self.node_displacement())
 
     def node_displacement(self) -> Floats:
         """Return how far (m, 3) each node is from its place without sway [m]."""
@@ -150,12 +150,12 @@ class Sway:
         warped = _warped(np.einsum("kma,k->ma", self.modes.turns, self._q), linear)
         return np.einsum("mij,mj->mi", self._turn, warped)
 
-    def velocity(self) -> Floats:
+    def velocity(self) -> Singles:
         """Return how fast (n, 3) each vertex sways [m/s]."""
         swings = np.einsum("mij,mj->mi", self._turn, (self._v @ self._flat).reshape(-1, 3))
-        return self.amount * self._carried(swings)
+        return self._carried(self.amount * swings)
 
-    def _carried(self, nodes: Floats) -> Floats:
+    def _carried(self, nodes: Floats) -> Singles:
         """Return what the vertices (n, 3) have of values (m, 3) of the nodes."""
         return native.carry_by_nodes(native.library(), self.modes.nodes, self.modes.shares, nodes)
 

@@ -103,7 +103,8 @@ def test_a_proxy_bends_with_its_rig_and_is_pressed_there_as_its_mesh() -> None:
         top = bent[:, 2].max()
         for session in (full, proxied):
             session.set_rest(bent)
-            session.set_fingers([Finger((0, 0, top + 0.009 - 0.008 * (frame - 10) / 9), 0.01)] if frame > 10 else [None])
+            tip = Finger((0, 0, top + 0.009 - 0.008 * (frame - 10) / 9), 0.01)
+            session.set_fingers([tip if frame > 10 else None])
             session.step(1 / 24)
         if frame == 10:
             assert np.abs(proxied.positions() - bent).max() < 1e-3 * SIZE
