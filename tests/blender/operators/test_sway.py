@@ -103,6 +103,27 @@ def test_frame_rates_sway_alike(bpy: ModuleType, scene: Any, ball: Ball, shown: 
     assert np.abs(np.array(ends) - ends[0]).max() < 0.005 * 2
 
 
+def test_what_can_be_driven_is_followed_and_what_is_read_once_cannot_be_driven(
+    bpy: ModuleType, scene: Any, ball: Ball, shown: Shown
+) -> None:
+    obj = jelly(ball(subdivisions=3), sway_hz=3.0)
+    for name in ("pin_group", "size_mode", "size_mm"):
+        assert not obj.dimple.bl_rna.properties[name].is_animatable, name
+        with pytest.raises(TypeError):
+            obj.dimple.driver_add(name)
+    obj.dimple.driver_add("sway").driver.expression = "1.0 if frame < 24 else 0.25"
+    obj.location.x = 0.0
+    for frame, x in ((40, 0.0), (44, 40.0 / (165.0 / max(obj.dimensions)))):
+        obj.location.x = x
+        obj.keyframe_insert("location", frame=frame)
+    driven = baked_top(bpy, obj, shown, 60)[:, 0]
+    obj.dimple.driver_remove("sway")
+    obj.dimple.sway = 1.0
+    whole = baked_top(bpy, obj, shown, 60)[:, 0]
+    away, before = np.abs(driven[44:] - driven[44:].mean()).max(), np.abs(whole[44:] - whole[44:].mean()).max()
+    assert away < 0.5 * before
+
+
 def curves(obj: Any) -> Any:
     action = obj.animation_data.action
     if hasattr(action, "fcurves"):
