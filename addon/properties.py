@@ -26,8 +26,10 @@ from .object_settings import FIXED, KEYED, ContactSettings, ReductionSettings, e
 
 _PINNED = (
     ("BASE", "Base", "Pin the lowest tenth of the body, or the border of a flat sheet"),
-    ("GROUP", "Vertex Group", "Pin the vertices whose weight in the pin group is 0.5 or more; with Sway, each as firmly as its "
-                                "weight"),
+    (
+        "GROUP", "Vertex Group",
+        "Pin the vertices whose weight in the pin group is 0.5 or more; with Sway, each as firmly as its weight",
+    ),
     ("NONE", "None", "Pin nothing: the body can be pushed away, fall and roll"),
 )
 _SIZE_MODES = (

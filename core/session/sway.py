@@ -1,4 +1,4 @@
-"""The sway of a body: its low modes, driven by the motion of object and rig, by gravity as it turns, and by fingertips.
+"""The sway of a body: its low modes, driven by the motion of object and rig, gravity as it turns, and what touches it.
 
 The surface at rest moves with it: skin and law act on top. Each mode is advanced exactly, so any step is stable and
 nothing is gained or lost but by damping. Sources: Choi and Ko 2005 (modal warping: each node's displacement is turned
@@ -78,7 +78,7 @@ class Sway:
         self._arms = rest[self._anchors]
         self._middles = self._near @ self._arms
         moment = self._moments(self._arms, self._middles)
-        size = np.einsum("mii->m", moment)[:, None, None]
+        size = np.einsum("mii->m", moment)[:, None, None] + 1e-30
         self._yields = size * np.linalg.inv((1 + ROUNDING) * size * np.eye(3) - moment)
         self._flat = modes.shapes.reshape(len(modes.rates), -1)
         self._loads = self._flat * np.repeat(modes.volume, 3)
