@@ -26,7 +26,10 @@ from .object_settings import FIXED, KEYED, ContactSettings, ReductionSettings, e
 
 _PINNED = (
     ("BASE", "Base", "Pin the lowest tenth of the body, or the border of a flat sheet"),
-    ("GROUP", "Vertex Group", "Pin the vertices whose weight in the pin group is 0.5 or more"),
+    (
+        "GROUP", "Vertex Group",
+        "Pin the vertices whose weight in the pin group is 0.5 or more; with Sway, each as firmly as its weight",
+    ),
     ("NONE", "None", "Pin nothing: the body can be pushed away, fall and roll"),
 )
 _SIZE_MODES = (
@@ -94,8 +97,8 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
     )  # fmt: skip
     sway: FloatProperty(
         name="Sway",
-        description="How much the whole body swings, sags and trembles when it, its rig or a fingertip moves; 0 is not "
-        "at all. Pins hold it where their weight is 1, and less where it is less",
+        description="How much the whole body swings, sags and trembles when it, its rig or what touches it moves; 0 is "
+        "not at all. Pins hold it where their weight is 1, and less where it is less",
         default=0.0, min=0.0, max=1.0, subtype="FACTOR", **KEYED,
     )  # fmt: skip
     sway_hz: FloatProperty(

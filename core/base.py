@@ -15,6 +15,7 @@ from .errors import DimpleError as DimpleError  # in a module of its own, becaus
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
+Shorts = npt.NDArray[np.uint16]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 

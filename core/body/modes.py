@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..base import Floats, Ints, sums_at
+from ..base import Floats, Ints, Shorts, Singles, sums_at
 from ..mesh.surface import Mesh
 from .lattice import Lattice, cells_at, fill, gradients, shares, stiffness, weight
 
@@ -39,8 +39,8 @@ class Modes(NamedTuple):
     rates: Floats
     shapes: Floats
     turns: Floats
-    nodes: Ints
-    shares: Floats
+    nodes: Shorts
+    shares: Singles
 
 
 def modes_of(
@@ -67,9 +67,8 @@ def modes_of(
     moving = squares > RIGID * squares[-1]
     shapes = (scale[:, None] * vectors[:, moving]).T.reshape(-1, len(volume), 3)
     turns = _turns(lattice, shapes)
-    return Modes(
-        lattice, volume, np.sqrt(squares[moving]), shapes, turns, nodes, share * (1 - np.clip(held, 0, 1))[:, None]
-    )
+    free = (share * (1 - np.clip(held, 0, 1))[:, None]).astype(np.float32)
+    return Modes(lattice, volume, np.sqrt(squares[moving]), shapes, turns, nodes.astype(np.uint16), free)
 
 
 def _along(bones: Floats, step: float) -> Floats:

@@ -85,8 +85,9 @@ class Device:
         return self._report
 
     def samples(self) -> list[tuple[float, ...]]:
-        """Return what the servo measured and rendered since the last call: time [s], then place [m] and force [N] of each
-        fingertip.
+        """Return what the servo measured and rendered since the last call.
+
+        Each row has the time [s], then the position (3,) [m] and the force (3,) [N] of each fingertip.
         """
         self._sampled, found = self._box.samples(self._sampled) if self._box else (0, [])
         return found

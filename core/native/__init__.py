@@ -50,7 +50,7 @@ BITS = {"native": 32, "native64": 64}  # of the state, by the name of a backend
 _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_create": (POINTER(c_void_p), POINTER(BodyDef), c_int32, c_int32),
     "dm_set_constants": (c_void_p, POINTER(Constants)),
-    "dm_set_rest": (c_void_p, c_void_p, c_void_p),
+    "dm_set_rest": (c_void_p, c_void_p, c_void_p, c_void_p, c_void_p),
     "dm_wake_body": (c_void_p,),
     "dm_set_state": (c_void_p, c_void_p, c_void_p),
     "dm_get_state": (c_void_p, c_void_p, c_void_p),
@@ -75,7 +75,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_scene_find_crossings": (c_void_p, POINTER(CCrossings)),
     "dm_scene_set_collider": (c_void_p, c_int64, c_void_p),
     "dm_scene_get_collider": (c_void_p, c_int64, c_void_p),
-    "dm_scene_step": (c_void_p, c_void_p, c_void_p, c_double, c_double, c_void_p, c_void_p, c_void_p),
+    "dm_scene_step": (c_void_p, c_void_p, c_void_p, c_double, c_double, c_void_p, c_void_p, c_void_p, c_void_p),
 }
 
 

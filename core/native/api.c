@@ -249,12 +249,14 @@ int32_t dm_set_constants(dm_body *body, const dm_constants *constants) {
     return body->does->set_constants(body->state, constants);
 }
 
-int32_t dm_set_rest(dm_body *body, const double *rest, const double *rate) {
+int32_t dm_set_rest(dm_body *body, const double *rest, const double *surface, const double *rate, const double *gain) {
     if (!body || !rest) return DM_SIZE;
-    if (body->surface_vertices != body->vertices) return DM_OPTION;
+    if (!surface && body->surface_vertices != body->vertices) return DM_OPTION;
     DM_CHECK(dm_check_numbers(3 * body->vertices, rest, 0));
+    if (surface) DM_CHECK(dm_check_numbers(3 * body->surface_vertices, surface, 0));
     if (rate) DM_CHECK(dm_check_numbers(3 * body->vertices, rate, 0));
-    body->does->set_rest(body->state, rest, rate);
+    if (gain) DM_CHECK(dm_check_numbers(3 * body->vertices, gain, 0));
+    body->does->set_rest(body->state, rest, surface ? surface : rest, body->surface_vertices, rate, gain);
     return DM_OK;
 }
 

@@ -69,6 +69,10 @@ static void dm_sum_meetings(dm_scene_state *s) {
         dm_batch *b = s->batches + k;
         const dm_batch_sides *of = s->sides + k, *next = of + 1;
         const dm_wide j[3] = {dm_widen(b->sum.x), dm_widen(b->sum.y), dm_widen(b->sum.z)}, *x = of->point;
+        for (uint32_t i = 0; i < 4 * of->count; i++) {
+            uint32_t l = i / 4, at = b->at[i % 4][l] / (uint32_t)sizeof(dm_record);
+            for (int c = 0; c < 3; c++) s->given[s->near[at].vertex][c] += (double)b->weight[i % 4][l] * j[c][l];
+        }
         for (int c = 0, d = 1, e = 2; c < 3; d = e, e = c++) sum[c] += j[c], sum[3 + c] += x[d] * j[e] - x[e] * j[d];
         b->sum = dm_splat3((double[3]){0, 0, 0});
         if (k + 1 < s->batch_count && dm_is_between_two(of) && !memcmp(of->surface, next->surface, sizeof of->surface))

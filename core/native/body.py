@@ -139,19 +139,26 @@ class Body:
             self._call("dm_set_constants", self._handle, byref(constants(model, surface, arrays)))
         self.model, self._surface, self._pinned = model, surface, int(model.pinned.sum())
 
-    def set_rest(self, rest: Floats, rate: Floats | None = None) -> None:
+    def set_rest(
+        self, rest: Floats, rate: Floats | None = None, *, surface: Floats | None = None, gain: Floats | None = None
+    ) -> None:
         """Give the living body another shape at rest (3, n) [m], and with it lengths and volume.
 
         Args:
             rate: over the next motion it comes there at this rate (3, n) [m/s]; None: at once.
+            surface: (3, m) of that below which fingertips are measured, where the body is a proxy [m].
+            gain: (3, n) by which its speeds grow [m/s].
 
         Raises:
-            NativeError: a number that is none, or a proxy, which has a surface of its own.
+            NativeError: a number that is none, or a proxy without its surface.
         """
         with Arrays() as arrays:
-            if np.shape(rest) != self._shape or (rate is not None and np.shape(rate) != self._shape):
+            if any(np.shape(each) != self._shape for each in (rest, rate, gain) if each is not None):
                 raise NativeError(f"the shape at rest must have the shape {self._shape}")
-            self._call("dm_set_rest", self._handle, arrays.double(rest), arrays.double(rate))
+            if surface is not None and np.shape(surface) != self._surface.matching.rest.shape:
+                raise NativeError("the surface has another number of vertices")
+            given = [arrays.double(each) for each in (rest, surface, rate, gain)]
+            self._call("dm_set_rest", self._handle, *given)
 
     def wake(self) -> None:
         """Let the body move again where it sleeps: what it rested on may be gone."""

@@ -8,15 +8,13 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
-from ..base import Floats, Ints, Singles
+from ..base import Floats, Ints, Shorts, Singles
 from ..constants import LANES
 from .body import NativeError
 from .definition import Arrays, fields
 
 NODES = 8  # corners of a cell
-Shorts = npt.NDArray[np.uint16]
 _Values = TypeVar("_Values", Floats, Singles)
 
 
@@ -87,13 +85,14 @@ def carry(library: ctypes.CDLL, binding: Binding, positions: Floats) -> tuple[Si
     return skin, motions
 
 
-def carry_by_nodes(library: ctypes.CDLL, by: Ints, shares: Floats, values: Floats) -> Floats:
+def carry_by_nodes(library: ctypes.CDLL, by: Shorts, shares: Singles, values: Floats) -> Singles:
     """Return what vertices (n, 3) have of values (m, 3) of the eight nodes (n, 8) that carry each, by shares (n, 8)."""
-    carried = np.empty((len(by), 3))
+    carried, padded = np.empty((len(by), 3), np.float32), np.empty((len(values), 4), np.float32)
     if by.shape != shares.shape or by.shape[1:] != (NODES,) or values.shape[1:] != (3,):
         raise NativeError("an array has the wrong size")
+    padded[:, :3] = values
     with Arrays() as arrays:
-        given = arrays.index(by), arrays.double(shares), arrays.double(values), carried.ctypes.data
+        given = arrays.of(by, np.uint16), arrays.of(shares, np.float32), padded.ctypes.data, carried.ctypes.data
         code = library.dm_carry_by_nodes(len(by), len(values), *given)
     if code:
         raise NativeError(library.dm_message(code).decode(), code)

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..base import Bools, Floats, Ints
+from ..base import Bools, Floats, Ints, Shorts
 from ..constants import FOLLOWED, LANES
 from .body import NativeError
-from .carry import Shorts
 from .definition import Arrays, fields
 
 

@@ -4,7 +4,7 @@
 #include <float.h>
 
 /* What Python must know too: `dev.py native` writes it into core/constants.py. */
-#define DM_ABI 29              /* changes with anything in dimple.h */
+#define DM_ABI 30              /* changes with anything in dimple.h */
 #define DM_MAX_FINGERTIPS 3    /* thumb, index and middle finger: those of the paper's device */
 #define DM_MAX_STEPS 1000000   /* in one call, so that none takes longer than minutes */
 #define DM_MAX_BODIES 4096     /* in one call, and in one scene: pairs of them are looked at one by one */

@@ -153,8 +153,10 @@ DM_API void dm_destroy(dm_body *body); /* null is taken */
 /* Give a living body other numbers; where it is does not change. */
 DM_API int32_t dm_set_constants(dm_body *body, const dm_constants *constants);
 /* Give a living body another shape at rest (3, vertices) [m], and with it lengths and volume. Over the next motion it
- * comes there at a rate (3, vertices) [m/s]; null: at once. Fingertips must be measured below the body's own surface. */
-DM_API int32_t dm_set_rest(dm_body *body, const double *rest, const double *rate);
+ * comes there at a rate (3, vertices) [m/s]; null: at once. surface: (3, surface_vertices) below which fingertips are
+ * measured [m]; null where it is the body's own. gain: (3, vertices) by which the body's speeds grow [m/s], or null. */
+DM_API int32_t dm_set_rest(dm_body *body, const double *rest, const double *surface, const double *rate,
+                           const double *gain);
 /* Let a body move again where it sleeps: what it rested on may be gone. */
 DM_API int32_t dm_wake_body(dm_body *body);
 DM_API double dm_rest_volume(const dm_body *body); /* [m3] */
@@ -199,10 +201,10 @@ typedef struct {
 /* Set the skin (vertices, 3) [m] of a proxy at positions (3, seeds) [m], and the motions (seeds, 12) that carry it. */
 DM_API int32_t dm_carry(const dm_binding *binding, const double *positions, float *motions, float *skin);
 
-/* Set what vertices (vertices, 3) have of values (nodes, 3) of the eight nodes (vertices, 8) that carry each, by shares
- * (vertices, 8). */
-DM_API int32_t dm_carry_by_nodes(int64_t vertices, int64_t nodes, const int64_t *by, const double *shares,
-                                 const double *values, double *carried);
+/* Set what vertices (vertices, 3) have of values (nodes, 4), of which the fourth is not used, of the eight nodes
+ * (vertices, 8) that carry each, by shares (vertices, 8). */
+DM_API int32_t dm_carry_by_nodes(int64_t vertices, int64_t nodes, const uint16_t *by, const float *shares,
+                                 const float *values, float *carried);
 
 /* Seeds on a fine surface, whose vertices have places in the space of position and normal. */
 typedef struct {
@@ -290,8 +292,9 @@ DM_API int32_t dm_scene_set_collider(dm_scene *scene, int64_t collider, const do
 DM_API int32_t dm_scene_get_collider(const dm_scene *scene, int64_t collider, double *positions);
 /* Run the ticks of motions (bodies,), equal in ticks, substeps and tick; colliders (colliders,) are at the share
  * `first` of their way at the end of the first tick and at `last` of the last. passed (bodies + colliders, 6) is set to
- * the impulse that each got from others [N s] and its moment about the origin [N m s]. If memory runs out, the tick under
- * way is the last. */
+ * the impulse that each got from others [N s] and its moment about the origin [N m s], and given (vertices of all bodies,
+ * 3) to what each vertex got of it. If memory runs out, the tick under way is the last. */
 DM_API int32_t dm_scene_step(dm_scene *scene, const dm_motion *motions, const dm_collider_motion *colliders,
-                             double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed);
+                             double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed,
+                             double *given);
 #endif

@@ -12,7 +12,8 @@ typedef struct {
     int32_t (*create)(dm_state **state, const dm_body_def *def);
     void (*destroy)(dm_state *state);
     int32_t (*set_constants)(dm_state *state, const dm_constants *constants);
-    void (*set_rest)(dm_state *state, const double *rest, const double *rate);
+    void (*set_rest)(dm_state *state, const double *rest, const double *surface, int64_t surface_vertices,
+                     const double *rate, const double *gain);
     void (*wake)(dm_state *state);
     double (*rest_volume)(const dm_state *state);
     void (*set_state)(dm_state *state, const double *positions, const double *velocities);
@@ -32,6 +33,7 @@ typedef struct {
     void (*scene_place)(dm_scene_state *scene, int64_t collider, const double *positions);
     void (*scene_read)(const dm_scene_state *scene, int64_t collider, double *positions);
     int32_t (*scene_step)(dm_scene_state *scene, const dm_motion *motions, const dm_collider_motion *colliders,
-                          double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed);
+                          double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed,
+                          double *given);
 } dm_methods;
 #endif

@@ -31,7 +31,8 @@ static void dm_mean_by_k1(const dm_state *b, const double *a, double *mean) {
     for (int d = 0; d < 3; d++) mean[d] = sum[d] / (sum[3] > 0 ? sum[3] : 1);
 }
 
-static void dm_state_set_rest(dm_state *b, const double *rest, const double *rate) {
+static void dm_state_set_rest(dm_state *b, const double *rest, const double *surface, int64_t surface_vertices,
+                              const double *rate, const double *gain) {
     int64_t n = b->n;
     double *at = b->pin_room + 3 * n; /* unused between ticks; in the order in memory, relative to the middle, for exact volumes */
     memcpy(b->rest, rest, (size_t)(3 * n) * sizeof(double));
@@ -46,7 +47,7 @@ static void dm_state_set_rest(dm_state *b, const double *rest, const double *rat
     dm_set_lengths(b), dm_set_places(b), dm_set_pull(b);
     double volume = dm_volume_of_faces(b, at);
     if (volume > 0) b->rest_volume = volume; /* a rig may turn a body inside out */
-    dm_reshape_facets(b, rest, n);
+    dm_reshape_facets(b, surface, surface_vertices);
     double drift[3] = {0};
     if (rate && b->free) dm_mean_by_k1(b, rate, drift); /* for a free body only the shape counts */
     for (int64_t k = 0; rate && k < n; k++) {
@@ -57,6 +58,11 @@ static void dm_state_set_rest(dm_state *b, const double *rest, const double *rat
         dm_sum_tension(b, b->rest_rate, sizeof *b->rest_rate, b->pin_room);
         for (uint32_t i = 0; i < n; i++)
             dm_set_lane3(&b->pull_rate[i / DM_LANES], i, dm_quad_of(b->pin_room + 3 * i));
+    }
+    for (int64_t k = 0; gain && k < n; k++) {
+        double more[3] = {gain[k], gain[n + k], gain[2 * n + k]};
+        dm_record *r = b->records + b->place[k];
+        if (b->inverse_mass[b->place[k]] > 0) dm_set_vertex(b, b->place[k], r->x, r->v + dm_quad_of(more));
     }
     b->moving = rate != NULL;
     dm_change(b);

@@ -7,7 +7,7 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
             dm_free(s->surfaces[k].near_groups), dm_free_prop(s->surfaces[k].prop);
     void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->roam, s->corners, s->edges_of,
                            s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->searched,
-                           s->balls, s->number, s->bins, s->slack, s->stale, s->left_out};
+                           s->given, s->balls, s->number, s->bins, s->slack, s->stale, s->left_out};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     void *const lists[] = {s->near, s->pairs, s->pairs_of, s->batches, s->moving, s->candidates, s->sorted, s->held,
                            s->close[0], s->close[1], s->runs, s->planes, s->tally, s->sides,
@@ -27,7 +27,7 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
     whole = whole && (s->nodes = dm_alloc(2 * t + s->surface_count, sizeof *s->nodes));
     whole = whole && (s->slack = dm_alloc(n, sizeof(double))) && (s->stale = dm_alloc(n, sizeof(double)));
     whole = whole && (s->searched = dm_alloc(n, sizeof *s->searched)) && (s->left_out = dm_alloc(n, 1));
-    whole = whole && (s->balls = dm_alloc(t, sizeof *s->balls));
+    whole = whole && (s->balls = dm_alloc(t, sizeof *s->balls)) && (s->given = dm_alloc(n, sizeof *s->given));
     whole = whole && (s->number = dm_alloc(n, sizeof(uint32_t))) && (s->bins = dm_alloc(2 * n + 1, sizeof(uint32_t)));
     for (int64_t i = 0; whole && i < n; i++) s->place[i] = DM_NO_VERTEX;
     return whole ? DM_OK : DM_MEMORY;
@@ -200,9 +200,9 @@ static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, in
 }
 
 static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, const dm_collider_motion *colliders,
-                             double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed) {
+                             double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed, double *given) {
     int64_t bodies = 0, substeps = motions->substeps, ticks = motions->ticks;
-    memset(out, 0, sizeof *out);
+    memset(out, 0, sizeof *out), memset(s->given, 0, (size_t)s->vertex_count * sizeof *s->given);
     out->gap = INFINITY;
     s->out = out, s->code = DM_OK, s->tick = motions->tick, s->dt = s->tick / (double)substeps;
     for (; bodies < s->surface_count && s->surfaces[bodies].body; bodies++)
@@ -242,5 +242,8 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     for (int64_t k = 0; k < s->surface_count; k++)
         for (int c = 0; c < 3; c++)
             passed[6 * k + c] = s->surfaces[k].impulse[c], passed[6 * k + 3 + c] = s->surfaces[k].moment[c];
+    for (const dm_surface *f = s->surfaces; f < s->surfaces + bodies; f++)
+        for (uint32_t k = 0; k < f->body->n; k++, given += 3)
+            memcpy(given, s->given[f->first + f->body->place[k]], sizeof *s->given);
     return s->code;
 }

@@ -110,6 +110,7 @@ typedef struct dm_scene_state {
     double (*here)[3], (*aim)[3], (*rate)[3]; /* of colliders: where they are, are to be, and how fast */
     double *slack, *stale;                   /* how far each vertex may go; after what way a query is due */
     double *roam;                            /* how far it may go before its planes are looked at */
+    double (*given)[3];                      /* impulse that it got in a call [N s] */
     uint32_t (*corners)[3], (*edges_of)[3], (*edges)[2], (*across)[2]; /* across: of the faces beside an edge */
     uint8_t *left_out; /* of self contact: vertices of faces that passed through others of the body at the start */
     uint8_t *owns; /* bits: a triangle stands for these of its corners, and of its edges */

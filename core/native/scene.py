@@ -83,6 +83,7 @@ class SceneFrame(NamedTuple):
     gap: the least distance at a query [m], infinite where nothing was near.
     impulses: that each surface got from others [N s], (k, 3): bodies, then colliders.
     moments: of those about the origin [N m s], (k, 3).
+    given: to each vertex of the bodies [N s], (n, 3) of all of them.
     """
 
     frames: tuple[Frame, ...]
@@ -96,6 +97,7 @@ class SceneFrame(NamedTuple):
     gap: float
     impulses: Floats
     moments: Floats
+    given: Floats
 
 
 class Crossings(NamedTuple):
@@ -183,6 +185,7 @@ class Scene:
         self._ways = (CColliderMotion * max(len(colliders), 1))()
         self._props = (CProp * max(len(colliders), 1))()
         self._frames, self._out = (CFrame * len(bodies))(), CSceneFrame()
+        self._vertices = sum(len(body.model.mass) for body in bodies)
         self._passed = np.zeros((len(bodies) + len(colliders), 2, 3))
 
     def step(
@@ -198,6 +201,7 @@ class Scene:
             NativeError: a motion has a number that is none.
         """
         kept = [body.pack(motion, c) for body, motion, c in zip(self.bodies, motions, self._motions, strict=True)]
+        given = np.empty((self._vertices, 3))
         with Arrays() as arrays:
             for way, to, prop, shape in zip(ways, self._ways, self._props, self._shapes, strict=False):
                 to.from_ = to.to = to.prop = None
@@ -210,7 +214,7 @@ class Scene:
                     to.from_, to.to = arrays.double(way.start), arrays.double(way.end)
             self._call(
                 "dm_scene_step", self._handle, self._motions, self._ways, first, last, self._frames, byref(self._out),
-                self._passed.ctypes.data,
+                self._passed.ctypes.data, given.ctypes.data,
             )  # fmt: skip
         del kept
         for way, prop in zip(ways, self._props, strict=False):
@@ -221,7 +225,7 @@ class Scene:
         impulses, moments = self._passed.transpose(1, 0, 2).copy()
         return SceneFrame(
             tuple(frames), out.ticks, out.queries, out.pairs, out.touching, out.truncated, out.taken, out.held_back,
-            out.gap, impulses, moments,
+            out.gap, impulses, moments, given,
         )  # fmt: skip
 
     def crossings(self) -> Crossings:

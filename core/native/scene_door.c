@@ -87,8 +87,8 @@ int32_t dm_scene_get_collider(const dm_scene *scene, int64_t collider, double *p
 }
 
 int32_t dm_scene_step(dm_scene *scene, const dm_motion *motions, const dm_collider_motion *colliders, double first,
-                      double last, dm_frame *frames, dm_scene_frame *out, double *passed) {
-    if (!scene || !motions || !frames || !out || !passed || (scene->colliders && !colliders)) return DM_SIZE;
+                      double last, dm_frame *frames, dm_scene_frame *out, double *passed, double *given) {
+    if (!scene || !motions || !frames || !out || !passed || !given || (scene->colliders && !colliders)) return DM_SIZE;
     for (int64_t k = 0; k < scene->bodies; k++) {
         const dm_motion *m = motions + k;
         if (m->ticks != motions->ticks || m->substeps != motions->substeps || m->tick != motions->tick) return DM_SIZE;
@@ -105,7 +105,7 @@ int32_t dm_scene_step(dm_scene *scene, const dm_motion *motions, const dm_collid
         DM_CHECK(dm_check_numbers(count, colliders[k].from, 0) | dm_check_numbers(count, colliders[k].to, 0));
     }
     uint64_t before = dm_flush_denormals();
-    int32_t code = scene->does->scene_step(scene->state, motions, colliders, first, last, frames, out, passed);
+    int32_t code = scene->does->scene_step(scene->state, motions, colliders, first, last, frames, out, passed, given);
     dm_keep_denormals(before);
     return code;
 }

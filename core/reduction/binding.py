@@ -7,10 +7,10 @@ from typing import TypeVar
 import numpy as np
 
 from .. import native
-from ..base import Floats, Ints, Singles, distinct, row_parts, sums_at
+from ..base import Floats, Ints, Shorts, Singles, distinct, row_parts, sums_at
 from ..constants import FOLLOWED, LANES
 from ..mesh.surface import Mesh
-from ..native.carry import Binding, Shorts, in_rows
+from ..native.carry import Binding, in_rows
 from .cells import vertex_normals
 
 WHOLE = int(np.iinfo(np.uint16).max)  # what the weights of a vertex add up to

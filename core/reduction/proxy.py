@@ -218,6 +218,7 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
         k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0), fill=model.pressure.fill,
         rest_pressure=model.pressure.rest_pressure, gravity=model.gravity, ground=model.ground,
     )  # fmt: skip
+    coarse = replace(coarse, rigged=model.rigged)
     if coarse.free != model.free or pinned.all():
         raise DimpleError("its pins are too few for a proxy of this size.")
     return coarse

@@ -29,6 +29,7 @@ from .rest_shape import Rest
 from .skin import Pins, Skin
 from .sway import Push, push_of
 
+ANSWERED = 8  # ticks, a fifth of a frame, in which a shape at rest that moves and what meets it go on by themselves
 CLOSE = 1e-5  # of its size: a body so near its shape at rest shows no dent
 
 
@@ -67,6 +68,8 @@ class Session:
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._pins.rest_at(self.model.matching.rest)
         self._skin.reset()
+        self._met: Push | None = None  # what other surfaces do to it
+        self._rate = np.zeros_like(self._moves.matching.rest)
         self._last = motion.Frame((), self.body.model.mesh.volume, 0.0, 0, True)
         self._done, self._note, self.most, self._started = 0, "", MAX_STEPS, time.perf_counter()
         self.frame = self._show((), self.clock.tick)
@@ -100,8 +103,7 @@ class Session:
     def set_rest(self, positions: Floats) -> None:
         """Say which shape at rest the input vertices (N, 3) [m] have at the end of the next step, as a rig bends it.
 
-        Where the model is rigged that is also where it is; else only the shape counts. What carries the skin of a proxy
-        knows one shape alone: unless the body only sways, the mesh is simulated in full from then on.
+        Where the model is rigged that is also where it is; else only the shape counts.
 
         Raises:
             DimpleError: another number of vertices, or positions that are not numbers.
@@ -109,8 +111,6 @@ class Session:
         positions = self._of_mesh(positions)
         if not np.isfinite(positions).all():
             raise DimpleError("The shape at rest has a position that is not a number.")
-        if self.proxy is not None and not self._rest.sway:
-            self.change(self.model)
         self._rest.target = positions.T
 
     def _of_mesh(self, positions: Floats) -> Floats:
@@ -144,8 +144,10 @@ class Session:
         """
         self.clock.start(dt)
         self._ride(alone and not any(self._tips))
+        self._met = None if alone else self._met
         self._done, self._note, self._started = 0, "", time.perf_counter()
-        self.most = MAX_STEPS // self.substeps - 1
+        meets = not alone or any(self._tips)
+        self.most = ANSWERED if meets and (self._rest.sway or self._rest.moves) else MAX_STEPS // self.substeps - 1
         for tip in self._tips:
             if tip:
                 tip.impulse = ZERO
@@ -283,7 +285,9 @@ class Session:
             led = None
         self._define(model, Rest(model, proxy, self._rest), proxy)
         if self._rest.bent and moves.mesh is not before.mesh:
-            self.body.set_rest(self._rest.of_body)
+            self._lay_rest()
+        if self._rest.bent and self._rest.sway:
+            self._rate = self._rest.rate_of_body
         self._pins.origin, self._pins.target = skin.T, led
 
     def _define(self, model: Model, rest: Rest, proxy: Proxy | None) -> Model:
@@ -292,9 +296,10 @@ class Session:
         self.substeps = moves.substeps(self.clock.tick)
         self.model, self.proxy, self._moves = model, proxy, moves
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
-        self._rest = rest
-        self._pins = Pins(model, proxy)
-        self._skin = Skin(model, proxy, self._pins)
+        self._rest, self._met = rest, None
+        self._rate = np.zeros_like(moves.matching.rest)  # of the shape at rest (3, m), in the last motion [m/s]
+        self._pins: Pins = Pins(model, proxy)
+        self._skin: Skin = Skin(model, proxy, self._pins, rest)
         return moves
 
     def _create(self, moves: Model, surface: Model) -> Body:
@@ -318,10 +323,16 @@ class Session:
         """Measure fingertips that were put down or lifted without a tick."""
         return self.body.step(Motion(0, self.substeps, self.clock.tick, self._motions(0.0, 0.0)))
 
+    def meet(self, impulses: Floats, seconds: float) -> None:
+        """Let a body that sways give way to what others gave its vertices (m, 3) in some seconds [N s]."""
+        if self._rest.sway:
+            self._met = self._rest.sway.met(impulses, seconds, self.proxy.seeds if self.proxy else None)
+
     def _pushes(self) -> list[Push]:
-        """Return what the fingertips that touch do to a body that sways."""
-        tips = zip(self._tips, self._last.touches, strict=False)
-        return [push_of(touch, tip.target) for tip, touch in tips if tip and touch and any(touch.force)]
+        """Return what others and the fingertips that touch do to a body that sways."""
+        tips, mesh = zip(self._tips, self._last.touches, strict=False), self.model.mesh
+        pushes = [push_of(touch, tip.target, mesh) for tip, touch in tips if tip and touch and any(touch.force)]
+        return [*pushes, self._met] if self._met and len(self._met.vertices) else pushes
 
     def _bend(self, ticks: int, pushes: Sequence[Push]) -> None:
         """Let the shape at rest go on in the ticks that follow, and the body with it."""
@@ -330,7 +341,9 @@ class Session:
         before = None if self.rides else self._rest.of_body
         self._rest.advance(1.0 if share >= 1 else 1 - (1 - share) / left, seconds, pushes)
         if before is not None:
-            self.body.set_rest(self._rest.of_body, (self._rest.of_body - before) / seconds)
+            rate, rate_before = (self._rest.of_body - before) / seconds, self._rate
+            self._rate = rate
+            self._lay_rest(rate, gain=rate - rate_before if self._rest.sway else None)  # modes have the inertia
         else:
             self._skin.laid = None
             self._skin.reset()
@@ -342,9 +355,13 @@ class Session:
             off = self.body.positions() - rest.of_body
             self.rides = float(np.abs(off).max()) <= CLOSE * self.model.mesh.size
         elif self.rides and not wanted:
-            self.rides, self._skin.laid = False, None
-            self.body.set_rest(rest.of_body)
-            self.body.set_state(rest.of_body, rest.rate_of_body)
+            self.rides, self._skin.laid, self._rate = False, None, rest.rate_of_body
+            self._lay_rest()
+            self.body.set_state(rest.of_body, self._rate)
+
+    def _lay_rest(self, rate: Floats | None = None, *, gain: Floats | None = None) -> None:
+        """Give the body its shape at rest, at a rate (3, m) in the next motion, and speeds (3, m) more [m/s]."""
+        self.body.set_rest(self._rest.of_body, rate, surface=self._rest.whole if self.proxy else None, gain=gain)
 
     def _lay(self) -> None:
         """Let the skin lie on the shape at rest where the body rides on it."""

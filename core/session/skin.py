@@ -18,6 +18,7 @@ from ..native.motion import PinMotion
 from ..reduction.binding import blend, carry
 from ..reduction.proxy import Proxy
 from .fingertip import Finger
+from .rest_shape import Rest
 
 
 class Pins:
@@ -77,8 +78,8 @@ class Skin:
     input_of: the input vertex (n,) that each vertex of the mesh was.
     """
 
-    def __init__(self, model: Model, proxy: Proxy | None, pins: Pins) -> None:
-        self._proxy, self._pins, self._source = proxy, pins, model.mesh.source
+    def __init__(self, model: Model, proxy: Proxy | None, pins: Pins, rest: Rest) -> None:
+        self._proxy, self._pins, self._rest, self._source = proxy, pins, rest, model.mesh.source
         self.input_of = input_vertices(model.mesh)
         self._yields = model.compliance > 0
         self._yields_somewhere = bool(self._yields.any())
@@ -117,6 +118,8 @@ class Skin:
         if self._proxy is None:
             return x.T
         surface = carry(self._proxy.binding, x)
+        if self._rest.bent:  # it carries what is off the shape at rest alone
+            surface += self._rest.whole.T - carry(self._proxy.binding, self._rest.of_body)
         self._pins.put_still(surface)
         return surface
 

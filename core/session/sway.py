@@ -1,4 +1,4 @@
-"""The sway of a body: its low modes, driven by the motion of object and rig, by gravity as it turns, and by fingertips.
+"""The sway of a body: its low modes, driven by the motion of object and rig, gravity as it turns, and what touches it.
 
 The surface at rest moves with it: skin and law act on top. Each mode is advanced exactly, so any step is stable and
 nothing is gained or lost but by damping. Sources: Choi and Ko 2005 (modal warping: each node's displacement is turned
@@ -15,41 +15,37 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import native
-from ..base import Floats, Ints
+from ..base import Floats, Ints, Singles
+from ..body.lattice import POISSON
 from ..body.model import Model
 from ..body.modes import Modes, modes_of
+from ..constants import ROUNDING
 from ..material import Material
 from ..mesh.surface import Mesh
 from ..native.motion import Touch
 from .fingertip import Finger
 
-FOLLOWS = 3  # rounds in which a node's rotation is followed in a step: each squares what is left of it
 After = Callable[[Floats], tuple[Floats, Floats]]
 STILL = 1e-6  # [m] that no vertex sways beyond: it is at rest
 
 
 class Push(NamedTuple):
-    """What a fingertip does to a body.
+    """What something does to some vertices (p,) of a body that it touches.
 
-    place: (3,) where it acts [m].
-    force: (3,) on the body [N].
-    slope: (3, 3) by how much less that is for each metre that the surface gives way [N/m].
+    vertices: of the mesh that sways.
+    forces: (p, 3) on them [N].
+    slopes: (p,) by how much less those are for each metre that the surface gives way to them [N/m].
     """
 
-    place: Floats
-    force: Floats
-    slope: Floats
+    vertices: Ints
+    forces: Floats
+    slopes: Floats
 
 
-def push_of(touch: Touch, finger: Finger) -> Push:
-    """Return what a fingertip that touches does to a body; one that a force pushes keeps that.
-
-    Source: Mindlin, who has two thirds of the slope along the surface.
-    """
-    outward = np.array(touch.outward)
+def push_of(touch: Touch, finger: Finger, mesh: Mesh) -> Push:
+    """Return what a fingertip that touches does to a body; one that a force pushes keeps that."""
     slope = touch.slope if finger.force is None else 0.0
-    place = np.array(touch.centre) - finger.radius * outward
-    return Push(place, -np.array(touch.force), slope * (2 / 3 * np.eye(3) + np.outer(outward, outward) / 3))
+    return Push(mesh.triangles[touch.triangle], np.tile(touch.force, (3, 1)) / -3, np.full(3, slope / 3))
 
 
 class Sway:
@@ -60,7 +56,7 @@ class Sway:
 
     def __init__(
         self, mesh: Mesh, held: Floats, modes: Modes, *, frequency: float, density: float, damping: float,
-        amount: float = 1.0, gravity: Sequence[float] | Floats = (0.0, 0.0, 0.0),
+        amount: float = 1.0, gravity: Sequence[float] | Floats = (0.0, 0.0, 0.0), young: float = 0.0,
     ) -> None:  # fmt: skip
         """Begin at rest.
 
@@ -71,15 +67,19 @@ class Sway:
             density: [kg/m3].
             damping: ratio.
             gravity: (3,) [m/s2]; the body has its shape at rest in it.
+            young: the modulus of its skin where that is stiffest, beyond the knee [Pa].
         """
         self.mesh, self.held, self.modes, self.amount = mesh, held, modes, amount
         self._rates = modes.rates * (2 * math.pi * frequency / modes.rates[0])
-        self._damping, self._density = damping, density
+        self._damping, self._density, self._young = damping, density, young
         self._gravity = self._modelled = np.asarray(gravity, np.float64)  # now, and in which it has its shape at rest
         rest = mesh.rest_positions
         self._anchors, self._near = _anchors(modes, rest)
         self._arms = rest[self._anchors]
         self._middles = self._near @ self._arms
+        moment = self._moments(self._arms, self._middles)
+        size = np.einsum("mii->m", moment)[:, None, None] + 1e-30
+        self._yields = size * np.linalg.inv((1 + ROUNDING) * size * np.eye(3) - moment)
         self._flat = modes.shapes.reshape(len(modes.rates), -1)
         self._loads = self._flat * np.repeat(modes.volume, 3)
         self._reach = np.abs(self._flat).max(axis=1)
@@ -119,12 +119,30 @@ class Sway:
         at = self._follow(led)
         speed = (at - self._at) / seconds
         before, self._at, self._speed = (speed if self._speed is None else self._speed), at, speed
-        pull = np.einsum("mji,mj->mi", self._turn, self._gravity - (speed - before) / seconds) - self._modelled
+        kick = np.einsum("mji,mj->mi", self._turn, before - speed)  # at once: however long the steps, alike
+        pull = self._gravity @ self._turn - self._modelled
+        self._v = self._v + self._loads @ kick.ravel()
         self._swing(self._loads @ pull.ravel(), seconds, pushes)
 
-    def displacement(self) -> Floats:
+    def met(self, impulses: Floats, seconds: float, vertices: Ints | None) -> Push:
+        """Return what other surfaces do to vertices that they touch.
+
+        Args:
+            impulses: (m, 3) that they gave in some seconds [N s].
+            vertices: (m,) of the mesh that got them, None for all.
+
+        Source: Sneddon 1965, whose slope 2 E / (1 - nu^2) a for a contact of radius a is that of a tip of any form.
+        """
+        size = np.linalg.norm(impulses, axis=1)
+        touched = np.flatnonzero(size)
+        at = touched if vertices is None else vertices[touched]
+        radius = math.sqrt(float(self.mesh.vertex_areas[at].sum()) / math.pi)
+        slope = 2 * self._young / (1 - POISSON**2) * radius
+        return Push(at, impulses[touched] / seconds, slope * size[touched] / max(float(size.sum()), 1e-30))
+
+    def displacement(self) -> Singles:
         """Return how far (n, 3) each vertex is from its place without sway [m]."""
-        return self.amount * self._carried(self.node_displacement())
+        return self._carried(self.amount * self.node_displacement())
 
     def node_displacement(self) -> Floats:
         """Return how far (m, 3) each node is from its place without sway [m]."""
@@ -132,12 +150,12 @@ class Sway:
         warped = _warped(np.einsum("kma,k->ma", self.modes.turns, self._q), linear)
         return np.einsum("mij,mj->mi", self._turn, warped)
 
-    def velocity(self) -> Floats:
+    def velocity(self) -> Singles:
         """Return how fast (n, 3) each vertex sways [m/s]."""
         swings = np.einsum("mij,mj->mi", self._turn, (self._v @ self._flat).reshape(-1, 3))
-        return self.amount * self._carried(swings)
+        return self._carried(self.amount * swings)
 
-    def _carried(self, nodes: Floats) -> Floats:
+    def _carried(self, nodes: Floats) -> Singles:
         """Return what the vertices (n, 3) have of values (m, 3) of the nodes."""
         return native.carry_by_nodes(native.library(), self.modes.nodes, self.modes.shares, nodes)
 
@@ -145,14 +163,17 @@ class Sway:
         """Return the places of the nodes (m, 3) without sway, and turn them along."""
         here = led[self._anchors]
         middle = self._near @ here
-        outer = (here[:, :, None] * self._arms[:, None, :]).reshape(-1, 9)
-        moment = (self._near @ outer).reshape(-1, 3, 3) - middle[:, :, None] * self._middles[:, None, :]
-        for _ in range(FOLLOWS):
-            left = moment @ self._turn.transpose(0, 2, 1)
-            torque = np.stack([left[:, i - 1, i - 2] - left[:, i - 2, i - 1] for i in range(3)], axis=1)
-            size = np.abs(left[:, 0, 0] + left[:, 1, 1] + left[:, 2, 2]) + 1e-30
-            self._turn = _rotation(torque / size[:, None]) @ self._turn
+        moment = self._moments(here, middle)
+        left = self._turn.transpose(0, 2, 1) @ moment
+        torque = np.stack([left[:, i - 1, i - 2] - left[:, i - 2, i - 1] for i in range(3)], axis=1)
+        size = np.abs(np.einsum("mii->m", left)) + 1e-30
+        self._turn = self._turn @ _rotation(np.einsum("mij,mj,m->mi", self._yields, torque, 1 / size))
         return middle + np.einsum("mij,mj->mi", self._turn, self.modes.lattice.nodes - self._middles)
+
+    def _moments(self, here: Floats, middle: Floats) -> Floats:
+        """Return what the anchors (a, 3) about each node (m, 3, 3) come to with their places at rest [m2]."""
+        outer = (here[:, :, None] * self._arms[:, None, :]).reshape(-1, 9)
+        return (self._near @ outer).reshape(-1, 3, 3) - middle[:, :, None] * self._middles[:, None, :]
 
     def _swing(self, load: Floats, seconds: float, pushes: Sequence[Push]) -> None:
         """Advance every mode exactly under a constant load; what pushes gives way to the surface as that moves."""
@@ -168,28 +189,30 @@ class Sway:
             return q, decay * ((b * swing - z * rate * a) * c - (a * swing + z * rate * b) * s)
 
         if pushes:
-            load = load + self._answer(load, after, (1 - decay * (c + z * rate / swing * s)) / rate**2, pushes)
+            push = Push(*map(np.concatenate, zip(*pushes, strict=True)))
+            load = load + self._answer(load, after, (1 - decay * (c + z * rate / swing * s)) / rate**2, push)
         self._q, self._v = after(load)
 
-    def _answer(self, load: Floats, after: After, gain: Floats, pushes: Sequence[Push]) -> Floats:
-        """Return the load (k,) of what pushes, each less by its slope times how far the surface has gone by then."""
-        ways = [self._way(push) for push in pushes]
-        total = np.zeros_like(load)
-        q = after(load)[0]
-        for push, way in zip(pushes, ways, strict=True):
-            moved, yields = way @ (q - self._q), (way * gain) @ way.T / self._density
-            force = np.linalg.solve(np.eye(3) + push.slope @ yields, push.force - push.slope @ moved)
-            total += way.T @ force / self._density
-        return total
+    def _answer(self, load: Floats, after: After, gain: Floats, push: Push) -> Floats:
+        """Return the load (k,) of a push, less by its slopes times how far the surface has gone by then.
 
-    def _way(self, push: Push) -> Floats:
-        """Return how far (3, k) each mode moves the surface where something pushes."""
-        now = self._at + self.node_displacement()
-        far = 2 * self.modes.lattice.sides.max()
-        near = np.clip(1 - ((now - push.place) ** 2).sum(axis=1) / far**2, 0, None) ** 2
-        near /= max(near.sum(), 1e-30)
-        local = np.einsum("m,mij,kmj->ik", near, self._turn, self.modes.shapes)
-        return self.amount * local
+        Source: Mindlin, who has two thirds of the slope along the surface.
+        """
+        _, forces, slopes = push
+        ways = self._ways(push.vertices)
+        outward = forces / np.maximum(np.linalg.norm(forces, axis=1, keepdims=True), 1e-30)
+        yields = 2 / 3 * ways + np.einsum("pi,pj,pjk->pik", outward, outward, ways) / 3
+        flat = ways.reshape(-1, len(load)).T / self._density
+        resists = flat @ (slopes[:, None, None] * yields).reshape(-1, len(load))
+        left = flat @ forces.ravel() - resists @ (after(load)[0] - self._q)
+        return np.linalg.solve(np.eye(len(load)) + resists * gain, left)
+
+    def _ways(self, vertices: Ints) -> Floats:
+        """Return how far (p, 3, k) each mode moves some vertices."""
+        nodes, shares = self.modes.nodes[vertices], self.modes.shares[vertices]
+        turned = (self.amount * shares[:, :, None, None] * self._turn[nodes]).transpose(0, 2, 1, 3)
+        shapes = self.modes.shapes.transpose(1, 2, 0)[nodes]
+        return turned.reshape(len(vertices), 3, -1) @ shapes.reshape(len(vertices), turned[0].size // 3, -1)
 
 
 def sway_of(model: Model, before: Sway | None = None) -> Sway | None:
@@ -205,6 +228,7 @@ def sway_of(model: Model, before: Sway | None = None) -> Sway | None:
     sway = Sway(
         mesh, wanted.held, modes, frequency=wanted.frequency or first_frequency(modes, material, density),
         density=density, damping=wanted.damping, amount=wanted.amount, gravity=wanted.gravity,
+        young=young(material) * max(1.0, material.K2 / material.K1),
     )  # fmt: skip
     if before and goes_on:
         sway.go_on(before)

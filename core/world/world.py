@@ -168,6 +168,10 @@ class World:
         whole = done + left
         part = self._scene.step(motions, ways, (done + 1) / whole, (done + ticks) / whole)
         self._parts.append(part)
+        ends = np.cumsum([len(session.body.model.mass) for session in sessions])
+        for session, frame, given in zip(sessions, part.frames, np.split(part.given, ends), strict=False):
+            if frame.moved:
+                session.meet(given, frame.ticks * session.clock.tick)
         if not all(frame.finite for frame in part.frames):
             for i, at in enumerate(self._at):
                 self._scene.set_collider(i, at)

@@ -12,7 +12,6 @@ from ...core.constants import MAX_FINGERTIPS
 from ...core.messages import about, in_a_row, kept
 from ...core.reduction.proxy_rule import Plan, plan, plan_full_mesh, plan_proxy
 from ...core.steps import Parts
-from ..bridge import modifiers
 from . import colliders
 
 if TYPE_CHECKING:
@@ -51,9 +50,7 @@ def choosing(scene: bpy.types.Scene, obj: bpy.types.Object) -> Callable[[Model],
     radius = radius_mm / 1e3
 
     def by_settings(model: Model) -> Plan:
-        # cells may bridge a fold; and what carries the skin of a proxy knows one shape at rest
-        bent = model.rigged and not (model.sway and not modifiers.is_shaped(obj))
-        because = "For self contact" if wanted["self_contact"] else "For its rig" if bent else ""
+        because = "For self contact" if wanted["self_contact"] else ""  # cells may bridge a fold
         if because or wanted["simulated"] == "mesh":
             return plan_full_mesh(model, budget=budget, because=because or "As chosen")
         if wanted["simulated"] == "proxy":

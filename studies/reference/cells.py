@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.base import Bools, Floats, Ints
+from core.base import Bools, Floats, Ints, Shorts
 from core.constants import FOLLOWED, LANES
-from core.native.carry import Shorts
 from core.reduction.binding import WHOLE
 
 

@@ -88,12 +88,15 @@ class Twin:
         painted = maps and np.column_stack([maps.stiffer, maps.deeper])
         return rest_surface(fine.mesh, fine.laws, painted, float(self.model.matching.mass.sum()), order)
 
-    def set_rest(self, rest: Floats, rate: Floats | None = None) -> None:
-        """Give the living body another shape at rest (3, n) [m]: at a rate (3, n) [m/s] in the next motion, or at once.
+    def set_rest(self, rest: Floats, rate: Floats | None = None, *, gain: Floats | None = None) -> None:
+        """Give the living body another shape at rest (3, n) [m]: at a rate (3, n) [m/s] in the next motion, or at once;
+        its speeds grow by a gain (3, n) [m/s].
 
         Raises:
             ValueError: a proxy, which has a surface of its own.
         """
+        if gain is not None:
+            self._state.velocities += np.where(self.model.inverse_mass > 0, gain, 0.0)
         if len(self._fine.mesh.rest_positions) != len(self.model.mesh.rest_positions):
             raise ValueError("a proxy has a surface of its own")
         self._moved, self._rest_rate, self._rest = np.array(rest), rate, Rest()

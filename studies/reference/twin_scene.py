@@ -98,6 +98,7 @@ class TwinScene:
         self._queries = self._most_pairs = self._most_touching = self._truncated = 0
         self._taken = self._held_back = 0.0
         self._gap, self._impulses = np.inf, np.zeros((len(self._part), 6))
+        self._given = np.zeros((len(self._surfaces.of_vertex), 3))
         self._due |= self._props.take(ways, self._here, self._rates)
         calls = [body.begin(motion) for body, motion in zip(self._bodies, motions, strict=True)]
         for body in self._bodies:
@@ -113,6 +114,7 @@ class TwinScene:
         return SceneFrame(
             frames, done, self._queries, self._most_pairs, self._most_touching, self._truncated, self._taken,
             self._held_back, self._gap, self._impulses[:, :3], self._impulses[:, 3:],
+            self._given[: self._part[len(self._bodies) - 1].stop],
         )  # fmt: skip
 
     def _run_tick(self, calls: Sequence[Call], ways: Sequence[Way], share: float) -> None:
@@ -324,6 +326,7 @@ class TwinScene:
         resist(self._turning, sides, np.einsum("mc,mc->m", passed, meetings.normal), self._dt, sleeps)
         self._props.answer(sides, meetings.point, passed)
         given = np.concatenate([passed, np.cross(meetings.point, passed)], axis=1)
+        np.add.at(self._given, meetings.at, meetings.weights[:, :, None] * passed[:, None])
         np.add.at(self._impulses, sides[:, 0], given)
         np.subtract.at(self._impulses, sides[:, 1], given)
         self._touched = np.isin(np.arange(len(self._part)), sides[active])

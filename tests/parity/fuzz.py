@@ -188,8 +188,8 @@ class Scenes:
                 self.fuzzer.fill(prop, 1)
                 way.prop = ctypes.addressof(prop)
         frames, first, last = (CFrame * len(bodies))(), *rng.uniform(0, 1, 2).tolist()
-        out, passed = address(CSceneFrame()), self.fuzzer.array("passed", 8)
-        code = int(library.dm_scene_step(handle, motions, ways, first, last, frames, out, passed))
+        out, passed, given = address(CSceneFrame()), self.fuzzer.array("passed", 8), self.fuzzer.array("given", 8)
+        code = int(library.dm_scene_step(handle, motions, ways, first, last, frames, out, passed, given))
         for frame in frames:
             check(frame)
         return code

@@ -71,7 +71,8 @@ def moved(name: str, backend: str) -> tuple[Floats, float, list[Any]]:
     end = bent(rest)
     if model.pinned.any():
         motion = motion._replace(pins=PinMotion(rest[:, model.pinned], end[:, model.pinned], 1 / 6, 1.0))
-    body.set_rest(end, (end - rest) / (6 * TICK))
+    rate = (end - rest) / (6 * TICK)
+    body.set_rest(end, rate, gain=rate / 2)
     frames = [body.step(motion), body.step(motion._replace(pins=None, fingertips=()))]
     body.set_rest(rest)
     frames.append(body.step(motion._replace(pins=None)))

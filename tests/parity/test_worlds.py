@@ -84,6 +84,7 @@ def test_a_sheet_slides_alike_over_squares_finer_than_its_own() -> None:
     for _ in range(2):
         found = [scene.step([Motion(5, model.substeps(1e-3), 1e-3)], [None], 0.1, 1.0) for scene in scenes]
         assert np.abs(found[0].impulses - found[1].impulses).max() < 1e-9 < np.abs(found[0].impulses[0]).max()
+        assert np.abs(found[0].given - found[1].given).max() < 1e-9 < np.abs(found[0].given).max()
         assert np.abs(own.positions() - twin.positions()).max() < 1e-9
 
 

@@ -94,14 +94,24 @@ def test_a_body_that_is_reset_is_as_before_it_was_bent() -> None:
     assert len(points) == len(rest)
 
 
-def test_bent_with_a_proxy_a_body_is_simulated_in_full() -> None:
-    body = model(4)
-    session = Session(body, proxy=build_proxy(body, 300))
-    rest = session.positions().astype(np.float64)
-    session.set_rest(rest * (1, 1.1, 1))
-    assert session.proxy is None
-    session.step(0.1)
-    assert np.ptp(session.positions()[:, 1]) > 1.05 * np.ptp(rest[:, 1])
+def test_a_proxy_bends_with_its_rig_and_is_pressed_there_as_its_mesh() -> None:
+    body = model(5, rigged=True)
+    full, proxied = Session(body), Session(body, proxy=build_proxy(body, 2500))
+    rest = full.positions().astype(np.float64)
+    for frame in range(20):
+        bent = rest * (1, 1, 1 + 0.2 * min(frame / 8, 1))
+        top = bent[:, 2].max()
+        for session in (full, proxied):
+            session.set_rest(bent)
+            tip = Finger((0, 0, top + 0.009 - 0.008 * (frame - 10) / 9), 0.01)
+            session.set_fingers([tip if frame > 10 else None])
+            session.step(1 / 24)
+        if frame == 10:
+            assert np.abs(proxied.positions() - bent).max() < 1e-3 * SIZE
+    assert proxied.proxy
+    assert proxied.frame.depths[0] == pytest.approx(full.frame.depths[0], rel=0.02)
+    assert proxied.frame.pushes[0] == pytest.approx(full.frame.pushes[0], rel=0.04)
+    assert np.abs(proxied.positions() - full.positions()).max() < 0.15 * full.frame.depths[0]
 
 
 def test_a_shape_at_rest_that_is_none_is_refused() -> None:

@@ -1,6 +1,7 @@
 """A body sways as solids do: modes against closed forms, exact in time, and nothing grows."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,11 @@ from core.body.model import build_model
 from core.body.modes import modes_of
 from core.material import FINGERTIP, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
+from core.recording.basis import reduce
+from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
 from core.session.sway import Sway, young
+from core.world import Collider, World
 
 JELLY = Material(K1=300, K2=675, x0=0.01, k=500, density=1040, fill="solid", indenter=FINGERTIP)
 
@@ -189,6 +193,70 @@ def test_pushed_by_a_fingertip_nothing_grows(seconds: float) -> None:
         body.step(seconds)
         largest.append(body.frame.depths[0])
     assert max(largest[len(largest) // 2 :]) <= 1.05 * max(largest[: len(largest) // 2])
+
+
+@pytest.mark.parametrize("damping", [0.1, 0.0])
+def test_a_body_leans_away_from_a_collider_nothing_grows_and_it_comes_back(damping: float) -> None:
+    body, still = session(sway=(1.0, 3.0, damping, (0, 0, -9.81))), session(sway=None)
+    made = trimesh.creation.icosphere(subdivisions=3, radius=0.03)
+    worlds, forces, leans = [], [], []
+    for each in (body, still):
+        worlds.append(World([each], [Collider(np.ascontiguousarray((made.vertices + [0.116, 0, 0.02]).T), made.faces)]))
+    for frame in range(96):
+        place = made.vertices + [0.1125 - 0.02 * min(frame / 5, 1), 0, 0.02]
+        for world in worlds:
+            world.set_colliders([place])
+            world.step(1 / 24)
+        forces.append([float(np.linalg.norm(world.meeting.forces[0])) for world in worlds])
+        leans.append(float(body._rest.whole[0].mean()))
+    assert forces[-1][0] < 0.5 * forces[-1][1], "it gives way as a whole"
+    assert np.mean(leans[-24:]) < -0.003
+    assert np.std(leans[-24:]) < np.std(leans[12:36])
+    if damping:
+        for frame in range(120):
+            worlds[0].set_colliders([made.vertices + [0.1125 + 0.02 * min(frame / 5, 1), 0, 0.02]])
+            worlds[0].step(1 / 24)
+        assert np.abs(body.positions() - body.model.mesh.rest_positions[body.model.mesh.source]).max() < 1e-3
+
+
+def test_skin_that_nothing_touches_lies_on_the_swaying_shape_whether_it_is_stepped_or_not() -> None:
+    stepped, rides = session(), session()
+    at = stepped.model.mesh.rest_positions[stepped.model.mesh.source]
+    for frame in range(30):
+        led = at + [0.04 * min(frame / 4, 1), 0, 0]
+        stepped.set_fingers([Finger((1.0, 1.0, 1.0), 0.010)])
+        for body in (stepped, rides):
+            body.set_pins(led)
+            body.set_rest(led)
+            body.step(1 / 24)
+        assert np.abs(stepped.positions() - rides.positions()).max() < 2e-4
+    assert rides.rides and not stepped.rides
+
+
+def test_a_proxy_that_sways_differs_from_its_mesh_by_no_more_than_one_that_does_not() -> None:
+    mesh, apart = ball(subdivisions=5), []
+    for sway in (None, (1.0, 3.0, 0.2, (0, 0, -9.81))):
+        model = build_model(mesh, [replace(JELLY, friction=0.0)], pinned=base_vertices(mesh), sway=sway)
+        full, proxied = Session(model), Session(model, proxy=build_proxy(model, 2500))
+        for frame in range(24):
+            for body in (full, proxied):
+                body.set_fingers([Finger((0.0825 + 0.01 - 0.015 * min(frame / 10, 1), 0, 0), 0.010)])
+                body.step(1 / 24)
+        assert proxied.frame.pushes[0] == pytest.approx(full.frame.pushes[0], rel=0.04)
+        apart.append(float(np.abs(proxied.positions() - full.positions()).max()))
+    assert apart[1] < 1.2 * apart[0], apart
+
+
+def test_a_sway_ships_as_fewer_shape_keys_than_it_has_modes() -> None:
+    body = session()
+    at, away = body.model.mesh.rest_positions[body.model.mesh.source], []
+    for frame in range(72):
+        led = at + [0.04 * min(frame / 4, 1), 0, 0]
+        body.set_rest(led)
+        body.step(1 / 24)
+        away.append(body.positions() - led)
+    assert np.abs(away).max() > 0.01
+    assert len(reduce(np.array(away, np.float32), 1e-4).shapes) <= 10
 
 
 def test_young_is_that_of_hertz() -> None:

@@ -103,6 +103,49 @@ def test_frame_rates_sway_alike(bpy: ModuleType, scene: Any, ball: Ball, shown: 
     assert np.abs(np.array(ends) - ends[0]).max() < 0.005 * 2
 
 
+def test_a_keyframed_collider_pushes_the_sway_and_a_bake_equals_play(
+    bpy: ModuleType, scene: Any, ball: Ball, add: Add, shown: Shown
+) -> None:
+    obj, hand, leans, last = jelly(ball(subdivisions=3), sway_hz=2.0), add(name="Hand"), [], None
+    hand.dimple.collider, hand.scale = True, (0.2, 0.6, 0.3)
+    hand.select_set(False)
+    for frame, x in ((1, 1.25), (7, 0.9)):
+        hand.location = (x, 0, 0.3)
+        hand.keyframe_insert("location", frame=frame)
+    for sway in (0.0, 1.0):
+        obj.dimple.sway = sway
+        last = baked_top(bpy, obj, shown, 13)[-1]
+        leans.append(last[0])
+    assert leans[1] < leans[0] - 0.05, leans
+    bpy.ops.dimple.unbake()
+    scene.frame_set(1)
+    top = int(shown(obj)[:, 2].argmax())
+    bpy.ops.dimple.play(frames=12)
+    assert np.abs(np.array(obj.matrix_world @ bpy_vector(bpy, shown(obj)[top])) - last).max() < 1e-5
+    bpy.ops.dimple.reset()
+
+
+def test_what_can_be_driven_is_followed_and_what_is_read_once_cannot_be_driven(
+    bpy: ModuleType, scene: Any, ball: Ball, shown: Shown
+) -> None:
+    obj = jelly(ball(subdivisions=3), sway_hz=3.0)
+    for name in ("pin_group", "size_mode", "size_mm"):
+        assert not obj.dimple.bl_rna.properties[name].is_animatable, name
+        with pytest.raises(TypeError):
+            obj.dimple.driver_add(name)
+    obj.dimple.driver_add("sway").driver.expression = "1.0 if frame < 24 else 0.25"
+    obj.location.x = 0.0
+    for frame, x in ((40, 0.0), (44, 40.0 / (165.0 / max(obj.dimensions)))):
+        obj.location.x = x
+        obj.keyframe_insert("location", frame=frame)
+    driven = baked_top(bpy, obj, shown, 60)[:, 0]
+    obj.dimple.driver_remove("sway")
+    obj.dimple.sway = 1.0
+    whole = baked_top(bpy, obj, shown, 60)[:, 0]
+    away, before = np.abs(driven[44:] - driven[44:].mean()).max(), np.abs(whole[44:] - whole[44:].mean()).max()
+    assert away < 0.5 * before
+
+
 def curves(obj: Any) -> Any:
     action = obj.animation_data.action
     if hasattr(action, "fcurves"):
