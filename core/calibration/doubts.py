@@ -9,11 +9,10 @@ import numpy as np
 
 from ..base import Floats
 from ..messages import Message
-from .beginning import SURE
-from .fit import Fit
+from .fit import Fit, slope_of
 from .press import LoadingCurve
 from .table import MIN_ROWS
-from .two_pieces import slope_of
+from .touch import SURE
 
 NOTICEABLE_FORCE = (0.06, 0.08)  # just-noticeable difference of a force, as a share of it: from, to
 _PARTS = 20  # of the depth, over which points are averaged: their noise is no error of a curve

@@ -17,8 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import DimpleError, Floats
-from .fit import Constant
-from .two_pieces import slope_of
+from .fit import Constant, slope_of
 
 _CLEAR = 0.05  # of the deepest: nearer the touch the tension is 0/0, all of it noise
 PAPER_ASSUMES = (

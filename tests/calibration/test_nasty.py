@@ -36,7 +36,7 @@ FILES = {
     "words for no number": (H, lambda i, d, f: f"{d:.5f},{'NaN' if i % 7 == 0 else f'{f:.5f}'}", "right"),
     "a number for no number": (H, lambda i, d, f: f"{d:.5f},{-9999 if i % 20 == 0 else f:.5f}", "right"),
     "a run of numbers for no number": (H, lambda i, d, f: f"{d:.5f},{-9999 if 50 < i < 60 else f:.5f}", "refused"),
-    "a force that drops out": (H, lambda i, d, f: f"{d:.5f},{0 if 150 < i < 170 else f:.5f}", "warned"),
+    "a force that drops out": (H, lambda i, d, f: f"{d:.5f},{0 if 150 < i < 170 else f:.5f}", "right"),
     "a load cell at its end": (H, lambda i, d, f: f"{d:.5f},{min(f, 25):.5f}", "warned"),
     "dates first": (
         f"Timestamp,{H}", lambda i, d, f: f"2024-12-26T10:{i // 60:02d}:{i % 60:02d}.1,{d:.5f},{f:.5f}", "right"),

