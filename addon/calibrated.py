@@ -23,7 +23,7 @@ def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
         lines.append((iface_("Damping Ratio"), f"≈ {record['damping_ratio_hint']:.2f}"))
     lines.append((iface_("Residual"), iface_("{} of full scale").format(f"{record['residual_share']:.1%}")))
     if miss := record.get("largest_error"):
-        lines.append((iface_("Largest Error from Points"), f"{miss['share']:.1%}"))
+        lines.append((iface_("Largest Error from Points"), f"{miss:.1%}"))
     if units := record.get("column_units"):
         for role, label in (("depth", "Depth Column"), ("force", "Force Column")):
             number = record["column_numbers"][role]
@@ -69,6 +69,6 @@ def _surface(record: dict[str, Any]) -> list[tuple[str, str]]:
     if paper["value"] is not None:
         lines.append((iface_("k, Eqs. 9, 10"), f"{paper['value']:.4g} N/mm"))
     if balance["value"] is not None:
-        lines.append((iface_("k, Force Balance"), f"{_plus_minus(balance['value'], 1.96 * balance['se'])} N/mm"))
+        lines.append((iface_("k, Force Balance"), f"{_plus_minus(balance['value'], balance['half_width'])} N/mm"))
         lines.append((iface_("Pretension"), f"{balance['pretension']:.3g} N"))
     return lines

@@ -20,6 +20,8 @@ from core.material import POINT, TIPS, Indenter
 from .calibration_plot import save_plot
 
 DONE, OPEN = 0, 3  # exit codes
+SIGNS = ("positive", "negative")
+CHOICES = {"decimal": (".", ","), "press": SIGNS, "inward": SIGNS, "order": ("written", "reversed")}
 
 
 def add_command(command: argparse.ArgumentParser) -> None:
@@ -39,17 +41,17 @@ def add_command(command: argparse.ArgumentParser) -> None:
         ("force_column", str, "header or number of the column of force"),
         ("depth_unit", str, "mm, m, um, in..."),
         ("force_unit", str, "N, gf, kgf, mN, kN, lbf..."),
-        ("decimal", str, "the decimal mark, . or ,"),
+        ("decimal", str, "the decimal mark"),
         ("table", int, "which of several tables, counted from 1"),
-        ("press", str, "sign of a pressing force, positive or negative"),
-        ("inward", str, "sign of a depth that grows as the tip goes in, positive or negative"),
-        ("order", str, "whether the rows stand as they were written or are reversed: written or reversed"),
+        ("press", str, "sign of a pressing force"),
+        ("inward", str, "sign of a depth that grows as the tip goes in"),
+        ("order", str, "whether the rows stand as they were measured or the other way round"),
         ("cycle", int, "which of several presses, counted from 1"),
         ("contact_mm", float, "reading of the depth at first touch"),
         ("from_mm", float, "reading of the depth before which rows are left out"),
         ("until_mm", float, "reading of the depth beyond which rows are left out, of a torn specimen"),
     ):
-        answers.add_argument(option(name), type=kind, help=text)
+        answers.add_argument(option(name), type=kind, choices=CHOICES.get(name), help=text)
 
 
 def option(name: str) -> str:
@@ -83,12 +85,15 @@ def run(options: argparse.Namespace) -> int:
 
 def to_lines(calibration: Calibration) -> list[str]:
     """Return a calibration as lines of text."""
-    c, fit, loading = calibration, calibration.fit, calibration.loading
+    c, fit, loading, m = calibration, calibration.fit, calibration.loading, calibration.measurement
     slopes = "two slopes" if fit.model == "two" else "one slope"
     lines = [f"{c.measurement.source}: {slopes} through {fit.rows} rows up to {fit.full_scale:.4g} N"]
     lines.append(f"  K1 = {fit.K1.text(1e3)} N/mm (95 %)")
     lines.append(f"  K2 = {fit.K2.text(1e3)} N/mm")
     lines.append(f"  x0 = {fit.x0.text(1e-3)} mm")
+    lines.append(f"  first touch at {loading.reading(0.0):.4g} mm of the file, tare {loading.tare:.4g} N")
+    named = zip(("depth", "force"), (m.depth_header, m.force_header), m.columns, m.units, strict=True)
+    lines += [f"  the {role} is “{name}” (column {number}) in {unit}" for role, name, number, unit in named]
     lines.append(f"  residual {100 * fit.misfit:.2f} % of full scale (RMS){_miss_text(c.miss)}")
     if loading.damping_ratio is not None:
         lost = 100 * (loading.loss or 0)

@@ -19,9 +19,8 @@ import numpy as np
 from core.base import DimpleError, Floats
 from core.body.model import build_model
 from core.calibration.calibrate import Calibration, calibrate
-from core.calibration.export import write_press
 from core.calibration.surface_constant import string_balance
-from core.calibration.virtual_press import find_site, press_rows
+from core.calibration.virtual_press import find_site, press_rows, write_press
 from core.material import PRESETS, Preset
 from core.mesh.surface import base_vertices
 

@@ -13,11 +13,11 @@ from ..base import DimpleError
 from ..material import POINT, Indenter, law_force, law_power
 from ..messages import Message
 from .doubts import Miss, doubts, largest_miss
-from .fit import Constant, Fit
+from .fit import Fit
 from .measurement import Measurement, read_measurement
 from .press import LoadingCurve, check_loss, prepare
 from .question import Answers
-from .surface_constant import BALANCE_ASSUMES, PAPER_ASSUMES, Surface, surface_constants
+from .surface_constant import Surface, surface_constants
 from .touch import settle
 
 
@@ -75,9 +75,8 @@ def calibrate(
             raise DimpleError("The {name} of the object must be a number greater than 0.", name=Message(name))
     measurement = read_measurement(path, answers)
     loading, fit = settle(prepare(measurement, answers), answers)
-    gained = check_loss(loading, measurement.timed or bool(answers and answers.order))
+    gained = check_loss(loading, bool(answers and answers.order))
     miss = largest_miss(loading.depth, loading.force, fit.law(loading.depth))
-    notes = (_columns(measurement), *measurement.notes, *loading.notes, _touch(loading, answers))
     surface = None
     if length is not None:
         surface = surface_constants(
@@ -91,12 +90,12 @@ def calibrate(
         tip=tip,
         surface=surface,
         miss=miss,
-        notes=notes,
+        notes=(*measurement.remarks.notes, *loading.remarks.notes),
         warnings=(
-            *measurement.warnings,
-            *loading.warnings,
+            *measurement.remarks.warnings,
+            *loading.remarks.warnings,
             *gained,
-            *doubts(fit, loading, length, miss, _as_solid(fit, loading, tip)),
+            *doubts(fit, loading, miss, _as_solid(fit, loading, tip)),
         ),
     )
 
@@ -139,91 +138,32 @@ def source_of_k(calibration: Calibration) -> str:
     return Message("k {k} N/mm (95 %) by the force balance", k=surface.k.text(1e3))
 
 
-def _columns(measurement: Measurement) -> str:
-    """Return a message about the columns and units that were taken."""
-    m = measurement
-    named = (m.depth_header, m.force_header)
-    depth, force = (
-        Message("“{name}” (column {number}) in {unit}", name=name, number=number, unit=unit)
-        for name, number, unit in zip(named, m.columns, m.units, strict=True)
-    )
-    return Message("The depth is {depth}, the force {force}.", depth=depth, force=force)
-
-
-def _touch(loading: LoadingCurve, answers: Answers | None) -> str:
-    """Return a message about the touch and the tare that were taken."""
-    touch, tare = f"{loading.reading(0.0):.4g}", f"{loading.tare:.4g}"
-    if answers and answers.contact_mm is not None:
-        return Message(
-            "The first touch is at {touch} mm of the file, as given, the tare {tare} N.", touch=touch, tare=tare
-        )
-    return Message("The first touch is at {touch} mm of the file, the tare {tare} N.", touch=touch, tare=tare)
-
-
 def to_record(calibration: Calibration) -> dict[str, Any]:
     """Return a calibration as it is kept in a file: slopes in N/mm, depths in mm, forces in N; JSON can hold it."""
-    c, fit, loading = calibration, calibration.fit, calibration.loading
-    two = fit.model == "two"
-    return {
-        "source": c.measurement.source,
-        "model": fit.model,
-        "K1": fit.K1.value / 1e3,
-        "K2": fit.K2.value / 1e3,
-        "x0": fit.x0.value * 1e3,
-        "K1_se": fit.K1.error / 1e3,
-        "K2_se": fit.K2.error / 1e3,
-        "x0_se": fit.x0.error * 1e3 if two else None,
-        "K1_interval": _interval(fit.K1, 1e3),
-        "K2_interval": _interval(fit.K2, 1e3),
-        "x0_interval": _interval(fit.x0, 1e-3) if two else None,
-        "units": {"K1": "N/mm", "K2": "N/mm", "x0": "mm", "k": "N/mm", "force": "N", "interval": "95 %"},
-        "knee": {"bic_gain": fit.knee_bic},
-        "residual_rms": fit.noise,
+    c, fit, loading, m = calibration, calibration.fit, calibration.loading, calibration.measurement
+    record: dict[str, Any] = {"source": m.source, "model": fit.model}
+    for name, unit in (("K1", 1e3), ("K2", 1e3), ("x0", 1e-3)):
+        constant = getattr(fit, name)
+        ends = [(constant.value + sign * constant.half_width) / unit for sign in (-1, 1)]
+        record |= {name: constant.value / unit, f"{name}_se": constant.error / unit, f"{name}_interval": ends}
+    return record | {
         "residual_share": fit.misfit,
-        "residual_correlation": fit.correlation,
         "full_scale": fit.full_scale,
         "deepest": loading.depth.max() * 1e3,
-        "rows": fit.rows,
-        "largest_error": _miss(c.miss),
+        "largest_error": c.miss and c.miss.share,
         "contact": loading.reading(0.0),
-        "contact_se": fit.contact.error * 1e3 or None,
         "tare": loading.tare,
-        "cycle": loading.cycle,
-        "cycles": loading.cycles,
         "loss": None if loading.loss is None else max(loading.loss, 0.0),
         "damping_ratio_hint": loading.damping_ratio,
-        "columns": {"depth": c.measurement.depth_header, "force": c.measurement.force_header},
-        "column_numbers": {"depth": c.measurement.columns[0], "force": c.measurement.columns[1]},
-        "column_units": {"depth": c.measurement.units[0], "force": c.measurement.units[1]},
+        "columns": {"depth": m.depth_header, "force": m.force_header},
+        "column_numbers": {"depth": m.columns[0], "force": m.columns[1]},
+        "column_units": {"depth": m.units[0], "force": m.units[1]},
         "tip": c.tip.shape,
         "tip_radius": c.tip.radius * 1e3,
         "length": None if c.length is None else c.length * 1e3,
-        "k": _surface(c),
+        "k": c.surface and c.surface.to_record(),
         "provenance": provenance(c),
         "source_of_k": source_of_k(c),
         "notes": list(c.notes),
         "warnings": list(c.warnings),
     }
-
-
-def _miss(miss: Miss | None) -> dict[str, float] | None:
-    """Return the largest error of the law against the measured points: a share of the force, [N], [mm]."""
-    return None if miss is None else {"share": miss.share, "error": miss.error, "depth": 1e3 * miss.depth}
-
-
-def _surface(c: Calibration) -> dict[str, Any] | None:
-    """Return k [N/mm] both ways, None where the object's length is not known."""
-    if c.surface is None:
-        return None
-    paper, balance = c.surface.paper_k, c.surface.balance_k
-    return {
-        "equations_9_10": {"value": None if paper is None else paper / 1e3, "assumes": PAPER_ASSUMES},
-        "force_balance": {
-            "value": balance and balance.value / 1e3, "se": balance and balance.error / 1e3,
-            "pretension": c.surface.pretension, "assumes": BALANCE_ASSUMES,
-        },
-    }  # fmt: skip
-
-
-def _interval(constant: Constant, per: float) -> list[float]:
-    return [(constant.value - constant.half_width) / per, (constant.value + constant.half_width) / per]

@@ -62,13 +62,10 @@ def largest_miss(depth: Floats, force: Floats, expected: Floats) -> Miss | None:
     return Miss(share=float(shares[at]), error=float(me[at] - mf[at]), depth=float(mx[at]))
 
 
-def doubts(
-    fit: Fit, loading: LoadingCurve, length: float | None, miss: Miss | None, as_solid: Miss | None
-) -> Iterator[str]:
+def doubts(fit: Fit, loading: LoadingCurve, miss: Miss | None, as_solid: Miss | None) -> Iterator[str]:
     """Yield what a reader of the constants should know: of the knee, the shape, the intervals and the units.
 
     Args:
-        length: of the object [m].
         miss: largest error of the law.
         as_solid: that of the law of a solid with the same constants, None where a solid has no other.
     """
@@ -131,12 +128,6 @@ def doubts(
             "{depth:.3g} mm and {full_scale:.3g} N are unlikely for a press: check the units.",
             depth=1e3 * deepest,
             full_scale=fit.full_scale,
-        )
-    if length is not None and deepest > length:
-        yield Message(
-            "The press is {depth:.3g} mm deep, more than the object's {length:.3g} mm: check the units.",
-            depth=1e3 * deepest,
-            length=1e3 * length,
         )
     before = loading.depth < 0
     if before.sum() >= MIN_ROWS:

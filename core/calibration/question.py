@@ -1,17 +1,12 @@
-"""What a file leaves open, and what the user answers."""
+"""What a file leaves open, what the user answers, and what is said of how it was read."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..base import DimpleError
-
-_ALLOWED = {
-    "decimal": (".", ","), "press": ("positive", "negative"), "inward": ("positive", "negative"),
-    "order": ("written", "reversed"),
-}  # fmt: skip
+from ..messages import Message
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,26 +42,6 @@ class Answers:
     from_mm: float | None = None
     until_mm: float | None = None
 
-    def __post_init__(self) -> None:
-        """Refuse what is no answer."""
-        for name, allowed in _ALLOWED.items():
-            if (given := getattr(self, name)) not in (None, *allowed):
-                raise DimpleError(
-                    "The answer to “{name}” is {first} or {second} (it is {given}).",
-                    name=name,
-                    first=allowed[0],
-                    second=allowed[1],
-                    given=given,
-                )
-        for name in ("table", "cycle"):
-            if (number := getattr(self, name)) is not None and number < 1:
-                raise DimpleError(
-                    "The answer to “{name}” is counted from 1 (it is {number}).", name=name, number=number
-                )
-        for name in ("contact_mm", "from_mm", "until_mm"):
-            if (depth := getattr(self, name)) is not None and not math.isfinite(depth):
-                raise DimpleError("The answer to “{name}” is a depth in mm (it is {depth}).", name=name, depth=depth)
-
 
 class Candidate(NamedTuple):
     """A possible answer: its value, and what it means, with a preview of the data."""
@@ -75,24 +50,38 @@ class Candidate(NamedTuple):
     label: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Question:
-    """A question about one field of Answers.
+    """A question about one field of Answers, and the answers that are possible.
 
     name: the field.
     text: the question as a sentence.
-    candidates: the answers that are possible.
+    candidates: (value, what it means).
     default: the value of the likeliest, "" where none is likelier.
     """
 
-    name: str
-    text: str
-    candidates: tuple[Candidate, ...]
-    default: str = ""
+    def __init__(self, name: str, text: str, *candidates: tuple[str, str], default: str = "") -> None:
+        self.name, self.text, self.default = name, text, default
+        self.candidates = tuple(Candidate(*each) for each in candidates)
 
     def mark(self, candidate: Candidate) -> str:
         """Return what stands behind the likeliest answer, "" behind the others."""
         return " (the likeliest)" if candidate.value == self.default else ""
+
+
+class Remarks:
+    """What there is to say of how a file was read: notes, and warnings of what may be wrong."""
+
+    def __init__(self) -> None:
+        self.notes: list[str] = []
+        self.warnings: list[str] = []
+
+    def note(self, template: str, **values: Any) -> None:
+        """Note how the file was read."""
+        self.notes.append(Message(template, **values))
+
+    def warn(self, template: str, **values: Any) -> None:
+        """Warn of what may be wrong."""
+        self.warnings.append(Message(template, **values))
 
 
 class Undecided(DimpleError):

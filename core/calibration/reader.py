@@ -14,7 +14,7 @@ from pathlib import Path
 from ..base import DimpleError
 from ..messages import Message
 from .known_words_and_units import role_of, split_unit
-from .question import Candidate, Question, Undecided
+from .question import Question, Remarks, Undecided
 
 MAX_BYTES = 64 * 2**20  # a million rows: far more than an instrument writes
 MAX_LINE = 20_000  # characters
@@ -54,11 +54,8 @@ _DATE = re.compile(r"^\d{1,4}\.\d{1,2}\.\d{1,4}$")
 _WITH_UNIT = re.compile(r"^([+\-−]?[\d.,]*\d(?:[eE][+\-−]?\d+)?)\s*([^\d\s].*)$")
 
 
-def load_lines(path: str | Path) -> tuple[list[str], list[str]]:
-    """Read a text file.
-
-    Returns:
-        its lines, and notes on how they were read.
+def load_lines(path: str | Path, remarks: Remarks) -> list[str]:
+    """Return the lines of a text file.
 
     Raises:
         DimpleError: the file is missing, not a text table, or beyond the limits.
@@ -86,24 +83,15 @@ def load_lines(path: str | Path) -> tuple[list[str], list[str]]:
             lines=len(lines[longest]),
             most=MAX_LINE,
         )
-    notes = []
-    if text[-1] not in "\n\r\x1a" and len(lines) > 20 and _looks_cut(lines):
-        lines.pop()
-        notes.append("The last line breaks off and was left out.")
     if encoding not in ("utf-8", "utf-8-sig"):
-        notes.append(Message("The text was read as {encoding}.", encoding=encoding))
-    return lines, notes
+        remarks.note("The text was read as {encoding}.", encoding=encoding)
+    return lines
 
 
 def decode(data: bytes) -> tuple[str, str]:
     """Turn bytes into text; what is not Unicode is read by the code page that yields more names of columns."""
     for mark, encoding in _MARKS:
         if data.startswith(mark):
-            return data.decode(encoding, errors="replace"), encoding
-    if b"\x00" in data:
-        zeros = (data[0::2].count(0), data[1::2].count(0))
-        if max(zeros) > 0.6 * len(data) / 2 and min(zeros) < 0.1 * len(data) / 2:
-            encoding = "utf-16-be" if zeros[0] > zeros[1] else "utf-16-le"
             return data.decode(encoding, errors="replace"), encoding
     try:
         return data.decode("utf-8"), "utf-8"
@@ -131,14 +119,6 @@ def _read(path: Path) -> bytes:
         name=path.name,
         size=MAX_BYTES // 2**20,
     )
-
-
-def _looks_cut(lines: list[str]) -> bool:
-    """Return whether the last of the lines is shorter than those before it ever are in its digits or cells."""
-    last, before = lines[-1], lines[-20:-1]
-    shapes = [(line.count(","), line.count(";"), line.count("\t"), len(line.split())) for line in before]
-    shape = (last.count(","), last.count(";"), last.count("\t"), len(last.split()))
-    return shape not in shapes or len(last) < min(map(len, before))
 
 
 def _names(text: str) -> int:
@@ -250,13 +230,6 @@ def _ask_decimal(rows: Sequence[Sequence[str]], best: Dialect) -> None:
         for cell in row:
             points, commas = number(cell, "."), number(cell, ",")
             if is_row(row, best) and points is not None and commas is not None and points != commas:
-                raise Undecided(
-                    Question(
-                        name="decimal",
-                        text=Message("In “{cell}”, does the mark separate thousands or decimals?", cell=cell),
-                        candidates=(
-                            Candidate(".", f"{cell} = {points:g}"),
-                            Candidate(",", f"{cell} = {commas:g}"),
-                        ),
-                    )
-                )
+                text = Message("In “{cell}”, does the mark separate thousands or decimals?", cell=cell)
+                either = (".", f"{cell} = {points:g}"), (",", f"{cell} = {commas:g}")
+                raise Undecided(Question("decimal", text, *either))

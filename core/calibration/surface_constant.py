@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -44,6 +45,17 @@ class Surface:
         if self.paper_k is not None:
             return Constant(value=self.paper_k, error=0.0, half_width=0.0)
         return self.balance_k if self.balance_k is not None and self.balance_k.value > 0 else None
+
+    def to_record(self) -> dict[str, dict[str, Any]]:
+        """Return k [N/mm] by either way as plain data, with what it assumes."""
+        paper, balance = self.paper_k, self.balance_k
+        return {
+            "equations_9_10": {"value": paper and paper / 1e3, "assumes": PAPER_ASSUMES},
+            "force_balance": {
+                "value": balance and balance.value / 1e3, "half_width": balance and balance.half_width / 1e3,
+                "pretension": self.pretension, "assumes": BALANCE_ASSUMES,
+            },
+        }  # fmt: skip
 
 
 def surface_constants(

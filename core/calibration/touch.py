@@ -17,7 +17,7 @@ from ..base import DimpleError, Floats
 from ..messages import Message
 from .fit import MIN_PIECE, Fit, fit_law, independent_rows, slope_of
 from .press import LoadingCurve
-from .question import Answers, Candidate, Question, Undecided
+from .question import Answers, Question, Undecided
 from .strokes import roughness
 from .table import MIN_ROWS, SLIGHT
 
@@ -196,8 +196,8 @@ def _differs(one: Fit, other: Fit, span: float) -> bool:
 
 def _which_touch(curve: LoadingCurve, text: str, *answers: tuple[float, str]) -> Question:
     """Ask for the touch, with the likeliest depth [m] first."""
-    candidates = tuple(Candidate(f"{curve.reading(at):.6g}", label) for at, label in answers)
-    return Question(name="contact_mm", text=text, candidates=candidates, default=candidates[0].value)
+    candidates = [(f"{curve.reading(at):.6g}", label) for at, label in answers]
+    return Question("contact_mm", text, *candidates, default=candidates[0][0])
 
 
 def _loaded(curve: LoadingCurve, before: float, force: float) -> Question:

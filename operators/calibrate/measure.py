@@ -112,7 +112,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         """Write the file."""
         import numpy as np
 
-        from ...core.calibration.export import write_press
+        from ...core.calibration.virtual_press import write_press
 
         depth, force = np.array(self._rows).T
         path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".csv")

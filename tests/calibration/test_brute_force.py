@@ -9,8 +9,8 @@ from scipy.optimize import least_squares
 
 from core.base import Floats
 from core.calibration.calibrate import Calibration, calibrate
-from core.calibration.export import write_press
 from core.calibration.question import Answers, Undecided
+from core.calibration.virtual_press import write_press
 
 KINDS = ("touch", "air", "air and tare", "pressed already", "untared", "adhesion", "drift")
 

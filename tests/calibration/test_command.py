@@ -13,9 +13,9 @@ import trimesh
 
 from core.base import DimpleError
 from core.calibration.calibrate import calibrate, provenance, source_of_k, to_record
-from core.calibration.export import text_cell, write_press
 from core.calibration.question import Answers
 from core.calibration.surface_constant import surface_constants
+from core.calibration.virtual_press import text_cell, write_press
 from core.material import PRESETS
 from studies.__main__ import main
 from studies.reconstruct import DEEPEST, write_samples

@@ -9,8 +9,8 @@ from scipy import optimize, stats
 
 from core.base import DimpleError
 from core.calibration.calibrate import calibrate
-from core.calibration.export import write_press
 from core.calibration.fit import fit_law, t_95
+from core.calibration.virtual_press import write_press
 from core.material import PRESETS
 from studies.reconstruct import reconstruct
 

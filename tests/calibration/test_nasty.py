@@ -55,7 +55,7 @@ FILES = {
         "Depth (mm),Force (N),Ch3 (N)", lambda i, d, f: f"{d:.5f},{f / 100:.5f},{f:.5f}", "asked"),
     "a force that was asked for": (f"{H},Target force (N)", lambda i, d, f: f"{d:.5f},{f:.5f},50.0", "right"),
     "specimens side by side": (f"{H},{H}", lambda i, d, f: f"{d:.5f},{f:.5f},{d:.5f},{f * 0.4:.5f}", "asked"),
-    "headers exchanged": ("Force (N),Depth (mm)", lambda i, d, f: f"{d:.5f},{f:.5f}", "asked"),
+    "headers exchanged": ("Force (N),Depth (mm)", lambda i, d, f: f"{d:.5f},{f:.5f}", "warned"),
 }  # fmt: skip
 
 FOOTERS = {

@@ -1,7 +1,5 @@
 """From a recording to one loading curve."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -83,7 +81,7 @@ def test_a_hold_at_the_bottom_and_one_on_the_way_are_dropped():
     way = np.concatenate([np.linspace(0, 10, 150), np.full(400, 10.0), np.linspace(10, 22, 150), np.full(2000, 22.0)])
     relaxed = law(way) * np.where(np.arange(len(way)) > 750, 0.8, 1.0)
     press = prepare(recording(way, relaxed, noise=0.001))
-    assert "stood still" in " ".join(press.notes)
+    assert "stood still" in " ".join(press.remarks.notes)
     assert constants(recording(way, relaxed, noise=0.001)) == TRUTH
 
 
@@ -91,7 +89,7 @@ def test_cycles_that_agree_need_no_question_and_the_first_is_fitted():
     one = np.concatenate([np.linspace(0, 22, 200), np.linspace(22, 0, 200)])
     press = prepare(recording(np.tile(one, 3), law(np.tile(one, 3)), noise=0.005))
     assert (press.cycle, press.cycles) == (1, 3)
-    assert "3 presses agree" in " ".join(press.notes)
+    assert "3 presses agree" in " ".join(press.remarks.notes)
 
 
 def test_cycles_that_differ_are_asked():
@@ -108,7 +106,7 @@ def test_single_rows_that_are_wrong_are_left_out_with_a_warning():
     force = law(depth) + 0.05 * np.random.default_rng(2).normal(size=300)
     force[[50, 180]] = 70, -40
     broken = recording(depth, force)
-    assert "2 rows stand apart" in " ".join(prepare(broken).warnings)
+    assert "2 rows stand apart" in " ".join(prepare(broken).remarks.warnings)
     assert constants(broken) == TRUTH
 
 
@@ -150,18 +148,7 @@ def test_a_file_with_only_the_way_back_is_asked_about_and_refused():
         prepare(recording(depth, law(depth)))
     with pytest.raises(DimpleError, match="never grows"):
         prepare(recording(depth, law(depth)), Answers(order="written"))
-    with pytest.raises(DimpleError, match="never grows"):  # a clock says it
-        prepare(replace(recording(depth, law(depth)), timed=True))
     assert constants(recording(depth, law(depth)), Answers(order="reversed")) == TRUTH
-
-
-def test_exchanged_headers_are_asked_about():
-    depth = np.linspace(0, 22, 300)
-    right = recording(depth, law(depth), noise=0.01)
-    exchanged = replace(right, depth=right.force, force=right.depth)
-    with pytest.raises(Undecided, match="swapped"):
-        prepare(exchanged)
-    prepare(exchanged, Answers(depth_column="Depth", force_column="Force"))
 
 
 def test_rows_out_of_order_are_refused():
