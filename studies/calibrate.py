@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from typing import Any
 from core.base import DimpleError
 from core.calibration.calibrate import Calibration, calibrate, to_record
 from core.calibration.doubts import Miss
-from core.calibration.question import Answers, Undecided, WrongColumns
+from core.calibration.question import Answers, Undecided
 from core.calibration.surface_constant import BALANCE_ASSUMES, PAPER_ASSUMES
 from core.material import POINT, TIPS, Indenter
 
@@ -73,8 +72,6 @@ def run(options: argparse.Namespace) -> int:
         if options.json:
             write_json(options.json, questions_json(undecided))
         return OPEN
-    except WrongColumns as error:
-        raise DimpleError(f"{error} Choose them with {_options(error.answers)}.") from None
     print("\n".join(to_lines(calibration)))
     if options.json:
         write_json(options.json, to_record(calibration))
@@ -147,10 +144,6 @@ def write_json(path: Path, record: dict[str, Any]) -> None:
         path.write_text(json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
         raise DimpleError(f"{path} cannot be written: {error.strerror or error}.") from None
-
-
-def _options(names: Sequence[str]) -> str:
-    return " and ".join(map(option, names))
 
 
 def _scaled(value: float | None, factor: float) -> float | None:

@@ -294,19 +294,6 @@ def _settled(start: Law, x: Floats, f: Floats) -> Law:
     return best
 
 
-def _variance(law: Law, x: Floats, f: Floats) -> float:
-    residual = law.pressed_residual(x, f)
-    return float((residual**2).sum()) / max(len(residual) - len(law.free), 1)
-
-
-def _covariance(law: Law, x: Floats, f: Floats) -> Floats:
-    """Return the covariance (p, p) of the free parameters: s^2 (J^T J)^-1."""
-    slopes = law.slopes(x - law.contact)
-    scale = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
-    inverse = np.linalg.pinv(slopes / scale) / scale[:, None]
-    return np.asarray(_variance(law, x, f) * inverse @ inverse.T)
-
-
 def _correlation(residual: Floats) -> float:
     """Return how far neighbouring residuals agree, 0 where that may be chance."""
     total = float(residual @ residual)
@@ -341,11 +328,15 @@ def t_95(freedom: float) -> float:
 
 
 def _result(law: Law, x: Floats, f: Floats, bic: float) -> Fit:
-    residual = law.pressed_residual(x, f)
-    rows, r = len(residual), _correlation(residual)
+    """Return a fit with its errors: the covariance of its parameters is s^2 (J^T J)^-1."""
+    residual, slopes = law.pressed_residual(x, f), law.slopes(x - law.contact)
+    rows, r, p = len(residual), _correlation(residual), len(law.free)
     count = independent_rows(rows, r)
-    reach = t_95(max(count - len(law.free), 1.0)) * math.sqrt(rows / count)
-    covariance = _covariance(law, x, f)
+    reach = t_95(max(count - p, 1.0)) * math.sqrt(rows / count)
+    variance = float((residual**2).sum()) / max(rows - p, 1)
+    scale = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
+    inverse = np.linalg.pinv(slopes / scale) / scale[:, None]
+    covariance = variance * inverse @ inverse.T
     values = dict(zip(PARAMETERS, law.values.tolist(), strict=True))
     values["x0"] = min(values["x0"], float(x.max()) - law.contact)
     errors = dict(zip(law.free, np.sqrt(np.diag(covariance)).tolist(), strict=True))
@@ -355,7 +346,7 @@ def _result(law: Law, x: Floats, f: Floats, bic: float) -> Fit:
         for name, value in values.items()
     )
     return Fit(
-        model="two" if law.knee else "one", K1=K1, K2=K2, x0=x0, contact=contact, tare=tare,
-        noise=math.sqrt(_variance(law, x, f)), correlation=r, full_scale=float(np.abs(f - tare.value).max()),
-        knee_bic=bic, rows=rows, fitted=law, spread=reach**2 * covariance,
+        model="two" if law.knee else "one", K1=K1, K2=K2, x0=x0, contact=contact, tare=tare, noise=math.sqrt(variance),
+        correlation=r, full_scale=float(np.abs(f - tare.value).max()), knee_bic=bic, rows=rows, fitted=law,
+        spread=reach**2 * covariance,
     )  # fmt: skip

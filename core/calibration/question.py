@@ -97,18 +97,5 @@ class Undecided(DimpleError):
 
     def to_record(self) -> dict[str, Any]:
         """Return the open questions as plain data."""
-        return {
-            "questions": [
-                {
-                    "name": question.name, "text": question.text, "default": question.default,
-                    "candidates": [c._asdict() for c in question.candidates],
-                }
-                for question in self.questions
-            ]
-        }  # fmt: skip
-
-
-class WrongColumns(DimpleError):
-    """The columns that were taken hold no press; the fields of Answers in `answers` choose others."""
-
-    answers = ("depth_column", "force_column")
+        questions = [{**vars(each), "candidates": [c._asdict() for c in each.candidates]} for each in self.questions]
+        return {"questions": questions}

@@ -19,23 +19,13 @@ from .question import Question, Remarks, Undecided
 MAX_BYTES = 64 * 2**20  # a million rows: far more than an instrument writes
 MAX_LINE = 20_000  # characters
 _NARROW = dict.fromkeys(map(ord, "\u2009\u202f\u2007"), "\u00a0")  # spaces between groups of thousands
-# how other files begin: what they are
+# how files begin that people take for tables: what they are
 _MAGIC = {
-    b"PK\x03\x04": "a ZIP archive (an Excel or LibreOffice sheet is one too)",
-    b"PK\x05\x06": "an empty ZIP archive",
+    b"PK\x03\x04": "a spreadsheet or a ZIP archive",
     b"\xd0\xcf\x11\xe0": "an old Excel or Word file",
-    b"\x1f\x8b": "a gzip archive",
-    b"BZh": "a bzip2 archive",
-    b"\xfd7zXZ": "an xz archive",
-    b"7z\xbc\xaf": "a 7-Zip archive",
-    b"(\xb5/\xfd": "a zstd archive (a .blend file may be one)",
-    b"BLENDER": "a Blender file",
     b"MATLAB": "a MATLAB file",
     b"\x89HDF": "a MATLAB or HDF5 file",
     b"%PDF": "a PDF",
-    b"\x89PNG": "a picture",
-    b"\xff\xd8\xff": "a picture",
-    b"GIF8": "a picture",
 }
 _MARKS = ((b"\xff\xfe\x00\x00", "utf-32"), (b"\x00\x00\xfe\xff", "utf-32"), (b"\xef\xbb\xbf", "utf-8-sig"),
           (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))  # fmt: skip

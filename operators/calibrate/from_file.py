@@ -137,7 +137,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         """Read and fit; nothing is lost where that fails."""
         from ...core.base import DimpleError
         from ...core.calibration.calibrate import calibrate
-        from ...core.calibration.question import Undecided, WrongColumns
+        from ...core.calibration.question import Undecided
         from ...core.material import Indenter
 
         try:
@@ -151,10 +151,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         except Undecided as undecided:
             return self._ask(context, to_json(undecided.to_record()), _message(undecided))
         except DimpleError as error:
-            way_out = ""
-            if isinstance(error, WrongColumns):
-                way_out = Message("Choose them: {labels}.", labels=_labels(error.answers))
-            say(self, {"ERROR"}, str(error), way_out)
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         context.scene.dimple.calibration = results.to_text(found)
         record = results.load(context.scene.dimple.calibration)
@@ -221,11 +218,6 @@ _KEPT = ("tip", "tip_radius_mm", "length_mm", "section_mm2", "youngs_modulus_mpa
 
 def _si(value: float, factor: float) -> float | None:
     return factor * value if value else None
-
-
-def _labels(names) -> tuple[Message, ...]:
-    """Return the labels of properties of the operator, as the interface shows them."""
-    return tuple(Message(DIMPLE_OT_calibrate.__annotations__[name].keywords["name"]) for name in names)
 
 
 def _message(undecided) -> str:

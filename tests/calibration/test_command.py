@@ -83,13 +83,6 @@ def test_an_open_question_exits_with_3_and_the_option(write, tmp_path):
     assert main(["calibrate", str(path), "--force-unit", "N"]) == 0
 
 
-def test_the_command_names_its_own_options(write, capsys):
-    rng = np.random.default_rng(0)
-    rows = "".join(f"{i / 10},{5 + rng.random():.4f}\n" for i in range(200))
-    assert main(["calibrate", str(write("Depth (mm),Force (N)\n" + rows)), "--press", "positive"]) == 2
-    assert "Choose them with --depth-column and --force-column." in capsys.readouterr().err
-
-
 def test_an_unusable_file_exits_with_2_and_says_why(write, capsys):
     assert main(["calibrate", str(write(b"PK\x03\x04" + bytes(100)))]) == 2
     assert "ZIP" in capsys.readouterr().err
