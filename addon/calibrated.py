@@ -17,7 +17,9 @@ def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
     lines.append((iface_("First Touch"), f"{record['contact']:.4g} mm"))
     lines.append((iface_("Tare"), f"{record['tare']:.3g} N"))
     lines.append((iface_("Measured Range"), f"{record['deepest']:.4g} mm, {record['full_scale']:.4g} N"))
-    lines += _surface(record)
+    if k := record["k"]:
+        lines.append((iface_("k, Force Balance"), f"{_plus_minus(k['value'], k['half_width'])} N/mm"))
+        lines.append((iface_("Pretension"), f"{k['pretension']:.3g} N"))
     if record["damping_ratio_hint"] is not None:
         lines.append((iface_("Hysteresis Loss"), f"{record['loss']:.0%}"))
         lines.append((iface_("Damping Ratio"), f"≈ {record['damping_ratio_hint']:.2f}"))
@@ -39,11 +41,7 @@ def headlines(record: dict[str, Any]) -> list[str]:
 def sentences(record: dict[str, Any]) -> list[str]:
     """Return the warnings that have more to say, what the values of k assume, then the notes of the core."""
     warnings = [translated(each, iface_).replace("\n", " ") for each in record["warnings"] if "\n" in each]
-    estimates = [record["k"][method] for method in _METHODS] if record["k"] else []
-    return [*warnings, *(each["assumes"] for each in estimates if each["value"] is not None), *record["notes"]]
-
-
-_METHODS = ("equations_9_10", "force_balance")
+    return [*warnings, *([record["k"]["assumes"]] if record["k"] else []), *record["notes"]]
 
 
 def _noticeable(record: dict[str, Any]) -> tuple[str, str]:
@@ -60,15 +58,3 @@ def _plus_minus(value: float, half_width: float) -> str:
     from ..core.calibration.fit import plus_minus  # with numpy: not before there is something to show
 
     return plus_minus(value, half_width)
-
-
-def _surface(record: dict[str, Any]) -> list[tuple[str, str]]:
-    if not record["k"]:
-        return []
-    lines, paper, balance = [], *(record["k"][method] for method in _METHODS)
-    if paper["value"] is not None:
-        lines.append((iface_("k, Eqs. 9, 10"), f"{paper['value']:.4g} N/mm"))
-    if balance["value"] is not None:
-        lines.append((iface_("k, Force Balance"), f"{_plus_minus(balance['value'], balance['half_width'])} N/mm"))
-        lines.append((iface_("Pretension"), f"{balance['pretension']:.3g} N"))
-    return lines

@@ -13,7 +13,7 @@ from core.base import DimpleError
 from core.calibration.calibrate import Calibration, calibrate, to_record
 from core.calibration.doubts import Miss
 from core.calibration.question import Answers, Undecided
-from core.calibration.surface_constant import BALANCE_ASSUMES, PAPER_ASSUMES
+from core.calibration.surface_constant import ASSUMES
 from core.material import POINT, TIPS, Indenter
 
 from .calibration_plot import save_plot
@@ -30,8 +30,6 @@ def add_command(command: argparse.ArgumentParser) -> None:
     command.add_argument("--length-mm", type=float, metavar="L", help="edge of the object, for k")
     command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT.radius, help="of the tip")
     command.add_argument("--indenter", choices=TIPS, default="point", help="shape of the tip; a point is a small punch")
-    command.add_argument("--section-mm2", type=float, metavar="A", help="section of the surface, for k by Eq. (10)")
-    command.add_argument("--youngs-modulus-mpa", type=float, metavar="E", help="of the surface, for k by Eq. (10)")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")
     command.add_argument("--plot", type=Path, metavar="OUT.png", help="draw the curve and the fit (needs matplotlib)")
     answers = command.add_argument_group("answers, where the file leaves something open")
@@ -63,10 +61,8 @@ def run(options: argparse.Namespace) -> int:
     tip = Indenter(shape=options.indenter, radius=1e-3 * options.tip_radius_mm)
     try:
         answers = Answers(**{field.name: getattr(options, field.name) for field in fields(Answers)})
-        calibration = calibrate(
-            options.file, answers, length=_scaled(options.length_mm, 1e-3), tip=tip,
-            section=_scaled(options.section_mm2, 1e-6), youngs_modulus=_scaled(options.youngs_modulus_mpa, 1e6),
-        )  # fmt: skip
+        length = None if options.length_mm is None else 1e-3 * options.length_mm
+        calibration = calibrate(options.file, answers, length=length, tip=tip)
     except Undecided as undecided:
         print("\n".join(question_lines(undecided)), file=sys.stderr)
         if options.json:
@@ -96,13 +92,8 @@ def to_lines(calibration: Calibration) -> list[str]:
         lost = 100 * (loading.loss or 0)
         lines.append(f"  {lost:.0f} % of the work is lost: damping ratio about {loading.damping_ratio:.2f}")
     if c.surface is not None:
-        if c.surface.paper_k is not None:
-            lines.append(f"  k = {c.surface.paper_k / 1e3:.4g} N/mm. {PAPER_ASSUMES}")
-        else:
-            lines.append("  k by Eqs. (9), (10) needs --section-mm2 and --youngs-modulus-mpa: it is 2 A E / l.")
-        if c.surface.balance_k is not None and c.surface.pretension is not None:
-            k = f"{c.surface.balance_k.text(1e3)} N/mm over {c.surface.pretension:.3g} N of tension"
-            lines.append(f"  k = {k}. {BALANCE_ASSUMES}")
+        k = f"{c.surface.k.text(1e3)} N/mm over {c.surface.pretension:.3g} N of tension"
+        lines.append(f"  k = {k}. {ASSUMES}")
     lines += [f"  Note: {note}" for note in c.notes]
     lines += ["  Warning: " + warning.replace("\n", "\n    ") for warning in c.warnings]
     return lines
@@ -144,7 +135,3 @@ def write_json(path: Path, record: dict[str, Any]) -> None:
         path.write_text(json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
         raise DimpleError(f"{path} cannot be written: {error.strerror or error}.") from None
-
-
-def _scaled(value: float | None, factor: float) -> float | None:
-    return None if value is None else factor * value

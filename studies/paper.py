@@ -92,7 +92,7 @@ def constants(curves: Sequence[Calibration], virtual: Sequence[Calibration]) -> 
             fitted, pressed = getattr(curve.fit, name), getattr(again.fit, name)
             printed = getattr(preset.material, name)
             yield number, name, printed / unit, fitted.value / unit, fitted.half_width / unit, pressed.value / unit
-        balance = curve.surface.balance_k if curve.surface else None
+        balance = curve.surface.k if curve.surface else None
         values = (balance.value / 1e3, balance.half_width / 1e3) if balance else (None, None)
         yield number, "k", preset.material.k / 1e3, *values, None
 

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..base import DimpleError
 from ..material import POINT, Indenter, law_force, law_power
 from ..messages import Message
 from .doubts import Miss, doubts, largest_miss
-from .fit import Fit
+from .fit import Fit, fit_law
 from .measurement import Measurement, read_measurement
 from .press import LoadingCurve, check_loss, prepare
 from .question import Answers
-from .surface_constant import Surface, surface_constants
+from .surface_constant import Surface, surface_constant
 from .touch import settle
 
 
@@ -30,7 +29,7 @@ class Calibration:
     fit: the law and its constants.
     length: edge of the object [m], None where it is not known.
     tip: what pressed it.
-    surface: k both ways, None without a length.
+    surface: k, None without a length.
     miss: where the law is farthest from the measured points, None where there is no force.
     notes: messages about how the file was read.
     warnings: messages about what may be wrong: a headline, and after a line break what it means.
@@ -48,13 +47,7 @@ class Calibration:
 
 
 def calibrate(
-    path: str | Path,
-    answers: Answers | None = None,
-    *,
-    length: float | None = None,
-    tip: Indenter = POINT,
-    section: float | None = None,
-    youngs_modulus: float | None = None,
+    path: str | Path, answers: Answers | None = None, *, length: float | None = None, tip: Indenter = POINT
 ) -> Calibration:
     """Read a file and fit the law to it.
 
@@ -63,40 +56,55 @@ def calibrate(
         answers: of the user to earlier questions.
         length: edge of the object [m], for k.
         tip: what pressed it.
-        section: of the surface as a beam [m2].
-        youngs_modulus: of the surface [Pa].
 
     Raises:
         Undecided: the file leaves something open; its questions say what.
         DimpleError: the file cannot be used.
     """
-    for name, value in (("length", length), ("section", section), ("Young's modulus", youngs_modulus)):
-        if value is not None and not 0 < value < math.inf:
-            raise DimpleError("The {name} of the object must be a number greater than 0.", name=Message(name))
     measurement = read_measurement(path, answers)
     loading, fit = settle(prepare(measurement, answers), answers)
-    gained = check_loss(loading, bool(answers and answers.order))
+    loading.remarks.warnings += check_loss(loading, bool(answers and answers.order))
+    return _calibration(measurement, loading, fit, length, tip)
+
+
+def calibrate_by_hand(
+    depth: Sequence[float], force: Sequence[float], *, length: float | None = None, tip: Indenter = POINT
+) -> Calibration:
+    """Fit the law to a few rows that a person noted from a scale, of which those at depth 0 tell the tare.
+
+    Args:
+        depth: (n,) from the touch [m].
+        force: (n,) [N].
+
+    Raises:
+        DimpleError: too few rows.
+    """
+    order = np.argsort(depth, kind="stable")
+    x, f = np.asarray(depth, np.float64)[order], np.asarray(force, np.float64)[order]
+    tare = float(f[x <= 0].mean()) if (x <= 0).any() else 0.0
+    fit, none = fit_law(x, f, tare=tare), np.empty(0)
+    loading = LoadingCurve(depth=x, force=f, unloading_depth=none, unloading_force=none, inward=1).begun_at(0.0, tare)
+    measurement = Measurement(
+        source=Message("Measured by Hand"), depth=x, force=f, depth_header="", force_header="", units=("mm", "gf")
+    )
+    return _calibration(measurement, loading, fit, length, tip)
+
+
+def _calibration(
+    measurement: Measurement, loading: LoadingCurve, fit: Fit, length: float | None, tip: Indenter
+) -> Calibration:
     miss = largest_miss(loading.depth, loading.force, fit.law(loading.depth))
-    surface = None
-    if length is not None:
-        surface = surface_constants(
-            loading.depth, loading.force, length, section=section, youngs_modulus=youngs_modulus
-        )  # fmt: skip
+    read, prepared = measurement.remarks, loading.remarks
     return Calibration(
         measurement=measurement,
         loading=loading,
         fit=fit,
         length=length,
         tip=tip,
-        surface=surface,
+        surface=None if length is None else surface_constant(loading.depth, loading.force, length),
         miss=miss,
-        notes=(*measurement.remarks.notes, *loading.remarks.notes),
-        warnings=(
-            *measurement.remarks.warnings,
-            *loading.remarks.warnings,
-            *gained,
-            *doubts(fit, loading, miss, _as_solid(fit, loading, tip)),
-        ),
+        notes=(*read.notes, *prepared.notes),
+        warnings=(*read.warnings, *prepared.warnings, *doubts(fit, loading, miss, _as_solid(fit, loading, tip))),
     )
 
 
@@ -129,13 +137,9 @@ def provenance(calibration: Calibration) -> str:
 
 
 def source_of_k(calibration: Calibration) -> str:
-    """Return how k was found, with its uncertainty where there is a measured one; "" where it was not."""
+    """Return how k was found, with its uncertainty; "" where it was not."""
     surface = calibration.surface
-    if surface is None or surface.k is None:
-        return ""
-    if surface.paper_k is not None:  # of numbers that were typed in
-        return Message("k {paper_k:.4g} N/mm by Eqs. (9), (10)", paper_k=surface.paper_k / 1e3)
-    return Message("k {k} N/mm (95 %) by the force balance", k=surface.k.text(1e3))
+    return Message("k {k} N/mm (95 %) by the force balance", k=surface.k.text(1e3)) if surface else ""
 
 
 def to_record(calibration: Calibration) -> dict[str, Any]:

@@ -12,13 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
-from .table import MIN_ROWS
 
 PARAMETERS = ("K1", "K2", "x0", "contact", "tare")
 MIN_PIECE = 3  # distinct depths in a piece: one more than a line passes through exactly
 _KNEES = 100  # rows that are tried as a knee; Gauss-Newton finds the place between them
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
-_ROWS = MIN_ROWS - 1  # beyond the touch: with that, as many as a table has at least
+_ROWS = MIN_PIECE + 1  # beyond the touch: one more than a piece
 _LEAST = 20.0  # rows: what even the smoothest systematic misfit is allowed to count as
 
 
@@ -315,7 +314,8 @@ def _knee_gain(one: Law, two: Law, x: Floats, f: Floats) -> float:
     before, after = one.pressed_residual(x, f), two.pressed_residual(x, f)
     n = independent_rows(len(after), _correlation(after))
     floor = (_EXACT * float(np.abs(f).max())) ** 2
-    s1, s2 = max(float((before**2).mean()), floor), max(float((after**2).mean()), floor)
+    s1 = max(float((before**2).sum()) / (len(before) - 1), floor)  # of few rows two slopes take most of the scatter
+    s2 = max(float((after**2).sum()) / max(len(after) - 4, 1), floor)
     return n * math.log(s1 / s2) - 3 * math.log(max(n, 2.0))
 
 

@@ -68,14 +68,6 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         name="Object Size (mm)", description="Edge of the object that was pressed, for k; 0 is not known",
         default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
     )  # fmt: skip
-    section_mm2: FloatProperty(
-        name="Section (mm²)", description="Section of the surface as a beam, for k by Eq. (10); 0 is not known",
-        default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
-    )  # fmt: skip
-    youngs_modulus_mpa: FloatProperty(
-        name="Young's Modulus (MPa)", description="Of the surface, for k by Eq. (10); 0 is not known",
-        default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
-    )  # fmt: skip
 
     # answers to what a file may leave open, named as in core.calibration.question.Answers
     depth_column: _answer_text("Depth Column", "Header of the column of depth, or its number counted from 1")
@@ -144,10 +136,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
             if not self._take_answers():
                 return self._ask(context, self.asked, "")
             tip = Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3)
-            found = calibrate(
-                self.filepath, self._answers(), tip=tip, length=_si(self.length_mm, 1e-3),
-                section=_si(self.section_mm2, 1e-6), youngs_modulus=_si(self.youngs_modulus_mpa, 1e6),
-            )  # fmt: skip
+            found = calibrate(self.filepath, self._answers(), tip=tip, length=self.length_mm / 1e3 or None)
         except Undecided as undecided:
             return self._ask(context, to_json(undecided.to_record()), _message(undecided))
         except DimpleError as error:
@@ -213,11 +202,7 @@ _ANSWERS = (
     "depth_column", "force_column", "depth_unit", "force_unit", "decimal", "table", "press", "inward", "order", "cycle",
 )  # fmt: skip
 _DEPTHS = ("contact_mm", "from_mm", "until_mm")
-_KEPT = ("tip", "tip_radius_mm", "length_mm", "section_mm2", "youngs_modulus_mpa", *_DEPTHS)
-
-
-def _si(value: float, factor: float) -> float | None:
-    return factor * value if value else None
+_KEPT = ("tip", "tip_radius_mm", "length_mm", *_DEPTHS)
 
 
 def _message(undecided) -> str:

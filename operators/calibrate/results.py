@@ -45,7 +45,7 @@ def to_text(calibration: Calibration) -> str:
     )
     record["points"] = thinned(1e3 * loading.depth, loading.force, POINTS)
     record["band"] = band(calibration)
-    record["k_to_use"] = surface.k.value / 1e3 if surface and surface.k else None
+    record["k_to_use"] = surface.k.value / 1e3 if surface else None
     record["unusable"] = _unusable(record)
     return to_json(record)
 

@@ -253,8 +253,8 @@ def test_a_range_and_a_sign_are_options_of_the_command(write, capsys):
 @pytest.mark.parametrize(
     "words",
     [
-        ("--section-mm2", "-3"), ("--table", "0"), ("--cycle", "0"), ("--tip-radius-mm", "-1"), ("--length-mm", "0"),
-        ("--youngs-modulus-mpa", "nan"), ("--contact-mm", "inf"), ("--inward", "up"), ("--order", "random"),
+        ("--table", "0"), ("--cycle", "0"), ("--tip-radius-mm", "-1"), ("--length-mm", "0"),
+        ("--contact-mm", "inf"), ("--inward", "up"), ("--order", "random"),
     ],
     ids=" ".join,
 )  # fmt: skip
@@ -263,7 +263,7 @@ def test_options_that_mean_nothing_are_refused_in_words(words, write, capsys):
     path = write(table(depth, law(depth)))
     length = [] if words[0] == "--length-mm" else ["--length-mm", "165"]
     try:
-        code = main(["calibrate", str(path), *length, "--youngs-modulus-mpa", "1", *words])
+        code = main(["calibrate", str(path), *length, *words])
     except SystemExit as stopped:
         code = stopped.code
     assert code == 2
