@@ -19,8 +19,6 @@ from core.material import POINT, TIPS, Indenter
 from .calibration_plot import save_plot
 
 DONE, OPEN = 0, 3  # exit codes
-SIGNS = ("positive", "negative")
-CHOICES = {"decimal": (".", ","), "press": SIGNS, "inward": SIGNS, "order": ("written", "reversed")}
 
 
 def add_command(command: argparse.ArgumentParser) -> None:
@@ -33,22 +31,10 @@ def add_command(command: argparse.ArgumentParser) -> None:
     command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")
     command.add_argument("--plot", type=Path, metavar="OUT.png", help="draw the curve and the fit (needs matplotlib)")
     answers = command.add_argument_group("answers, where the file leaves something open")
-    for name, kind, text in (
-        ("depth_column", str, "header or number of the column of depth"),
-        ("force_column", str, "header or number of the column of force"),
-        ("depth_unit", str, "mm, m, um, in..."),
-        ("force_unit", str, "N, gf, kgf, mN, kN, lbf..."),
-        ("decimal", str, "the decimal mark"),
-        ("table", int, "which of several tables, counted from 1"),
-        ("press", str, "sign of a pressing force"),
-        ("inward", str, "sign of a depth that grows as the tip goes in"),
-        ("order", str, "whether the rows stand as they were measured or the other way round"),
-        ("cycle", int, "which of several presses, counted from 1"),
-        ("contact_mm", float, "reading of the depth at first touch"),
-        ("from_mm", float, "reading of the depth before which rows are left out"),
-        ("until_mm", float, "reading of the depth beyond which rows are left out, of a torn specimen"),
-    ):
-        answers.add_argument(option(name), type=kind, choices=CHOICES.get(name), help=text)
+    for field in fields(Answers):
+        kind = {"int | None": int, "float | None": float}.get(str(field.type), str)
+        text, choices = field.metadata["text"], field.metadata["choices"] or None
+        answers.add_argument(option(field.name), type=kind, choices=choices, help=text)
 
 
 def option(name: str) -> str:

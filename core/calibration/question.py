@@ -2,45 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from ..base import DimpleError
+from ..errors import DimpleError
 from ..messages import Message
+
+SIGNS = ("positive", "negative")
+
+
+def _asked(label: str, text: str, *choices: str) -> Any:
+    """Declare an answer: None where it is not given, what it is called, what it means, and what it may be."""
+    return field(default=None, metadata={"label": label, "text": text, "choices": choices})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answers:
-    """Answers of the user about a file; what is None is detected, and asked where that fails.
+    """Answers of the user about a file; what is None is detected, and asked where that fails."""
 
-    depth_column: header, or number counted from 1.
-    force_column: header, or number counted from 1.
-    depth_unit: "mm", "um"...
-    force_unit: "N", "gf"...
-    decimal: the decimal mark, "." or ",".
-    table: which of several tables in the file, counted from 1.
-    press: sign of a pressing force, "positive" or "negative".
-    inward: sign of a depth that grows as the tip goes in, "positive" or "negative".
-    order: whether the rows stand as they were measured, "written", or from the last to the first, "reversed".
-    cycle: which of several presses, counted from 1.
-    contact_mm: reading of the depth at first touch [mm].
-    from_mm: reading of the depth before which rows are left out [mm].
-    until_mm: reading of the depth beyond which rows are left out [mm].
-    """
-
-    depth_column: str | None = None
-    force_column: str | None = None
-    depth_unit: str | None = None
-    force_unit: str | None = None
-    decimal: str | None = None
-    table: int | None = None
-    press: str | None = None
-    inward: str | None = None
-    order: str | None = None
-    cycle: int | None = None
-    contact_mm: float | None = None
-    from_mm: float | None = None
-    until_mm: float | None = None
+    depth_column: str | None = _asked("Depth Column", "Header of the column of depth, or its number counted from 1")
+    force_column: str | None = _asked("Force Column", "Header of the column of force, or its number counted from 1")
+    depth_unit: str | None = _asked("Depth Unit", "mm, m, um or in")
+    force_unit: str | None = _asked("Force Unit", "N, gf, kgf, mN, kN or lbf")
+    decimal: str | None = _asked("Decimal", "The decimal mark", ".", ",")
+    table: int | None = _asked("Table", "Which of several tables, counted from 1")
+    press: str | None = _asked("Sign of Force", "Sign of a pressing force", *SIGNS)
+    inward: str | None = _asked("Inward", "Sign of a depth that grows as the tip goes in", *SIGNS)
+    order: str | None = _asked("Order", "Whether the rows stand as they were measured", "written", "reversed")
+    cycle: int | None = _asked("Cycle", "Which of several presses, counted from 1")
+    contact_mm: float | None = _asked("Contact (mm)", "Depth reading at first touch; detected unless set")
+    from_mm: float | None = _asked("From (mm)", "Depth reading before which rows are left out; all are used unless set")
+    until_mm: float | None = _asked(
+        "Until (mm)", "Depth reading beyond which rows are left out, as where the object was torn"
+    )
 
 
 class Candidate(NamedTuple):

@@ -12,7 +12,6 @@ from .question import Answers, Question, Remarks, Undecided
 from .table import MIN_ROWS, SLIGHT
 
 _TURN = 0.1  # of the range of depth: a reversal smaller than this is a tremor
-_TREND = 0.2  # correlation of depth and force: of 200 rows of noise 0.07 is usual, of a press 0.5 or more
 _CLEAR = 8.0  # times the noise: far beyond chance in 100,000 rows, which a Gaussian passes at 4.4
 
 
@@ -83,11 +82,6 @@ def _inward(depth: Floats, force: Floats, answers: Answers) -> int:
     for x, f in ((depth[side], force[side]) for side in (slice(peak + 1), slice(peak, None))):
         if len(x) >= enough and min(np.ptp(x), np.ptp(f)) > 0:  # where a specimen is torn beyond it, the trend is less
             trend = max(trend, float(np.corrcoef(x, f)[0, 1]), key=abs)
-    if abs(trend) < _TREND:
-        raise DimpleError(
-            "The force does not grow with the depth: these are not a press, or not the right columns. Choose the "
-            "columns of depth and force."
-        )
     return 1 if trend > 0 else -1
 
 

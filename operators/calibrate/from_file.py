@@ -3,11 +3,13 @@
 Where the file leaves something open a dialog asks the core's question with its own preview; nothing is guessed.
 """
 
+from dataclasses import Field, fields
 from functools import lru_cache
 
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from ...core.calibration.question import Answers, Undecided
 from ...core.messages import Message, in_a_row, to_json
 from ..messages import say, wrapped
 from ..names import TIPS, Op
@@ -19,11 +21,6 @@ OPEN = "NONE"  # a question that has no answer yet
 ASKED_AT_ONCE = 4
 WIDTH, CHARACTERS = 640, 96  # [px] of the dialog, and how many fit on a line of it
 DETECTED = "detected"
-SIGNS = (
-    (DETECTED, "Detected", "As the file shows it"),
-    ("positive", "Positive", "The number grows"),
-    ("negative", "Negative", "The number falls"),
-)
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
 
 
@@ -42,8 +39,17 @@ def _answer(number: int) -> EnumProperty:
     )  # fmt: skip
 
 
-def _answer_text(name: str, description: str) -> StringProperty:
-    return StringProperty(name=name, description=description, options=HIDDEN)
+def _property(field: Field):
+    """Return the property for an answer of the core: hidden where only a script or a question sets it."""
+    kind, choices = str(field.type), field.metadata["choices"]
+    how = {"name": field.metadata["label"], "description": field.metadata["text"], "options": {"SKIP_SAVE"}}
+    if choices:
+        items = [(DETECTED, "Detected", "As the file shows it"), *((each, each.capitalize(), "") for each in choices)]
+        return EnumProperty(items=items, **how)
+    if kind.startswith("float"):
+        return FloatProperty(precision=4, **how)
+    how["options"] = HIDDEN
+    return IntProperty(min=0, **how) if kind.startswith("int") else StringProperty(**how)
 
 
 class DIMPLE_OT_calibrate(bpy.types.Operator):
@@ -69,33 +75,6 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
     )  # fmt: skip
 
-    # answers to what a file may leave open, named as in core.calibration.question.Answers
-    depth_column: _answer_text("Depth Column", "Header of the column of depth, or its number counted from 1")
-    force_column: _answer_text("Force Column", "Header of the column of force, or its number counted from 1")
-    depth_unit: _answer_text("Depth Unit", "mm, m, um or in")
-    force_unit: _answer_text("Force Unit", "N, gf, kgf, mN, kN or lbf")
-    decimal: _answer_text("Decimal", "The decimal mark, . or ,")
-    table: IntProperty(name="Table", description="Which of several tables, counted from 1", options=HIDDEN, min=0)
-    press: EnumProperty(
-        name="Sign of Force", description="Sign of a pressing force", items=SIGNS, options={"SKIP_SAVE"}
-    )
-    inward: EnumProperty(
-        name="Inward", description="Sign of a depth that grows as the tip goes in", items=SIGNS, options={"SKIP_SAVE"}
-    )
-    order: _answer_text("Order", "written: rows as they were measured; reversed: from the last to the first")
-    cycle: IntProperty(name="Cycle", description="Which of several presses, counted from 1", options=HIDDEN, min=0)
-    contact_mm: FloatProperty(
-        name="Contact (mm)", description="Depth reading at first touch; detected unless set",
-        options={"SKIP_SAVE"}, precision=4,
-    )  # fmt: skip
-    from_mm: FloatProperty(
-        name="From (mm)", description="Depth reading before which rows are left out; all are used unless set",
-        options={"SKIP_SAVE"}, precision=4,
-    )  # fmt: skip
-    until_mm: FloatProperty(
-        name="Until (mm)", description="Depth reading beyond which rows are left out, as where the object was torn",
-        options={"SKIP_SAVE"}, precision=4,
-    )  # fmt: skip
     asked: StringProperty(name="Question", description="What the file does not say", options=HIDDEN)
     answer_0: _answer(0)
     answer_1: _answer(1)
@@ -129,7 +108,6 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         """Read and fit; nothing is lost where that fails."""
         from ...core.base import DimpleError
         from ...core.calibration.calibrate import calibrate
-        from ...core.calibration.question import Undecided
         from ...core.material import Indenter
 
         try:
@@ -179,10 +157,8 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         self.asked = ""
         return True
 
-    def _answers(self):
+    def _answers(self) -> Answers:
         """Return the answers that are given."""
-        from ...core.calibration.question import Answers
-
         given = {name: getattr(self, name) for name in _ANSWERS if getattr(self, name) not in ("", 0, DETECTED)}
         given |= {name: getattr(self, name) for name in _DEPTHS if self.properties.is_property_set(name)}
         return Answers(**given)
@@ -198,10 +174,8 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         return {"CANCELLED"}  # that one goes on
 
 
-_ANSWERS = (
-    "depth_column", "force_column", "depth_unit", "force_unit", "decimal", "table", "press", "inward", "order", "cycle",
-)  # fmt: skip
 _DEPTHS = ("contact_mm", "from_mm", "until_mm")
+_ANSWERS = tuple(field.name for field in fields(Answers) if field.name not in _DEPTHS)
 _KEPT = ("tip", "tip_radius_mm", "length_mm", *_DEPTHS)
 
 
@@ -229,5 +203,8 @@ class DIMPLE_FH_force_depth(bpy.types.FileHandler):
         """Take files over a 3D viewport."""
         return context.area is not None and context.area.type == "VIEW_3D"
 
+
+# the answers to what a file may leave open
+DIMPLE_OT_calibrate.__annotations__ |= {field.name: _property(field) for field in fields(Answers)}
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_calibrate, DIMPLE_FH_force_depth])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
+from core.calibration.doubts import doubts, largest_miss
 from core.calibration.measurement import Measurement
 from core.calibration.press import LoadingCurve, prepare
 from core.calibration.question import Answers, Undecided
@@ -157,9 +158,11 @@ def test_rows_out_of_order_are_refused():
         prepare(recording(depth, law(depth)))
 
 
-def test_columns_that_are_no_press_are_refused():
+def test_columns_that_are_no_press_are_refused_or_warned_of():
     rng = np.random.default_rng(0)
-    with pytest.raises(DimpleError, match="not the right columns"):
-        prepare(recording(np.linspace(0, 22, 300), rng.normal(size=300) + 5, noise=0), Answers(press="positive"))
+    noise = recording(np.linspace(0, 22, 300), rng.normal(size=300) + 5)
+    loading, fit = settle(prepare(noise, Answers(press="positive", inward="positive")), Answers(contact_mm=0.0))
+    warnings = doubts(fit, loading, largest_miss(loading.depth, loading.force, fit.law(loading.depth)), None)
+    assert any("does not determine K1" in warning or "misses the measured" in warning for warning in warnings)
     with pytest.raises(DimpleError, match="same in every row"):
         prepare(recording(np.linspace(0, 22, 300), np.full(300, 5.0)))
