@@ -5,7 +5,8 @@ import bpy
 from ..operators.calibrate import results
 from ..operators.names import Op
 from . import calibrated
-from .drawing import MaterialPanel, SidebarPanel, draw_notes, draw_rows, shown_if
+from .drawing import SidebarPanel, draw_notes, draw_rows, shown_if
+from .hand_table import DIMPLE_PT_hand_table
 
 
 def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | None]:
@@ -15,18 +16,6 @@ def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | N
     material = context.object.active_material if context.object else None
     settings = material.dimple if material else None
     return (results.load(settings.calibration), settings) if settings else ({}, None)
-
-
-def draw_result(
-    context: bpy.types.Context, layout: bpy.types.UILayout, record: dict, settings: bpy.types.PropertyGroup | None
-) -> None:
-    """Draw the source, the constants with their errors, and what is wrong; what that means is folded in the notes."""
-    source = f"{record['source']}, {record['date']}"
-    layout.label(text=source, icon="FILE_TEXT", translate=False)
-    draw_rows(layout, calibrated.rows(record))
-    draw_notes(context, layout, calibrated.headlines(record), "ERROR")
-    if settings is not None and settings.edited:
-        draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
 
 
 class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
@@ -42,13 +31,17 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
         if not record:
             draw_notes(context, layout, ["Drop a force-depth file (CSV, text) into the viewport."])
             return
-        draw_result(context, layout, record, settings)
+        layout.label(text=f"{record['source']}, {record['date']}", icon="FILE_TEXT", translate=False)
+        draw_rows(layout, calibrated.rows(record))
+        draw_notes(context, layout, calibrated.headlines(record), "ERROR")
         if settings is None:
             draw_notes(context, layout, [record["unusable"]] if record["unusable"] else [], "ERROR")
             row = layout.row(align=True)
             row.operator(Op.APPLY_CALIBRATION, icon="CHECKMARK")
             row.operator(Op.DISCARD_CALIBRATION, text="", icon="X")
         else:
+            if settings.edited:
+                draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
             layout.operator("dimple.material_preset_add", text="Keep as My Material", icon="ADD")
 
 
@@ -83,21 +76,4 @@ class DIMPLE_PT_virtual_press(SidebarPanel, bpy.types.Panel):
         layout.operator(Op.MEASURE, text="Measure to File...", icon="EXPORT")
 
 
-class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
-    """The measurement behind the constants of a material."""
-
-    bl_label = "Calibration"
-    bl_parent_id = "DIMPLE_PT_material"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    poll = shown_if(lambda context: context.material and results.load(context.material.dimple.calibration))
-
-    def draw(self, context: bpy.types.Context) -> None:
-        settings = context.material.dimple
-        record = results.load(settings.calibration)
-        draw_result(context, self.layout, record, settings)
-        draw_notes(context, self.layout, calibrated.sentences(record))
-
-
-SIDEBAR = (DIMPLE_PT_calibration, DIMPLE_PT_calibration_notes, DIMPLE_PT_virtual_press)
-PROPERTIES = (DIMPLE_PT_material_calibration,)
+SIDEBAR = (DIMPLE_PT_calibration, DIMPLE_PT_calibration_notes, DIMPLE_PT_hand_table, DIMPLE_PT_virtual_press)

@@ -170,7 +170,7 @@ _SIDEBAR = (
 )  # fmt: skip
 _register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)
 _register_properties, _unregister_properties = bpy.utils.register_classes_factory(
-    [*materials.PROPERTIES, *physics_panels.PROPERTIES, *calibration.PROPERTIES]
+    [*materials.PROPERTIES, *physics_panels.PROPERTIES]
 )
 
 

@@ -11,7 +11,7 @@ import bpy
 
 from . import bug_report
 from .animate import add_fingertip, bake, key_press
-from .calibrate import apply_preset, apply_result, from_file, measure, paint_softness
+from .calibrate import apply_preset, apply_result, by_hand, from_file, material_file, measure, paint_softness
 from .device import connect_device
 from .experiment import comparison
 from .export import command_line, export_dialog
@@ -19,8 +19,8 @@ from .press import compare_materials, handlers, make_soft, play, poke, progress,
 
 PARTS = (
     bug_report, make_soft, progress, poke, play, record, bake, export_dialog, apply_preset, add_fingertip, key_press,
-    from_file, apply_result, paint_softness, measure, compare_materials, connect_device, comparison, command_line,
-    handlers,
+    from_file, by_hand, apply_result, material_file, paint_softness, measure, compare_materials, connect_device,
+    comparison, command_line, handlers,
 )  # fmt: skip
 
 

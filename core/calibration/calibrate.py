@@ -13,6 +13,7 @@ from ..material import POINT, Indenter, law_force, law_power
 from ..messages import Message
 from .doubts import Miss, doubts, largest_miss
 from .fit import Fit, fit_law
+from .known_words_and_units import UNITS
 from .measurement import Measurement, read_measurement
 from .press import LoadingCurve, check_loss, prepare
 from .question import Answers
@@ -68,19 +69,21 @@ def calibrate(
 
 
 def calibrate_by_hand(
-    depth: Sequence[float], force: Sequence[float], *, length: float | None = None, tip: Indenter = POINT
+    depth: Sequence[float], weight: Sequence[float], *, length: float | None = None, tip: Indenter = POINT
 ) -> Calibration:
     """Fit the law to a few rows that a person noted from a scale, of which those at depth 0 tell the tare.
 
     Args:
-        depth: (n,) from the touch [m].
-        force: (n,) [N].
+        depth: (n,) from the touch [mm].
+        weight: (n,) that the scale shows [g].
+        length: edge of the object [m], for k.
+        tip: what pressed it.
 
     Raises:
         DimpleError: too few rows.
     """
     order = np.argsort(depth, kind="stable")
-    x, f = np.asarray(depth, np.float64)[order], np.asarray(force, np.float64)[order]
+    x, f = 1e-3 * np.asarray(depth, np.float64)[order], UNITS["gf"][1] * np.asarray(weight, np.float64)[order]
     tare = float(f[x <= 0].mean()) if (x <= 0).any() else 0.0
     fit, none = fit_law(x, f, tare=tare), np.empty(0)
     loading = LoadingCurve(depth=x, force=f, unloading_depth=none, unloading_force=none, inward=1).begun_at(0.0, tare)

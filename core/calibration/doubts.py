@@ -110,14 +110,6 @@ def doubts(fit: Fit, loading: LoadingCurve, miss: Miss | None, as_solid: Miss | 
             share=100 * as_solid.share,
             miss=100 * miss.share,
         )
-    if fit.widened > 2:
-        yield Message(
-            "The curve bends where the law is straight.\nNeighbouring residuals agree with each other (r = "
-            "{correlation:.2f}), so the 95 % intervals are {widened:.1f} times wider than independent rows would "
-            "give.",
-            correlation=fit.correlation,
-            widened=fit.widened,
-        )
     unknown = [name for name in ("K1", "K2", "x0") if (c := getattr(fit, name)).half_width >= abs(c.value)]
     if unknown:
         yield Message(

@@ -141,11 +141,6 @@ class Fit:
         """Return the residuals' RMS as a share of full scale."""
         return self.noise / self.full_scale
 
-    @property
-    def widened(self) -> float:
-        """Return how many times wider the intervals are because neighbouring residuals agree."""
-        return math.sqrt(self.rows / independent_rows(self.rows, self.correlation))
-
     def law(self, x: Floats) -> Floats:
         """Return K(x) [N] at depths [m] below the contact."""
         return self.fitted.force(np.asarray(x, np.float64))

@@ -169,6 +169,20 @@ def is_row(cells: Sequence[str], dialect: Dialect) -> bool:
     return count >= 2
 
 
+def pairs(text: str) -> list[tuple[float, float]]:
+    """Return the first two numbers of each row of a text, such as one that was copied from a spreadsheet.
+
+    Raises:
+        DimpleError: there are no such rows.
+        Undecided: the decimal mark could be either.
+    """
+    lines = text.splitlines()
+    dialect = find_dialect(lines)
+    rows = [cells for line in lines if is_row(cells := split(line, dialect.delimiter), dialect)]
+    found = [[value for cell in cells if (value := number(cell, dialect.decimal)) is not None] for cells in rows]
+    return [(values[0], values[1]) for values in found if len(values) > 1]
+
+
 def find_dialect(lines: Sequence[str], decimal: str | None = None) -> Dialect:
     """Find the dialect in which the most lines are rows of one width.
 

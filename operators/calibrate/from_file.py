@@ -5,6 +5,7 @@ Where the file leaves something open a dialog asks the core's question with its 
 
 from dataclasses import Field, fields
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
@@ -16,6 +17,9 @@ from ..names import TIPS, Op
 from ..press import polls
 from ..translation import translated
 from . import results
+
+if TYPE_CHECKING:
+    from ...core.calibration.calibrate import Calibration
 
 OPEN = "NONE"  # a question that has no answer yet
 ASKED_AT_ONCE = 4
@@ -52,7 +56,41 @@ def _property(field: Field):
     return IntProperty(min=0, **how) if kind.startswith("int") else StringProperty(**how)
 
 
-class DIMPLE_OT_calibrate(bpy.types.Operator):
+class Tip:
+    """An operator that knows what pressed the object, and how large that is."""
+
+    tip: EnumProperty(name="Tip", description="What pressed the object", items=TIPS)
+    tip_radius_mm: FloatProperty(
+        name="Tip Radius (mm)", description="Radius of what pressed the object", default=2.0, min=0.01, soft_max=50.0
+    )
+    length_mm: FloatProperty(
+        name="Object Size (mm)", description="Edge of the object that was pressed, for k; 0 is not known",
+        default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
+    )  # fmt: skip
+
+    def measured(self) -> dict:
+        """Return what pressed the object, and its size, as the core takes them."""
+        from ...core.material import Indenter
+
+        tip = Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3)
+        return {"tip": tip, "length": self.length_mm / 1e3 or None}
+
+    def take_size(self, context: bpy.types.Context) -> None:
+        """Begin with the size of the active object where that is typed."""
+        body = context.object
+        if body and body.dimple.size_mode == "CUSTOM" and not self.properties.is_property_set("length_mm"):
+            self.length_mm = body.dimple.size_mm
+
+    def keep(self, context: bpy.types.Context, found: "Calibration") -> None:
+        """Keep a result in the scene, and say what it is."""
+        context.scene.dimple.calibration = results.to_text(found)
+        record = results.load(context.scene.dimple.calibration)
+        for warning in record["warnings"]:
+            say(self, {"WARNING"}, translated(warning).partition("\n")[0])
+        say(self, {"INFO"}, results.source(record, record["source_of_k"]))
+
+
+class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
     """Fit a material to a force-depth file of an instrument: CSV or text, unedited"""
 
     bl_idname = Op.CALIBRATE
@@ -66,15 +104,6 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         name="Filter", description="Files that are shown", options={"HIDDEN"},
         default=results.FILTER,
     )  # fmt: skip
-    tip: EnumProperty(name="Tip", description="What pressed the object", items=TIPS)
-    tip_radius_mm: FloatProperty(
-        name="Tip Radius (mm)", description="Radius of what pressed the object", default=2.0, min=0.01, soft_max=50.0
-    )
-    length_mm: FloatProperty(
-        name="Object Size (mm)", description="Edge of the object that was pressed, for k; 0 is not known",
-        default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
-    )  # fmt: skip
-
     asked: StringProperty(name="Question", description="What the file does not say", options=HIDDEN)
     answer_0: _answer(0)
     answer_1: _answer(1)
@@ -90,16 +119,14 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the file, or for what it leaves open; a dropped file that leaves nothing open is read at once."""
-        body, given = context.object, self.properties.is_property_set
-        if body and not given("length_mm") and body.dimple.size_mode == "CUSTOM":
-            self.length_mm = body.dimple.size_mm
+        self.take_size(context)
         if self.asked:
             for number, question in enumerate(results.load(self.asked)["questions"][:ASKED_AT_ONCE]):
                 values = [candidate["value"] for candidate in question["candidates"]]
                 if question["default"] in values:  # the likeliest answer is chosen until another one is
                     setattr(self, f"answer_{number}", str(values.index(question["default"])))
             return context.window_manager.invoke_props_dialog(self, width=WIDTH, title=translated("Which is right?"))
-        if given("filepath"):
+        if self.properties.is_property_set("filepath"):
             return self.execute(context)
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
@@ -108,23 +135,16 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         """Read and fit; nothing is lost where that fails."""
         from ...core.base import DimpleError
         from ...core.calibration.calibrate import calibrate
-        from ...core.material import Indenter
 
         try:
             if not self._take_answers():
                 return self._ask(context, self.asked, "")
-            tip = Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3)
-            found = calibrate(self.filepath, self._answers(), tip=tip, length=self.length_mm / 1e3 or None)
+            self.keep(context, calibrate(self.filepath, self._answers(), **self.measured()))
         except Undecided as undecided:
             return self._ask(context, to_json(undecided.to_record()), _message(undecided))
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
-        context.scene.dimple.calibration = results.to_text(found)
-        record = results.load(context.scene.dimple.calibration)
-        for warning in record["warnings"]:
-            say(self, {"WARNING"}, translated(warning).partition("\n")[0])
-        say(self, {"INFO"}, results.source(record, record["source_of_k"]))
         return {"FINISHED"}
 
     def draw(self, _context: bpy.types.Context) -> None:
@@ -190,13 +210,8 @@ def _message(undecided) -> str:
     return in_a_row(lines)
 
 
-class DIMPLE_FH_force_depth(bpy.types.FileHandler):
-    """Calibrate with what is dropped into the viewport."""
-
-    bl_idname = "DIMPLE_FH_force_depth"
-    bl_label = "Force-Depth Measurement"
-    bl_import_operator = Op.CALIBRATE
-    bl_file_extensions = results.EXTENSIONS
+class Dropped:
+    """Files that are dropped into a 3D viewport."""
 
     @classmethod
     def poll_drop(cls, context: bpy.types.Context) -> bool:
@@ -204,7 +219,13 @@ class DIMPLE_FH_force_depth(bpy.types.FileHandler):
         return context.area is not None and context.area.type == "VIEW_3D"
 
 
-# the answers to what a file may leave open
-DIMPLE_OT_calibrate.__annotations__ |= {field.name: _property(field) for field in fields(Answers)}
+class DIMPLE_FH_force_depth(Dropped, bpy.types.FileHandler):
+    """Calibrate with what is dropped into the viewport."""
+
+    bl_idname = "DIMPLE_FH_force_depth"
+    bl_label = "Force-Depth Measurement"
+    bl_import_operator = Op.CALIBRATE
+    bl_file_extensions = results.EXTENSIONS
+
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_calibrate, DIMPLE_FH_force_depth])

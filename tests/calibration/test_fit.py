@@ -205,8 +205,6 @@ def test_correlated_residuals_widen_the_intervals():
     coloured = np.convolve(rng.normal(size=640), np.ones(20) / math.sqrt(20), "same")[20:620]
     f = law(x, 620, 9130, 0.0137)
     plain, smooth = fit_law(x, f + 0.3 * white), fit_law(x, f + 0.3 * coloured)
-    assert plain.widened == 1
-    assert smooth.widened > 2
     assert smooth.x0.half_width > 2 * plain.x0.half_width
 
 

@@ -177,7 +177,7 @@ def test_pieces_that_are_said_to_rise_do(write):
 def test_the_first_line_of_a_warning_says_what_is_wrong(write):
     depth = np.linspace(0, 10, 400)
     done = calibrate(write(table(depth, 50 * (depth / 10) ** 3)), length=0.005)
-    assert len(done.warnings) >= 3
+    assert len(done.warnings) >= 2
     assert all(len(warning.split("\n")[0]) <= 110 for warning in done.warnings)
 
 
