@@ -88,7 +88,7 @@ def calibrate_by_hand(
     fit, none = fit_law(x, f, tare=tare), np.empty(0)
     loading = LoadingCurve(depth=x, force=f, unloading_depth=none, unloading_force=none, inward=1).begun_at(0.0, tare)
     measurement = Measurement(
-        source=Message("Measured by Hand"), depth=x, force=f, depth_header="", force_header="", units=("mm", "gf")
+        source="Measured by Hand", depth=x, force=f, depth_header="", force_header="", units=("mm", "gf")
     )
     return _calibration(measurement, loading, fit, length, tip)
 
@@ -129,7 +129,7 @@ def provenance(calibration: Calibration) -> str:
     return Message(
         "{source}: {law} (95 %), {rows} rows, residual {misfit:.1f} % of {full_scale:.3g} N, {tip} of {radius:.3g} "
         "mm radius",
-        source=calibration.measurement.source,
+        source=Message(calibration.measurement.source),
         law=law,
         rows=fit.rows,
         misfit=100 * fit.misfit,

@@ -194,6 +194,8 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
         return {"CANCELLED"}  # that one goes on
 
 
+# the answers to what a file may leave open
+DIMPLE_OT_calibrate.__annotations__ |= {field.name: _property(field) for field in fields(Answers)}
 _DEPTHS = ("contact_mm", "from_mm", "until_mm")
 _ANSWERS = tuple(field.name for field in fields(Answers) if field.name not in _DEPTHS)
 _KEPT = ("tip", "tip_radius_mm", "length_mm", *_DEPTHS)

@@ -49,5 +49,5 @@ class DIMPLE_OT_softness_from_pokes(polls.Declared, bpy.types.Operator):
         if link.cuts:
             say(self, {"WARNING"}, "The mesh has too few vertices to hold the map. Subdivide it first.")
         if found.outside > PAINTED:
-            said = "{outside:.0%} of the vertices are over 4 times softer or stiffer than the material: change K1 and K2."
+            said = "{outside:.0%} of the vertices are 4 times softer or stiffer than the material: change K1 and K2."
             say(self, {"WARNING"}, Message(said, outside=found.outside))

@@ -19,7 +19,7 @@ class Layout:
 
     def note(self, text: str, options: dict[str, Any]) -> None:
         assert options.get("icon", "NONE") in self.icons
-        accepted = {"text", "icon", "translate", "slider", "depress", "heading", "align", "factor", "expand"}
+        accepted = {"text", "icon", "translate", "slider", "depress", "heading", "align", "factor", "expand", "index"}
         assert options.keys() <= accepted, options
         self.drawn.append(text)
 
@@ -246,7 +246,8 @@ def test_ones_own_materials_are_listed_where_there_are_some(bpy: ModuleType, mon
     monkeypatch.setattr(bpy.utils, "preset_paths", lambda _folder: [])
     assert "own" not in draw(bpy, bpy.types.DIMPLE_PT_material_presets), "Blender would complain of missing paths"
     monkeypatch.setattr(bpy.utils, "preset_paths", lambda _folder: ["somewhere"])
-    assert draw(bpy, bpy.types.DIMPLE_PT_material_presets) == ["own"]
+    drawn = draw(bpy, bpy.types.DIMPLE_PT_material_presets)
+    assert drawn[0] == "own" and {"dimple.open_material", "dimple.save_material"} <= {*map(str, drawn)}
 
 
 def test_sentences_are_broken_where_a_sidebar_ends(bpy: ModuleType) -> None:

@@ -123,7 +123,7 @@ def test_a_torn_specimen_is_asked_about_and_its_range_can_be_cut(bpy: ModuleType
 
 
 def test_the_result_names_its_columns_and_warnings_have_headlines(bpy: ModuleType, scene: Any, tmp_path: Path) -> None:
-    from bl_ext.user_default.dimple.addon import calibrated
+    from bl_ext.user_default.dimple.addon import calibration as calibrated
 
     path = tmp_path / "bent.csv"
     path.write_text("Depth (mm),Force (N)\n" + "".join(f"{x:.4f},{(x / 4) ** 3:.4f}\n" for x in DEPTH))
@@ -168,7 +168,8 @@ class Asked:
         rna = self.rna.properties
         values = {name: rna[name].default for name in (*self.calibrate._ANSWERS, *self.calibrate._KEPT)}
         values |= {"asked": "", **given, **{f"answer_{i}": choice for i, choice in enumerate(choices)}}
-        stub = type("Stub", (), {k: v for k, v in vars(operator).items() if callable(v) and not k.startswith("__")})()
+        methods = vars(self.calibrate.Tip) | vars(operator)
+        stub = type("Stub", (), {k: v for k, v in methods.items() if callable(v) and not k.startswith("__")})()
         for name, value in values.items():
             setattr(stub, name, value)
         stub.report = lambda level, text: self.reports.append((*level, text))
@@ -217,6 +218,7 @@ def test_the_likeliest_answer_is_chosen_when_the_dialog_opens(
         asked=asked.opened[-1]["asked"], properties=SimpleNamespace(is_property_set=lambda name: False)
     )
     manager = SimpleNamespace(invoke_props_dialog=lambda *args, **how: {"RUNNING_MODAL"})
+    shown.take_size = lambda context: None
     context = SimpleNamespace(object=None, window_manager=manager)
     asked.calibrate.DIMPLE_OT_calibrate.invoke(shown, context, None)
     (question,) = questions_of(shown.asked)
