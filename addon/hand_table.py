@@ -45,6 +45,9 @@ class DIMPLE_PT_hand_table(SidebarPanel, bpy.types.Panel):
         layout.prop(table, "hand_step_mm")
         filled = max((i for i, grams in enumerate(table.hand_grams) if grams), default=0)
         column = layout.column(align=True)
+        row = column.row(align=True)
+        row.label(text="Steps")
+        row.label(text="Grams")
         for i in range(min(max(filled + 3, SHOWN), ROWS)):
             row = column.row(align=True)
             row.prop(table, "hand_depths", index=i, text="")

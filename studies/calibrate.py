@@ -99,7 +99,8 @@ def question_lines(undecided: Undecided) -> list[str]:
     for question in undecided.questions:
         answer = option(question.name)
         lines.append(f"{question.text} Answer with {answer}:")
-        lines += [f"  {answer} {c.value}   {c.label}{question.mark(c)}" for c in question.candidates]
+        likeliest = {question.default: " (the likeliest)"}
+        lines += [f"  {answer} {c.value}   {c.label}{likeliest.get(c.value, '')}" for c in question.candidates]
     return lines
 
 

@@ -104,11 +104,12 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
             cycles=len(cycles),
             rows=len(depth),
         )
-    curves = [_curve(depth, force, cycle, inward, remarks) for cycle in cycles]
+    curves = [_curve(depth, force, cycle, inward) for cycle in cycles]
     chosen = _choose(curves, answers, remarks)
     curve = curves[chosen]
     if (at := tear(curve.force)) is not None and answers.until_mm is None:
         raise Undecided(_torn(curve, at))
+    remarks.notes += curve.remarks.notes
     return replace(curve, cycle=chosen + 1, cycles=len(cycles), remarks=remarks)
 
 
@@ -167,8 +168,9 @@ def _long_enough(cycles: list[Cycle], depth: Floats, remarks: Remarks) -> list[C
     return whole
 
 
-def _curve(depth: Floats, force: Floats, cycle: Cycle, inward: int, remarks: Remarks) -> LoadingCurve:
+def _curve(depth: Floats, force: Floats, cycle: Cycle, inward: int) -> LoadingCurve:
     """Return one press in the file's own zero, without the rows that are no part of it."""
+    remarks = Remarks()
     x, f = depth[cycle.start : cycle.peak + 1], force[cycle.start : cycle.peak + 1]
     stands = still(x)
     if stands.any():
@@ -183,6 +185,7 @@ def _curve(depth: Floats, force: Floats, cycle: Cycle, inward: int, remarks: Rem
     back = slice(cycle.peak, cycle.end + 1)
     return LoadingCurve(
         depth=x[~pulled], force=f[~pulled], unloading_depth=depth[back], unloading_force=force[back], inward=inward,
+        remarks=remarks,
     )  # fmt: skip
 
 

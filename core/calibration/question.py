@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from ..errors import DimpleError
-from ..messages import Message
+from ..messages import Message, in_a_row
 
 SIGNS = ("positive", "negative")
 
@@ -57,10 +57,6 @@ class Question:
         self.name, self.text, self.default = name, text, default
         self.candidates = tuple(Candidate(*each) for each in candidates)
 
-    def mark(self, candidate: Candidate) -> str:
-        """Return what stands behind the likeliest answer, "" behind the others."""
-        return " (the likeliest)" if candidate.value == self.default else ""
-
 
 class Remarks:
     """What there is to say of how a file was read: notes, and warnings of what may be wrong."""
@@ -79,15 +75,14 @@ class Remarks:
 
 
 class Undecided(DimpleError):
-    """A file can be read in several ways; `questions` ask which is right."""
+    """A file can be read in several ways; `questions` ask which is right, and a script gives the answers by name."""
 
     def __init__(self, *questions: Question) -> None:
-        self.questions = questions
-        lines = []
+        self.questions, lines = questions, []
         for question in questions:
-            lines.append(question.text)
-            lines += [f"  {c.value}   {c.label}{question.mark(c)}" for c in question.candidates]
-        super().__init__("\n".join(lines))
+            choices = tuple(Message("{value!r} ({label})", value=c.value, label=c.label) for c in question.candidates)
+            lines += [question.text, Message("Give {name}: {choices}.", name=question.name, choices=choices)]
+        super().__init__(in_a_row(lines))
 
     def to_record(self) -> dict[str, Any]:
         """Return the open questions as plain data."""

@@ -23,8 +23,9 @@ class DIMPLE_OT_paste_table(polls.Declared, bpy.types.Operator):
         if len(rows) > most:
             raise DimpleError("The table holds {most} rows at most. Save longer ones as CSV, and open that.", most=most)
         depths, grams = zip(*rows, strict=True)
-        rest = [0.0] * (most - len(rows))
-        table.hand_depths, table.hand_grams = [*depths, *rest], [*grams, *rest]
+        empty = range(1, most - len(rows) + 1)  # rows to go on with, a step each
+        table.hand_depths = [*depths, *(depths[-1] + step for step in empty)]
+        table.hand_grams = [*grams, *(0.0 for _ in empty)]
 
 
 class DIMPLE_OT_calibrate_by_hand(Tip, polls.Declared, bpy.types.Operator):

@@ -11,7 +11,7 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...core.calibration.question import Answers, Undecided
-from ...core.messages import Message, in_a_row, to_json
+from ...core.messages import to_json
 from ..messages import say, wrapped
 from ..names import TIPS, Op
 from ..press import polls
@@ -141,7 +141,7 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
                 return self._ask(context, self.asked, "")
             self.keep(context, calibrate(self.filepath, self._answers(), **self.measured()))
         except Undecided as undecided:
-            return self._ask(context, to_json(undecided.to_record()), _message(undecided))
+            return self._ask(context, to_json(undecided.to_record()), str(undecided))
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -199,17 +199,6 @@ DIMPLE_OT_calibrate.__annotations__ |= {field.name: _property(field) for field i
 _DEPTHS = ("contact_mm", "from_mm", "until_mm")
 _ANSWERS = tuple(field.name for field in fields(Answers) if field.name not in _DEPTHS)
 _KEPT = ("tip", "tip_radius_mm", "length_mm", *_DEPTHS)
-
-
-def _message(undecided) -> str:
-    """Return open questions for a script: the property to set, and to what."""
-    lines = []
-    for question in undecided.questions:
-        choices = tuple(
-            Message("{value!r} ({label})", value=each.value, label=Message(each.label)) for each in question.candidates
-        )
-        lines += [question.text, Message("Give {name}: {choices}.", name=question.name, choices=choices)]
-    return in_a_row(lines)
 
 
 class Dropped:

@@ -60,7 +60,7 @@ def by_brute_force(press: Press) -> tuple[Floats, Floats]:
         away = np.abs((x - press.touch - 0.2 * (x[0] - press.touch)) / (0.06 * (x[0] - press.touch))) > 3
         x, f = x[away], f[away]
     span, first = float(np.ptp(x)), float(x[0])
-    touches = [first] if fixed_touch else np.linspace(first - span * (press.kind == "pressed already"), x[-1], 80)
+    touches = [first] if fixed_touch else np.linspace(first - span * (press.kind == "pressed already"), x[-1], 40)
 
     def columns(touch: float, knee: float) -> Floats:
         u = np.maximum(x - touch, 0)
@@ -69,7 +69,7 @@ def by_brute_force(press: Press) -> tuple[Floats, Floats]:
 
     best = (np.inf, np.zeros(5))
     for touch in touches:
-        for knee in np.linspace(0, x[-1] - touch, 60)[3:-3]:
+        for knee in np.linspace(0, x[-1] - touch, 40)[2:-2]:
             found, *_ = np.linalg.lstsq(columns(touch, knee), f, rcond=None)
             loss = float(((f - columns(touch, knee) @ found) ** 2).sum())
             if loss < best[0] and found[:2].min() > 0:
@@ -121,7 +121,6 @@ def test_the_intervals_hold_the_truth_and_nothing_is_wrong_in_silence(files: int
             apart.append(abs(constant.value - brute[i]) / constant.half_width)
         if max(off) > 3 and not asked and not done.warnings:
             silent.append((seed, press.kind, off))
-    print({name: np.mean(each) for name, each in inside.items()}, np.median(apart), np.quantile(apart, 0.95))
     assert silent == []
     for name in ("K1", "K2"):
         assert 0.90 <= np.mean(inside[name]) <= 0.98

@@ -193,7 +193,7 @@ def test_of_two_bare_columns_one_answer_settles_both(curve, write):
 
 def test_a_missing_unit_is_asked_with_what_it_would_mean(curve, write):
     path = write(table(curve, lambda i, d, f: f"{d:.5f},{f:.5f}", head="Depth (mm),Force\n"))
-    with pytest.raises(Undecided, match=r"In what unit is Force.*\n.*\n  gf +then it reaches"):
+    with pytest.raises(Undecided, match=r"In what unit is Force.* 'gf' \(then it reaches"):
         read_measurement(path)
     check(path, curve, Answers(force_unit="N"))
 

@@ -58,4 +58,4 @@ def test_rows_are_pasted_as_a_sheet_or_a_note_has_them(bpy: ModuleType, empty_fi
     table = bpy.context.scene.dimple
     context = SimpleNamespace(scene=bpy.context.scene, window_manager=SimpleNamespace(clipboard=text))
     DIMPLE_OT_paste_table.run(SimpleNamespace(), context)
-    assert [*table.hand_depths[:4]] == [0, 1, 2.5, 0] and [*table.hand_grams[:4]] == [0, 50, 130, 0]
+    assert [*table.hand_depths[:5]] == [0, 1, 2.5, 3.5, 4.5] and [*table.hand_grams[:4]] == [0, 50, 130, 0]
