@@ -1,7 +1,7 @@
 """Least squares of the law of Eq. (1), with a touch and a tare, and the uncertainty of its constants.
 
 With a given touch and knee the law is linear in the rest. So all pairs of a touch and a knee at a row are compared by
-running sums, and Gauss-Newton goes on from the best of them.
+running sums, and Gauss-Newton goes on from the best few.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from ..base import DimpleError, Floats
 PARAMETERS = ("K1", "K2", "x0", "contact", "tare")
 MIN_PIECE = 3  # distinct depths in a piece: one more than a line passes through exactly
 _KNEES = 100  # rows that are tried as a knee; Gauss-Newton finds the place between them
+_STARTS = 3  # of them that Gauss-Newton goes on from: between two rows each knee has an optimum of its own
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
 _ROWS = MIN_PIECE + 1  # beyond the touch: one more than a piece
 _LEAST = 20.0  # rows: what even the smoothest systematic misfit is allowed to count as
@@ -174,16 +175,17 @@ def fit_law(
     rows = int((x > touches.min()).sum())
     if rows < _ROWS or len(np.unique(x[x > touches.min()])) <= MIN_PIECE:
         raise _too_few(rows)
-    one, _ = _best_start(x, f, touches, tare, free, knee=False)
-    two, falls = _best_start(x, f, touches, tare, free, knee=True)
-    if one is None or not _has_rows(one, x):
+    laws, falls = [], False
+    for knee in (False, True):
+        starts, falls = _best_starts(x, f, touches, tare, free, knee=knee)
+        settled = [_settled(start, x, f) for start in starts if _has_rows(start, x)]
+        laws += [min(settled, key=lambda law: law.squares(x, f))] if settled else []
+    if not laws or laws[0].knee:
         raise _too_few(rows)
-    one = _settled(one, x, f)
-    if two is None or not _has_rows(two, x):
-        return _result(one, x, f, 0.0)
-    two = _settled(two, x, f)
-    bic = _knee_gain(one, two, x, f)
-    return replace(_result(two if bic > 0 else one, x, f, bic), falls=falls and bic > 0)
+    if len(laws) == 1:
+        return _result(laws[0], x, f, 0.0)
+    bic = _knee_gain(laws[0], laws[1], x, f)
+    return replace(_result(laws[bic > 0], x, f, bic), falls=falls and bic > 0)
 
 
 def slope_of(x: Floats, y: Floats) -> tuple[float, float]:
@@ -195,13 +197,13 @@ def slope_of(x: Floats, y: Floats) -> tuple[float, float]:
     return slope, float(np.sqrt(residual @ residual / max(len(x) - 2, 1) / squares))
 
 
-def _best_start(
+def _best_starts(
     x: Floats, f: Floats, touches: Floats, tare: float, free: tuple[str, ...], *, knee: bool
-) -> tuple[Law | None, bool]:
-    """Return the law of least squares with a touch of those given and a knee at a row.
+) -> tuple[list[Law], bool]:
+    """Return the laws of least squares with a touch of those given and a knee at a row, the best first.
 
-    A law with a knee rises on both pieces, as a body of the model must: None where there is none, and whether the best
-    of those that need not rise would fall.
+    A law with a knee rises on both pieces, as a body of the model must: the second is whether the best of those that
+    need not rise would fall.
     """
     low, span, high = float(x.min()), float(np.ptp(x)) or 1.0, float(np.abs(f - tare).max()) or 1.0
     order = np.argsort(x, kind="stable")
@@ -215,19 +217,19 @@ def _best_start(
         enough &= (right - left >= MIN_PIECE) & (len(distinct) - right >= MIN_PIECE)
     c, t = c[enough], t[enough]
     if not len(c):
-        return None, False
+        return [], False
     solution, squares = _solutions(u, v, c, t, [0, *([1] if knee else []), *([2] if free else [])])
     rises = solution[:, : 1 + knee].min(axis=1) > 0
-    if knee and not rises.any():
-        return None, True
-    falls = bool(knee and not rises[squares.argmin()])
-    at = int(np.where(rises | (not rises.any()), squares, np.inf).argmin())
-    K1, K2 = (float(solution[at, i]) * high / span for i in (0, int(knee)))
-    contact, join, offset = low + c[at] * span, low + t[at] * span, high * float(solution[at, -1]) if free else 0.0
-    if free == ("contact",):  # all rows are in contact: the first piece goes on back to no force
-        contact, offset = contact - offset / K1 if K1 > 0 else contact, 0.0
-    values = np.array([K1, K2, join - contact if knee else math.inf, contact, tare + offset])
-    return Law(values, (*(("K1", "K2", "x0") if knee else ("K1",)), *free)), falls
+    falls, starts = bool(knee and not rises[squares.argmin()]), []
+    taken = rises if knee or rises.any() else ~rises
+    for at in np.argsort(np.where(taken, squares, np.inf))[: min(_STARTS, int(taken.sum()))]:
+        K1, K2 = (float(solution[at, i]) * high / span for i in (0, int(knee)))
+        contact, join, offset = low + c[at] * span, low + t[at] * span, high * float(solution[at, -1]) if free else 0.0
+        if free == ("contact",):  # all rows are in contact: the first piece goes on back to no force
+            contact, offset = contact - offset / K1 if K1 > 0 else contact, 0.0
+        values = np.array([K1, K2, join - contact if knee else math.inf, contact, tare + offset])
+        starts.append(Law(values, (*(("K1", "K2", "x0") if knee else ("K1",)), *free)))
+    return starts, falls
 
 
 def _solutions(u: Floats, v: Floats, c: Floats, t: Floats, terms: list[int]) -> tuple[Floats, Floats]:

@@ -145,14 +145,12 @@ def _in_range(depth: Floats, force: Floats, inward: int, answers: Answers, remar
         keep &= depth >= inward * answers.from_mm / 1e3
     if answers.until_mm is not None:
         keep &= depth <= inward * answers.until_mm / 1e3
-    if keep.sum() < MIN_ROWS:
+    if (rows := int(keep.sum())) < MIN_ROWS:
         raise DimpleError(
-            "Only {rows} rows lie in the range that was given; a fit needs {least}.",
-            rows=int(keep.sum()),
-            least=MIN_ROWS,
+            "Only {rows} rows lie in the range that was given; a fit needs {least}.", rows=rows, least=MIN_ROWS
         )
-    if not keep.all():
-        remarks.note("{rows} rows outside the range that was given were left out.", rows=int((~keep).sum()))
+    if rows < len(keep):
+        remarks.note("{rows} rows outside the range that was given were left out.", rows=len(keep) - rows)
     return depth[keep], force[keep]
 
 
