@@ -308,7 +308,8 @@ def _knee_gain(one: Law, two: Law, x: Floats, f: Floats) -> float:
     A knee costs 3 log n: a slope, and a place that is searched for, which weighs as two (Zhang and Siegmund,
     Biometrics 63, 2007).
     """
-    before, after = one.pressed_residual(x, f), two.pressed_residual(x, f)
+    pressed = x > min(one.contact, two.contact)  # the same rows: one slope may take the first piece for air
+    before, after = one.residual(x, f)[pressed], two.residual(x, f)[pressed]
     n = independent_rows(len(after), _correlation(after))
     floor = (_EXACT * float(np.abs(f).max())) ** 2
     s1 = max(float((before**2).sum()) / (len(before) - 1), floor)  # of few rows two slopes take most of the scatter

@@ -15,13 +15,11 @@ _TURN = 0.1  # of the range of depth: a reversal smaller than this is a tremor
 _CLEAR = 8.0  # times the noise: far beyond chance in 100,000 rows, which a Gaussian passes at 4.4
 
 
-def oriented(
-    depth: Floats, force: Floats, answers: Answers, remarks: Remarks
-) -> tuple[Floats, Floats, int]:
+def oriented(depth: Floats, force: Floats, answers: Answers, remarks: Remarks) -> tuple[Floats, Floats, int]:
     """Return depth (n,) growing inward [m], force (n,) growing with a press [N], and the sign of the file's depth.
 
     Raises:
-        Undecided: the order of the rows, the sign of a press, or which column is which, is open.
+        Undecided: the order of the rows or the sign of a press is open.
         DimpleError: there is no press in it.
     """
     depth, force = _in_order(depth, force, answers, remarks)

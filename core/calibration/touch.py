@@ -22,6 +22,7 @@ from .strokes import roughness
 from .table import MIN_ROWS, SLIGHT
 
 SURE = 3.0  # standard errors: by chance once in 400 files
+_LIKELY = 2.0  # standard errors: of a force that leaves the touch open
 _FIRST = 0.1  # of the range of force: what a press begins with, far from any knee
 _TOUCHES = 80  # that are tried along the depth; Gauss-Newton finds the place between them
 _WITHIN = 1.5  # times the noise: residuals of a law that follows its rows
@@ -94,7 +95,7 @@ def _from_the_first_row(x: Floats, f: Floats) -> tuple[_Begun, float]:
     at = 0.0 if abs(first) < _HARMLESS * float(np.ptp(x)) else first
     untared = _begun(x, f, first, ("tare",))
     force, error = _force_at_first(f, untared)
-    if abs(force) <= max(SURE * error, SLIGHT * float(np.ptp(f))):
+    if abs(force) <= max(_LIKELY * error, SLIGHT * float(np.ptp(f))):
         fit = fit_law(x, f, touch=at)
         return _Begun(fit, fit), force
     if force < 0:
