@@ -1,11 +1,15 @@
 """The panels of calibration: from a file to a result, from there to a material; and a virtual press."""
 
+from typing import Any
+
 import bpy
 
 from ..operators.calibrate import results
 from ..operators.names import Op
-from . import calibrated
-from .drawing import MaterialPanel, SidebarPanel, draw_notes, draw_rows, shown_if
+from ..operators.translation import translated
+from .drawing import SidebarPanel, draw_notes, draw_rows, shown_if
+from .hand_table import DIMPLE_PT_hand_table
+from .readout import iface_
 
 
 def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | None]:
@@ -17,16 +21,54 @@ def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | N
     return (results.load(settings.calibration), settings) if settings else ({}, None)
 
 
-def draw_result(
-    context: bpy.types.Context, layout: bpy.types.UILayout, record: dict, settings: bpy.types.PropertyGroup | None
-) -> None:
-    """Draw the source, the constants with their errors, and what is wrong; what that means is folded in the notes."""
-    source = f"{record['source']}, {record['date']}"
-    layout.label(text=source, icon="FILE_TEXT", translate=False)
-    draw_rows(layout, calibrated.rows(record))
-    draw_notes(context, layout, calibrated.headlines(record), "ERROR")
-    if settings is not None and settings.edited:
-        draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
+def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
+    """Return (label, value with unit) of a calibration; ± is half of the 95 % interval."""
+    two = record["model"] == "two"
+    lines = [(iface_("Slopes"), iface_("Two") if two else iface_("One"))]
+    lines.append(("K1", f"{_with_error(record, 'K1')} N/mm"))
+    if two:
+        lines.append(("K2", f"{_with_error(record, 'K2')} N/mm"))
+        lines.append(("x0", f"{_with_error(record, 'x0')} mm"))
+    lines.append((iface_("First Touch"), f"{record['contact']:.4g} mm"))
+    lines.append((iface_("Tare"), f"{record['tare']:.3g} N"))
+    lines.append((iface_("Measured Range"), f"{record['deepest']:.4g} mm, {record['full_scale']:.4g} N"))
+    if k := record["k"]:
+        lines.append((iface_("k, Force Balance"), f"{_plus_minus(k['value'], k['half_width'])} N/mm"))
+        lines.append((iface_("Pretension"), f"{k['pretension']:.3g} N"))
+    if record["damping_ratio_hint"] is not None:
+        lines.append((iface_("Hysteresis Loss"), f"{record['loss']:.0%}"))
+        lines.append((iface_("Damping Ratio"), f"≈ {record['damping_ratio_hint']:.2f}"))
+    lines.append((iface_("Residual"), iface_("{} of full scale").format(f"{record['residual_share']:.1%}")))
+    if miss := record.get("largest_error"):
+        lines.append((iface_("Largest Error from Points"), f"{miss:.1%}"))
+    for role, label in (("depth", "Depth Column"), ("force", "Force Column")):
+        if name := record["columns"][role]:
+            number, unit = record["column_numbers"][role], record["column_units"][role]
+            lines.append((iface_(label), f"{number}: {name}, {unit}"))
+    least, most = record["noticeable"]
+    return [*lines, (iface_("Just-Noticeable Difference"), f"{least:.0%} – {most:.0%}")]
+
+
+def headlines(record: dict[str, Any]) -> list[str]:
+    """Return what the warnings say is wrong; what they mean is among the sentences."""
+    return [translated(warning, iface_).partition("\n")[0] for warning in record["warnings"]]
+
+
+def sentences(record: dict[str, Any]) -> list[str]:
+    """Return the warnings that have more to say, what the values of k assume, then the notes of the core."""
+    warnings = [translated(each, iface_).replace("\n", " ") for each in record["warnings"] if "\n" in each]
+    return [*warnings, *([record["k"]["assumes"]] if record["k"] else []), *record["notes"]]
+
+
+def _with_error(record: dict[str, Any], name: str) -> str:
+    low, high = record[f"{name}_interval"]
+    return _plus_minus(record[name], (high - low) / 2)
+
+
+def _plus_minus(value: float, half_width: float) -> str:
+    from ..core.calibration.fit import plus_minus  # with numpy: not before there is something to show
+
+    return plus_minus(value, half_width)
 
 
 class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
@@ -42,13 +84,18 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
         if not record:
             draw_notes(context, layout, ["Drop a force-depth file (CSV, text) into the viewport."])
             return
-        draw_result(context, layout, record, settings)
+        source = f"{record['source']}, {record['date']}"
+        layout.label(text=source, icon="FILE_TEXT", translate=False)
+        draw_rows(layout, rows(record))
+        draw_notes(context, layout, headlines(record), "ERROR")
         if settings is None:
             draw_notes(context, layout, [record["unusable"]] if record["unusable"] else [], "ERROR")
             row = layout.row(align=True)
             row.operator(Op.APPLY_CALIBRATION, icon="CHECKMARK")
             row.operator(Op.DISCARD_CALIBRATION, text="", icon="X")
         else:
+            if settings.edited:
+                draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
             layout.operator("dimple.material_preset_add", text="Keep as My Material", icon="ADD")
 
 
@@ -62,7 +109,7 @@ class DIMPLE_PT_calibration_notes(SidebarPanel, bpy.types.Panel):
     poll = shown_if(lambda context: shown(context)[0])
 
     def draw(self, context: bpy.types.Context) -> None:
-        draw_notes(context, self.layout, calibrated.sentences(shown(context)[0]))
+        draw_notes(context, self.layout, sentences(shown(context)[0]))
 
 
 class DIMPLE_PT_virtual_press(SidebarPanel, bpy.types.Panel):
@@ -83,21 +130,4 @@ class DIMPLE_PT_virtual_press(SidebarPanel, bpy.types.Panel):
         layout.operator(Op.MEASURE, text="Measure to File...", icon="EXPORT")
 
 
-class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
-    """The measurement behind the constants of a material."""
-
-    bl_label = "Calibration"
-    bl_parent_id = "DIMPLE_PT_material"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    poll = shown_if(lambda context: context.material and results.load(context.material.dimple.calibration))
-
-    def draw(self, context: bpy.types.Context) -> None:
-        settings = context.material.dimple
-        record = results.load(settings.calibration)
-        draw_result(context, self.layout, record, settings)
-        draw_notes(context, self.layout, calibrated.sentences(record))
-
-
-SIDEBAR = (DIMPLE_PT_calibration, DIMPLE_PT_calibration_notes, DIMPLE_PT_virtual_press)
-PROPERTIES = (DIMPLE_PT_material_calibration,)
+SIDEBAR = (DIMPLE_PT_calibration, DIMPLE_PT_calibration_notes, DIMPLE_PT_hand_table, DIMPLE_PT_virtual_press)

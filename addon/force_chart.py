@@ -32,6 +32,7 @@ class Curves(NamedTuple):
     fingertip: Point | None = None  # where the deepest is, None where none presses
     here: list[Point] = []  # what acts on it where that is not the law as it was measured, and
     name: str = ""  # what that is called
+    begins: str = ""  # the touch and the tare that were used: what is 0 here
 
     @property
     def seen(self) -> list[Point]:
@@ -91,7 +92,7 @@ def calibrated_curves(context: bpy.types.Context) -> Curves | None:
         return None
     if record := results.load(settings.calibration):
         law = (record["K1"] * 1e3, record["K2"] * 1e3, record["x0"] / 1e3, 1.0)
-        return Curves(law, _band(record), _metres(record["points"]))
+        return Curves(law, _band(record), _metres(record["points"]), begins=_begins(record))
     material = body.active_material if body else None
     return _material_curves(material.dimple) if material else None
 
@@ -107,7 +108,11 @@ def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
     power = law_power(settings.K1, settings.K2, settings.fill.lower(), settings.tip.lower())
     law = (settings.K1 * 1e3, settings.K2 * 1e3, settings.x0 / 1e3, power)
     band = ([], []) if settings.edited or power > 1 else _band(record)  # it is that of two slopes
-    return Curves(law, band, _metres(measured))
+    return Curves(law, band, _metres(measured), begins=_begins(record))
+
+
+def _begins(record: dict[str, Any]) -> str:
+    return iface_("Touch at {} mm, tare {} N").format(f"{record['contact']:.4g}", f"{record['tare']:.3g}")
 
 
 def _band(record: dict[str, Any]) -> tuple[list[Point], list[Point]]:
@@ -155,5 +160,7 @@ def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:
         (at,) = shapes.into_box([curves.fingertip], ends, corner, size)
         canvas.draw_lines(shapes.circle(at, (DOT * scale, 0.0), (0.0, DOT * scale)), FINGERTIP, screen)
     canvas.write(f"{ends[1]:g} N", (corner[0] + 4 * scale, top - LINE_HEIGHT * scale), scale)
+    if curves.begins:
+        canvas.write(curves.begins, (corner[0] + 4 * scale, top - 2 * LINE_HEIGHT * scale), scale)
     canvas.write(f"{ends[0] * 1e3:g} mm", (right - 48 * scale, corner[1] + 5 * scale), scale)
     return draw_key(curves, (corner[0], top), scale)

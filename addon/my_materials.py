@@ -4,6 +4,9 @@ import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
+from ..operators.calibrate.material_file import VALUES
+from ..operators.names import Op
+
 
 class DIMPLE_PT_material_presets(PresetPanel, bpy.types.Panel):
     """The user's own materials."""
@@ -17,10 +20,12 @@ class DIMPLE_PT_material_presets(PresetPanel, bpy.types.Panel):
         own = DIMPLE_PT_material_presets
         if bpy.utils.preset_paths(own.preset_subdir):
             PresetPanel.draw(self, context)
-            return
-        row = self.layout.row()  # Blender would complain of missing paths
-        row.prop(context.window_manager, "preset_name", text="")
-        row.operator(own.preset_add_operator, text="", icon="ADD").name = context.window_manager.preset_name
+        else:  # Blender would complain of missing paths
+            row = self.layout.row()
+            row.prop(context.window_manager, "preset_name", text="")
+            row.operator(own.preset_add_operator, text="", icon="ADD").name = context.window_manager.preset_name
+        self.layout.operator(Op.OPEN_MATERIAL, text="Open File...", icon="IMPORT")
+        self.layout.operator(Op.SAVE_MATERIAL, text="Save to File...", icon="EXPORT")
 
 
 class DIMPLE_OT_material_preset_add(AddPresetBase, bpy.types.Operator):
@@ -34,14 +39,7 @@ class DIMPLE_OT_material_preset_add(AddPresetBase, bpy.types.Operator):
         "material = getattr(bpy.context, 'material', None) or bpy.context.object.active_material",
         "dimple = material.dimple",
     ]
-    # in this order: constants mark the material as edited, the source clears that, and `edited` is as it was saved
-    preset_values = [
-        f"dimple.{name}"
-        for name in (
-            "K1", "K2", "x0", "k", "spread_mm", "mass_from", "density", "mass_kg", "damping_ratio", "friction", "fill",
-            "pressure_kpa", "tip", "tip_radius_mm", "calibration", "provenance", "edited",
-        )
-    ]  # fmt: skip
+    preset_values = [f"dimple.{name}" for name in VALUES]
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_PT_material_presets, DIMPLE_OT_material_preset_add])

@@ -146,5 +146,5 @@ _SIDEBAR = (
     DIMPLE_PT_bake, DIMPLE_PT_display, *calibration.SIDEBAR, *device.SIDEBAR, *experiment.SIDEBAR,
 )  # fmt: skip
 register, unregister = bpy.utils.register_classes_factory(
-    [*materials.PROPERTIES, *physics_panels.PROPERTIES, *calibration.PROPERTIES, *_SIDEBAR]
+    [*materials.PROPERTIES, *physics_panels.PROPERTIES, *_SIDEBAR]
 )

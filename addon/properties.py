@@ -20,6 +20,7 @@ from ..operators.bridge import sizing
 from ..operators.names import MAPS, PLACES
 from . import tool
 from .device import DevicePlace
+from .hand_table import HandTable
 from .material_choice import MaterialChoice
 from .material_settings import DIMPLE_PG_material
 from .object_settings import FIXED, KEYED, ContactSettings, ReductionSettings, exact, kept_text, switch
@@ -156,7 +157,7 @@ def _set_grams(self: bpy.types.PropertyGroup, grams: float) -> None:
     self.press_force_n = grams * _WEIGHT_N
 
 
-class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
+class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
     """The fingertips and the surroundings of all sessions in a scene."""
 
     finger_radius_mm: FloatProperty(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -13,8 +12,8 @@ from typing import Any
 from core.base import DimpleError
 from core.calibration.calibrate import Calibration, calibrate, to_record
 from core.calibration.doubts import Miss
-from core.calibration.question import Answers, Undecided, WrongColumns
-from core.calibration.surface_constant import BALANCE_ASSUMES, PAPER_ASSUMES
+from core.calibration.question import Answers, Undecided
+from core.calibration.surface_constant import ASSUMES
 from core.material import POINT, TIPS, Indenter
 
 from .calibration_plot import save_plot
@@ -29,27 +28,13 @@ def add_command(command: argparse.ArgumentParser) -> None:
     command.add_argument("--length-mm", type=float, metavar="L", help="edge of the object, for k")
     command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT.radius, help="of the tip")
     command.add_argument("--indenter", choices=TIPS, default="point", help="shape of the tip; a point is a small punch")
-    command.add_argument("--section-mm2", type=float, metavar="A", help="section of the surface, for k by Eq. (10)")
-    command.add_argument("--youngs-modulus-mpa", type=float, metavar="E", help="of the surface, for k by Eq. (10)")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")
     command.add_argument("--plot", type=Path, metavar="OUT.png", help="draw the curve and the fit (needs matplotlib)")
     answers = command.add_argument_group("answers, where the file leaves something open")
-    for name, kind, text in (
-        ("depth_column", str, "header or number of the column of depth"),
-        ("force_column", str, "header or number of the column of force"),
-        ("depth_unit", str, "mm, m, um, in..."),
-        ("force_unit", str, "N, gf, kgf, mN, kN, lbf..."),
-        ("decimal", str, "the decimal mark, . or ,"),
-        ("table", int, "which of several tables, counted from 1"),
-        ("press", str, "sign of a pressing force, positive or negative"),
-        ("inward", str, "sign of a depth that grows as the tip goes in, positive or negative"),
-        ("order", str, "whether the rows stand as they were written or are reversed: written or reversed"),
-        ("cycle", int, "which of several presses, counted from 1"),
-        ("contact_mm", float, "reading of the depth at first touch"),
-        ("from_mm", float, "reading of the depth before which rows are left out"),
-        ("until_mm", float, "reading of the depth beyond which rows are left out, of a torn specimen"),
-    ):
-        answers.add_argument(option(name), type=kind, help=text)
+    for field in fields(Answers):
+        kind = {"int | None": int, "float | None": float}.get(str(field.type), str)
+        text, choices = field.metadata["text"], field.metadata["choices"] or None
+        answers.add_argument(option(field.name), type=kind, choices=choices, help=text)
 
 
 def option(name: str) -> str:
@@ -62,17 +47,13 @@ def run(options: argparse.Namespace) -> int:
     tip = Indenter(shape=options.indenter, radius=1e-3 * options.tip_radius_mm)
     try:
         answers = Answers(**{field.name: getattr(options, field.name) for field in fields(Answers)})
-        calibration = calibrate(
-            options.file, answers, length=_scaled(options.length_mm, 1e-3), tip=tip,
-            section=_scaled(options.section_mm2, 1e-6), youngs_modulus=_scaled(options.youngs_modulus_mpa, 1e6),
-        )  # fmt: skip
+        length = None if options.length_mm is None else 1e-3 * options.length_mm
+        calibration = calibrate(options.file, answers, length=length, tip=tip)
     except Undecided as undecided:
         print("\n".join(question_lines(undecided)), file=sys.stderr)
         if options.json:
             write_json(options.json, questions_json(undecided))
         return OPEN
-    except WrongColumns as error:
-        raise DimpleError(f"{error} Choose them with {_options(error.answers)}.") from None
     print("\n".join(to_lines(calibration)))
     if options.json:
         write_json(options.json, to_record(calibration))
@@ -83,24 +64,22 @@ def run(options: argparse.Namespace) -> int:
 
 def to_lines(calibration: Calibration) -> list[str]:
     """Return a calibration as lines of text."""
-    c, fit, loading = calibration, calibration.fit, calibration.loading
+    c, fit, loading, m = calibration, calibration.fit, calibration.loading, calibration.measurement
     slopes = "two slopes" if fit.model == "two" else "one slope"
     lines = [f"{c.measurement.source}: {slopes} through {fit.rows} rows up to {fit.full_scale:.4g} N"]
     lines.append(f"  K1 = {fit.K1.text(1e3)} N/mm (95 %)")
     lines.append(f"  K2 = {fit.K2.text(1e3)} N/mm")
     lines.append(f"  x0 = {fit.x0.text(1e-3)} mm")
+    lines.append(f"  first touch at {loading.reading(0.0):.4g} mm of the file, tare {loading.tare:.4g} N")
+    named = zip(("depth", "force"), (m.depth_header, m.force_header), m.columns, m.units, strict=True)
+    lines += [f"  the {role} is “{name}” (column {number}) in {unit}" for role, name, number, unit in named]
     lines.append(f"  residual {100 * fit.misfit:.2f} % of full scale (RMS){_miss_text(c.miss)}")
     if loading.damping_ratio is not None:
         lost = 100 * (loading.loss or 0)
         lines.append(f"  {lost:.0f} % of the work is lost: damping ratio about {loading.damping_ratio:.2f}")
     if c.surface is not None:
-        if c.surface.paper_k is not None:
-            lines.append(f"  k = {c.surface.paper_k / 1e3:.4g} N/mm. {PAPER_ASSUMES}")
-        else:
-            lines.append("  k by Eqs. (9), (10) needs --section-mm2 and --youngs-modulus-mpa: it is 2 A E / l.")
-        if c.surface.balance_k is not None and c.surface.pretension is not None:
-            k = f"{c.surface.balance_k.text(1e3)} N/mm over {c.surface.pretension:.3g} N of tension"
-            lines.append(f"  k = {k}. {BALANCE_ASSUMES}")
+        k = f"{c.surface.k.text(1e3)} N/mm over {c.surface.pretension:.3g} N of tension"
+        lines.append(f"  k = {k}. {ASSUMES}")
     lines += [f"  Note: {note}" for note in c.notes]
     lines += ["  Warning: " + warning.replace("\n", "\n    ") for warning in c.warnings]
     return lines
@@ -120,7 +99,8 @@ def question_lines(undecided: Undecided) -> list[str]:
     for question in undecided.questions:
         answer = option(question.name)
         lines.append(f"{question.text} Answer with {answer}:")
-        lines += [f"  {answer} {c.value}   {c.label}{question.mark(c)}" for c in question.candidates]
+        likeliest = {question.default: " (the likeliest)"}
+        lines += [f"  {answer} {c.value}   {c.label}{likeliest.get(c.value, '')}" for c in question.candidates]
     return lines
 
 
@@ -142,11 +122,3 @@ def write_json(path: Path, record: dict[str, Any]) -> None:
         path.write_text(json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
         raise DimpleError(f"{path} cannot be written: {error.strerror or error}.") from None
-
-
-def _options(names: Sequence[str]) -> str:
-    return " and ".join(map(option, names))
-
-
-def _scaled(value: float | None, factor: float) -> float | None:
-    return None if value is None else factor * value

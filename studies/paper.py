@@ -19,9 +19,8 @@ import numpy as np
 from core.base import DimpleError, Floats
 from core.body.model import build_model
 from core.calibration.calibrate import Calibration, calibrate
-from core.calibration.export import write_press
 from core.calibration.surface_constant import string_balance
-from core.calibration.virtual_press import find_site, press_rows
+from core.calibration.virtual_press import find_site, press_rows, write_press
 from core.material import PRESETS, Preset
 from core.mesh.surface import base_vertices
 
@@ -93,7 +92,7 @@ def constants(curves: Sequence[Calibration], virtual: Sequence[Calibration]) -> 
             fitted, pressed = getattr(curve.fit, name), getattr(again.fit, name)
             printed = getattr(preset.material, name)
             yield number, name, printed / unit, fitted.value / unit, fitted.half_width / unit, pressed.value / unit
-        balance = curve.surface.balance_k if curve.surface else None
+        balance = curve.surface.k if curve.surface else None
         values = (balance.value / 1e3, balance.half_width / 1e3) if balance else (None, None)
         yield number, "k", preset.material.k / 1e3, *values, None
 

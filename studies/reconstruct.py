@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from core.base import Floats
-from core.calibration.export import write_press
+from core.calibration.virtual_press import write_press
 from core.material import PRESETS, Preset
 
 NOISE = 0.01  # of full scale: of a strain gauge on a cantilever, as the paper's

@@ -1,10 +1,10 @@
 """From an instrument's file to a material, with numpy alone.
 
-calibrate reads a file and fits the law of Eq. (1), and gives its result as plain data. Each step stands on its own:
+calibrate reads a file, or takes rows noted by hand, and gives constants as plain data. Each step stands on its own:
 
-read: reader (bytes to lines and cells), table (names, units, numbers; vocabulary), columns, measurement; question.
-press: strokes (order, signs, cycles, tears), press, beginning (air or contact), touch (touch, tare, fit).
-fit: segments (the law, two pieces), fit, doubts (what may be wrong), surface (k).
+read: reader (bytes to lines and cells), table (names, units, numbers), measurement (which columns, in SI), question.
+press: strokes (order, signs, cycles, tears), press (one of them), touch (touch and tare).
+fit: fit (least squares and intervals), doubts (what may be wrong), surface_constant (k).
 pokes: a map of softness from a robot's table.
-virtual_press presses a body as an instrument would, export writes that as CSV.
+virtual_press presses a body as an instrument would, and writes that as CSV.
 """

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..base import DimpleError
 from ..material import POINT, Indenter, law_force, law_power
 from ..messages import Message
 from .doubts import Miss, doubts, largest_miss
-from .fit import Constant, Fit
+from .fit import Fit, fit_law
+from .known_words_and_units import UNITS
 from .measurement import Measurement, read_measurement
 from .press import LoadingCurve, check_loss, prepare
 from .question import Answers
-from .surface_constant import BALANCE_ASSUMES, PAPER_ASSUMES, Surface, surface_constants
+from .surface_constant import Surface, surface_constant
 from .touch import settle
 
 
@@ -30,7 +30,7 @@ class Calibration:
     fit: the law and its constants.
     length: edge of the object [m], None where it is not known.
     tip: what pressed it.
-    surface: k both ways, None without a length.
+    surface: k, None without a length.
     miss: where the law is farthest from the measured points, None where there is no force.
     notes: messages about how the file was read.
     warnings: messages about what may be wrong: a headline, and after a line break what it means.
@@ -48,13 +48,7 @@ class Calibration:
 
 
 def calibrate(
-    path: str | Path,
-    answers: Answers | None = None,
-    *,
-    length: float | None = None,
-    tip: Indenter = POINT,
-    section: float | None = None,
-    youngs_modulus: float | None = None,
+    path: str | Path, answers: Answers | None = None, *, length: float | None = None, tip: Indenter = POINT
 ) -> Calibration:
     """Read a file and fit the law to it.
 
@@ -63,41 +57,57 @@ def calibrate(
         answers: of the user to earlier questions.
         length: edge of the object [m], for k.
         tip: what pressed it.
-        section: of the surface as a beam [m2].
-        youngs_modulus: of the surface [Pa].
 
     Raises:
         Undecided: the file leaves something open; its questions say what.
         DimpleError: the file cannot be used.
     """
-    for name, value in (("length", length), ("section", section), ("Young's modulus", youngs_modulus)):
-        if value is not None and not 0 < value < math.inf:
-            raise DimpleError("The {name} of the object must be a number greater than 0.", name=Message(name))
     measurement = read_measurement(path, answers)
     loading, fit = settle(prepare(measurement, answers), answers)
-    gained = check_loss(loading, measurement.timed or bool(answers and answers.order))
+    loading.remarks.warnings += check_loss(loading, bool(answers and answers.order))
+    return _calibration(measurement, loading, fit, length, tip)
+
+
+def calibrate_by_hand(
+    depth: Sequence[float], weight: Sequence[float], *, length: float | None = None, tip: Indenter = POINT
+) -> Calibration:
+    """Fit the law to a few rows that a person noted from a scale, of which those at depth 0 tell the tare.
+
+    Args:
+        depth: (n,) from the touch [mm].
+        weight: (n,) that the scale shows [g].
+        length: edge of the object [m], for k.
+        tip: what pressed it.
+
+    Raises:
+        DimpleError: too few rows.
+    """
+    order = np.argsort(depth, kind="stable")
+    x, f = 1e-3 * np.asarray(depth, np.float64)[order], UNITS["gf"][1] * np.asarray(weight, np.float64)[order]
+    tare = float(f[x <= 0].mean()) if (x <= 0).any() else 0.0
+    fit, none = fit_law(x, f, tare=tare), np.empty(0)
+    loading = LoadingCurve(depth=x, force=f, unloading_depth=none, unloading_force=none, inward=1).begun_at(0.0, tare)
+    measurement = Measurement(
+        source="Measured by Hand", depth=x, force=f, depth_header="", force_header="", units=("mm", "gf")
+    )
+    return _calibration(measurement, loading, fit, length, tip)
+
+
+def _calibration(
+    measurement: Measurement, loading: LoadingCurve, fit: Fit, length: float | None, tip: Indenter
+) -> Calibration:
     miss = largest_miss(loading.depth, loading.force, fit.law(loading.depth))
-    notes = (_columns(measurement), *measurement.notes, *loading.notes, _touch(loading, answers))
-    surface = None
-    if length is not None:
-        surface = surface_constants(
-            loading.depth, loading.force, length, section=section, youngs_modulus=youngs_modulus
-        )  # fmt: skip
+    read, prepared = measurement.remarks, loading.remarks
     return Calibration(
         measurement=measurement,
         loading=loading,
         fit=fit,
         length=length,
         tip=tip,
-        surface=surface,
+        surface=None if length is None else surface_constant(loading.depth, loading.force, length),
         miss=miss,
-        notes=notes,
-        warnings=(
-            *measurement.warnings,
-            *loading.warnings,
-            *gained,
-            *doubts(fit, loading, length, miss, _as_solid(fit, loading, tip)),
-        ),
+        notes=(*read.notes, *prepared.notes),
+        warnings=(*read.warnings, *prepared.warnings, *doubts(fit, loading, miss, _as_solid(fit, loading, tip))),
     )
 
 
@@ -119,7 +129,7 @@ def provenance(calibration: Calibration) -> str:
     return Message(
         "{source}: {law} (95 %), {rows} rows, residual {misfit:.1f} % of {full_scale:.3g} N, {tip} of {radius:.3g} "
         "mm radius",
-        source=calibration.measurement.source,
+        source=Message(calibration.measurement.source),
         law=law,
         rows=fit.rows,
         misfit=100 * fit.misfit,
@@ -130,100 +140,37 @@ def provenance(calibration: Calibration) -> str:
 
 
 def source_of_k(calibration: Calibration) -> str:
-    """Return how k was found, with its uncertainty where there is a measured one; "" where it was not."""
+    """Return how k was found, with its uncertainty; "" where it was not."""
     surface = calibration.surface
-    if surface is None or surface.k is None:
-        return ""
-    if surface.paper_k is not None:  # of numbers that were typed in
-        return Message("k {paper_k:.4g} N/mm by Eqs. (9), (10)", paper_k=surface.paper_k / 1e3)
-    return Message("k {k} N/mm (95 %) by the force balance", k=surface.k.text(1e3))
-
-
-def _columns(measurement: Measurement) -> str:
-    """Return a message about the columns and units that were taken."""
-    m = measurement
-    named = (m.depth_header, m.force_header)
-    depth, force = (
-        Message("“{name}” (column {number}) in {unit}", name=name, number=number, unit=unit)
-        for name, number, unit in zip(named, m.columns, m.units, strict=True)
-    )
-    return Message("The depth is {depth}, the force {force}.", depth=depth, force=force)
-
-
-def _touch(loading: LoadingCurve, answers: Answers | None) -> str:
-    """Return a message about the touch and the tare that were taken."""
-    touch, tare = f"{loading.reading(0.0):.4g}", f"{loading.tare:.4g}"
-    if answers and answers.contact_mm is not None:
-        return Message(
-            "The first touch is at {touch} mm of the file, as given, the tare {tare} N.", touch=touch, tare=tare
-        )
-    return Message("The first touch is at {touch} mm of the file, the tare {tare} N.", touch=touch, tare=tare)
+    return Message("k {k} N/mm (95 %) by the force balance", k=surface.k.text(1e3)) if surface else ""
 
 
 def to_record(calibration: Calibration) -> dict[str, Any]:
     """Return a calibration as it is kept in a file: slopes in N/mm, depths in mm, forces in N; JSON can hold it."""
-    c, fit, loading = calibration, calibration.fit, calibration.loading
-    two = fit.model == "two"
-    return {
-        "source": c.measurement.source,
-        "model": fit.model,
-        "K1": fit.K1.value / 1e3,
-        "K2": fit.K2.value / 1e3,
-        "x0": fit.x0.value * 1e3,
-        "K1_se": fit.K1.error / 1e3,
-        "K2_se": fit.K2.error / 1e3,
-        "x0_se": fit.x0.error * 1e3 if two else None,
-        "K1_interval": _interval(fit.K1, 1e3),
-        "K2_interval": _interval(fit.K2, 1e3),
-        "x0_interval": _interval(fit.x0, 1e-3) if two else None,
-        "units": {"K1": "N/mm", "K2": "N/mm", "x0": "mm", "k": "N/mm", "force": "N", "interval": "95 %"},
-        "knee": {"bic_gain": fit.knee_bic},
-        "residual_rms": fit.noise,
+    c, fit, loading, m = calibration, calibration.fit, calibration.loading, calibration.measurement
+    record: dict[str, Any] = {"source": m.source, "model": fit.model}
+    for name, unit in (("K1", 1e3), ("K2", 1e3), ("x0", 1e-3)):
+        constant = getattr(fit, name)
+        ends = [(constant.value + sign * constant.half_width) / unit for sign in (-1, 1)]
+        record |= {name: constant.value / unit, f"{name}_se": constant.error / unit, f"{name}_interval": ends}
+    return record | {
         "residual_share": fit.misfit,
-        "residual_correlation": fit.correlation,
         "full_scale": fit.full_scale,
         "deepest": loading.depth.max() * 1e3,
-        "rows": fit.rows,
-        "largest_error": _miss(c.miss),
+        "largest_error": c.miss and c.miss.share,
         "contact": loading.reading(0.0),
-        "contact_se": fit.contact.error * 1e3 or None,
         "tare": loading.tare,
-        "cycle": loading.cycle,
-        "cycles": loading.cycles,
         "loss": None if loading.loss is None else max(loading.loss, 0.0),
         "damping_ratio_hint": loading.damping_ratio,
-        "columns": {"depth": c.measurement.depth_header, "force": c.measurement.force_header},
-        "column_numbers": {"depth": c.measurement.columns[0], "force": c.measurement.columns[1]},
-        "column_units": {"depth": c.measurement.units[0], "force": c.measurement.units[1]},
+        "columns": {"depth": m.depth_header, "force": m.force_header},
+        "column_numbers": {"depth": m.columns[0], "force": m.columns[1]},
+        "column_units": {"depth": m.units[0], "force": m.units[1]},
         "tip": c.tip.shape,
         "tip_radius": c.tip.radius * 1e3,
         "length": None if c.length is None else c.length * 1e3,
-        "k": _surface(c),
+        "k": c.surface and c.surface.to_record(),
         "provenance": provenance(c),
         "source_of_k": source_of_k(c),
         "notes": list(c.notes),
         "warnings": list(c.warnings),
     }
-
-
-def _miss(miss: Miss | None) -> dict[str, float] | None:
-    """Return the largest error of the law against the measured points: a share of the force, [N], [mm]."""
-    return None if miss is None else {"share": miss.share, "error": miss.error, "depth": 1e3 * miss.depth}
-
-
-def _surface(c: Calibration) -> dict[str, Any] | None:
-    """Return k [N/mm] both ways, None where the object's length is not known."""
-    if c.surface is None:
-        return None
-    paper, balance = c.surface.paper_k, c.surface.balance_k
-    return {
-        "equations_9_10": {"value": None if paper is None else paper / 1e3, "assumes": PAPER_ASSUMES},
-        "force_balance": {
-            "value": balance and balance.value / 1e3, "se": balance and balance.error / 1e3,
-            "pretension": c.surface.pretension, "assumes": BALANCE_ASSUMES,
-        },
-    }  # fmt: skip
-
-
-def _interval(constant: Constant, per: float) -> list[float]:
-    return [(constant.value - constant.half_width) / per, (constant.value + constant.half_width) / per]

@@ -9,11 +9,10 @@ import numpy as np
 
 from ..base import Floats
 from ..messages import Message
-from .beginning import SURE
-from .fit import Fit
+from .fit import Fit, slope_of
 from .press import LoadingCurve
 from .table import MIN_ROWS
-from .two_pieces import slope_of
+from .touch import SURE
 
 NOTICEABLE_FORCE = (0.06, 0.08)  # just-noticeable difference of a force, as a share of it: from, to
 _PARTS = 20  # of the depth, over which points are averaged: their noise is no error of a curve
@@ -63,13 +62,10 @@ def largest_miss(depth: Floats, force: Floats, expected: Floats) -> Miss | None:
     return Miss(share=float(shares[at]), error=float(me[at] - mf[at]), depth=float(mx[at]))
 
 
-def doubts(
-    fit: Fit, loading: LoadingCurve, length: float | None, miss: Miss | None, as_solid: Miss | None
-) -> Iterator[str]:
+def doubts(fit: Fit, loading: LoadingCurve, miss: Miss | None, as_solid: Miss | None) -> Iterator[str]:
     """Yield what a reader of the constants should know: of the knee, the shape, the intervals and the units.
 
     Args:
-        length: of the object [m].
         miss: largest error of the law.
         as_solid: that of the law of a solid with the same constants, None where a solid has no other.
     """
@@ -114,14 +110,6 @@ def doubts(
             share=100 * as_solid.share,
             miss=100 * miss.share,
         )
-    if fit.widened > 2:
-        yield Message(
-            "The curve bends where the law is straight.\nNeighbouring residuals agree with each other (r = "
-            "{correlation:.2f}), so the 95 % intervals are {widened:.1f} times wider than independent rows would "
-            "give.",
-            correlation=fit.correlation,
-            widened=fit.widened,
-        )
     unknown = [name for name in ("K1", "K2", "x0") if (c := getattr(fit, name)).half_width >= abs(c.value)]
     if unknown:
         yield Message(
@@ -132,12 +120,6 @@ def doubts(
             "{depth:.3g} mm and {full_scale:.3g} N are unlikely for a press: check the units.",
             depth=1e3 * deepest,
             full_scale=fit.full_scale,
-        )
-    if length is not None and deepest > length:
-        yield Message(
-            "The press is {depth:.3g} mm deep, more than the object's {length:.3g} mm: check the units.",
-            depth=1e3 * deepest,
-            length=1e3 * length,
         )
     before = loading.depth < 0
     if before.sum() >= MIN_ROWS:

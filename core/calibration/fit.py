@@ -1,4 +1,8 @@
-"""The two-piece law of Eq. (1) through a loading curve, with the uncertainty of its constants."""
+"""Least squares of the law of Eq. (1), with a touch and a tare, and the uncertainty of its constants.
+
+With a given touch and knee the law is linear in the rest. So all pairs of a touch and a knee at a row are compared by
+running sums, and Gauss-Newton goes on from the best few.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
-from .table import MIN_ROWS
-from .two_pieces import MIN_PIECE, PARAMETERS, Law, two_pieces
 
+PARAMETERS = ("K1", "K2", "x0", "contact", "tare")
+MIN_PIECE = 3  # distinct depths in a piece: one more than a line passes through exactly
+_KNEES = 100  # rows that are tried as a knee; Gauss-Newton finds the place between them
+_STARTS = 3  # of them that Gauss-Newton goes on from: between two rows each knee has an optimum of its own
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
-_ROWS = MIN_ROWS - 1  # beyond the touch: with that, as many as a table has at least
+_ROWS = MIN_PIECE + 1  # beyond the touch: one more than a piece
 _LEAST = 20.0  # rows: what even the smoothest systematic misfit is allowed to count as
 
 
@@ -40,19 +46,75 @@ def plus_minus(value: float, half_width: float) -> str:
     return f"{value:.{digits}f} ± {half_width:.{digits}f}"
 
 
+@dataclass(frozen=True, slots=True)
+class Law:
+    """Eq. (1) with a touch and a tare, and which of its parameters are fitted.
+
+    values: K1 [N/m], K2 [N/m], x0 [m], contact [m], tare [N]; with one slope K2 is K1, and x0 is infinite.
+    free: the names of those that are fitted.
+    """
+
+    values: Floats
+    free: tuple[str, ...]
+
+    @property
+    def knee(self) -> bool:
+        """Return whether there are two slopes."""
+        return "x0" in self.free
+
+    @property
+    def contact(self) -> float:
+        """Return the depth of the first touch [m]."""
+        return float(self.values[3])
+
+    def moved(self, step: Floats) -> Law:
+        """Return the law with a step (p,) of its free parameters added."""
+        values = self.values.copy()
+        values[[PARAMETERS.index(name) for name in self.free]] += step
+        if not self.knee:
+            values[1] = values[0]
+        return replace(self, values=values)
+
+    def force(self, x: Floats) -> Floats:
+        """Return K(x) of Eq. (1), (n,) [N], at depths (n,) below the contact [m]."""
+        K1, K2, x0 = self.values[:3]
+        x = np.maximum(x, 0)
+        return np.asarray(K1 * np.minimum(x, x0) + K2 * np.maximum(x - x0, 0))
+
+    def slopes(self, x: Floats) -> Floats:
+        """Return the slopes (n, p) of the force in each free parameter at depths (n,) below the contact [m]."""
+        K1, K2, x0 = self.values[:3]
+        y, beyond = np.maximum(x, 0), x > x0
+        contact = -np.where(beyond, K2, K1) * (x > 0)
+        columns = (np.minimum(y, x0), np.maximum(y - x0, 0), (K1 - K2) * beyond, contact, np.ones_like(x))
+        return np.stack([columns[PARAMETERS.index(name)] for name in self.free], axis=1)
+
+    def residual(self, x: Floats, f: Floats) -> Floats:
+        """Return how far forces (n,) [N] at depths (n,) [m] are above the law and the tare, (n,) [N]."""
+        return np.asarray(f - self.values[4] - self.force(x - self.contact))
+
+    def pressed_residual(self, x: Floats, f: Floats) -> Floats:
+        """Return the residuals of the rows in contact: those before it may be many, and quieter."""
+        return self.residual(x, f)[x > self.contact]
+
+    def squares(self, x: Floats, f: Floats) -> float:
+        """Return the sum of the squared residuals [N2]."""
+        return float((self.residual(x, f) ** 2).sum())
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fit:
-    """The law that fits a loading curve best. With one slope K2 equals K1 and x0 is the deepest row.
+    """The law that fits a press best. With one slope K2 equals K1 and x0 is the deepest row.
 
     model: "one" or "two" slopes.
     K1: slope up to the knee [N/m].
     K2: slope beyond the knee [N/m].
-    x0: depth of the knee [m].
-    contact: how far the first touch lies beyond depth 0 [m], 0 where it is known.
-    tare: force at the first touch [N], 0 where it is known.
+    x0: depth of the knee below the touch [m].
+    contact: depth of the first touch [m].
+    tare: force at the first touch [N].
     noise: standard deviation of the residuals [N].
     correlation: of neighbouring residuals.
-    full_scale: largest force [N].
+    full_scale: largest force above the tare [N].
     knee_bic: by how much a knee lowers the Bayesian information criterion.
     rows: number of rows in contact.
     fitted: the law with its free parameters.
@@ -65,7 +127,7 @@ class Fit:
     K2: Constant
     x0: Constant
     contact: Constant
-    tare: float
+    tare: Constant
     noise: float
     correlation: float
     full_scale: float
@@ -80,11 +142,6 @@ class Fit:
         """Return the residuals' RMS as a share of full scale."""
         return self.noise / self.full_scale
 
-    @property
-    def widened(self) -> float:
-        """Return how many times wider the intervals are because neighbouring residuals agree."""
-        return math.sqrt(self.rows / independent_rows(self.rows, self.correlation))
-
     def law(self, x: Floats) -> Floats:
         """Return K(x) [N] at depths [m] below the contact."""
         return self.fitted.force(np.asarray(x, np.float64))
@@ -95,55 +152,106 @@ class Fit:
         return np.sqrt(np.maximum(((slopes @ self.spread) * slopes).sum(axis=1), 0))
 
 
-def fit_law(depth: Floats, force: Floats, *, free: tuple[str, ...] = ()) -> Fit:
-    """Fit F = K1 x up to x0, then K1 x0 + K2 (x - x0).
+def fit_law(
+    depth: Floats, force: Floats, *, touch: float | Floats = 0.0, tare: float = 0.0, free: tuple[str, ...] = ()
+) -> Fit:
+    """Fit F = tare + K1 x up to x0, then tare + K1 x0 + K2 (x - x0), for depths x below the touch.
 
     Args:
-        depth: (n,) [m] from the contact; rows before it have negative depth.
-        force: (n,) [N], tared.
-        free: "contact" where depth 0 is an estimate of the first touch, "tare" where force 0 is one of the force
-            there: refined together with the constants, and their uncertainty is part of that of the constants.
+        depth: (n,) [m].
+        force: (n,) [N].
+        touch: depth of the first touch [m]; where it is free, one or some to begin from.
+        tare: force at the touch [N].
+        free: which of "contact" and "tare" are fitted too; their uncertainty is part of that of the constants.
 
     Raises:
         DimpleError: too few rows.
     """
-    if len(free) == 2 and len(np.unique(depth[depth <= 0])) < MIN_PIECE:  # nothing tells one from the other
+    x, f, touches = np.asarray(depth, np.float64), np.asarray(force, np.float64), np.atleast_1d(touch)
+    if len(free) == 2 and len(np.unique(x[x <= touches.max()])) < MIN_PIECE:  # nothing tells one from the other
         free = ("contact",)
-    pressed = np.ones(len(depth), bool) if free else depth > 0
-    x, f = np.asarray(depth, np.float64)[pressed], np.asarray(force, np.float64)[pressed]
-    inside = x > 0
-    if inside.sum() < _ROWS or len(np.unique(x[inside])) < 4:
-        raise _too_few(int(inside.sum()))
-    # without rows before the touch the first piece need not begin at 0, 0: either may be off, not both
-    left = "line" if len(free) == 1 and inside.sum() > len(x) - MIN_PIECE else "origin"
-    u, v = x[inside], f[inside]
-    through = float(u @ v / (u @ u))
-    slope, offset = np.polyfit(u, v, 1).tolist() if left == "line" else (through, 0.0)
-    start = _start((slope, slope, math.inf), offset, free)
-    if not _has_rows(start, x) or (free == ("contact",) and slope <= 0):  # no line through the curve begins at a touch
-        start = _start((through, through, math.inf), 0.0, free)
-    if not _has_rows(start, x):
-        raise _too_few(int((x > start.contact).sum()))
-    one = _settled(start, x, f)
-    pieces, falls = two_pieces(u, v, left=left), False
-    if pieces is not None and min(pieces.slope1, pieces.slope2) <= 0:  # no body of the model falls: take the best rise
-        pieces, falls = two_pieces(u, v, left=left, rising=True), True
-    if pieces is not None:
-        start = _start((pieces.slope1, pieces.slope2, pieces.join), pieces.offset, free)
-    if pieces is None or not _has_rows(start, x):
-        return _result(one, x, f, 0.0)
-    two = _settled(start, x, f)
-    bic = _knee_gain(one, two, x, f)
-    return replace(_result(two if bic > 0 else one, x, f, bic), falls=falls and bic > 0)
+    if not free:
+        x, f = x[x > touches[0]], f[x > touches[0]]
+    rows = int((x > touches.min()).sum())
+    if rows < _ROWS or len(np.unique(x[x > touches.min()])) <= MIN_PIECE:
+        raise _too_few(rows)
+    laws, falls = [], False
+    for knee in (False, True):
+        starts, falls = _best_starts(x, f, touches, tare, free, knee=knee)
+        settled = [_settled(start, x, f) for start in starts if _has_rows(start, x)]
+        laws += [min(settled, key=lambda law: law.squares(x, f))] if settled else []
+    if not laws or laws[0].knee:
+        raise _too_few(rows)
+    if len(laws) == 1:
+        return _result(laws[0], x, f, 0.0)
+    bic = _knee_gain(laws[0], laws[1], x, f)
+    return replace(_result(laws[bic > 0], x, f, bic), falls=falls and bic > 0)
 
 
-def _start(constants: tuple[float, float, float], offset: float, free: tuple[str, ...]) -> Law:
-    """Return the law whose first piece begins with an offset [N] at depth 0."""
-    K1, K2, join = constants
-    contact = -offset / K1 if free == ("contact",) and K1 > 0 else 0.0
-    tare = offset if "tare" in free else 0.0
-    fitted = ("K1",) if math.isinf(join) else ("K1", "K2", "x0")
-    return Law(np.array([K1, K2, join - contact, contact, tare]), (*fitted, *free))
+def slope_of(x: Floats, y: Floats) -> tuple[float, float]:
+    """Return the slope of the line through rows (n,), and its standard error."""
+    centred = x - x.mean()
+    squares = float(centred @ centred)
+    slope = float(centred @ y) / squares
+    residual = y - y.mean() - slope * centred
+    return slope, float(np.sqrt(residual @ residual / max(len(x) - 2, 1) / squares))
+
+
+def _best_starts(
+    x: Floats, f: Floats, touches: Floats, tare: float, free: tuple[str, ...], *, knee: bool
+) -> tuple[list[Law], bool]:
+    """Return the laws of least squares with a touch of those given and a knee at a row, the best first.
+
+    A law with a knee rises on both pieces, as a body of the model must: the second is whether the best of those that
+    need not rise would fall.
+    """
+    low, span, high = float(x.min()), float(np.ptp(x)) or 1.0, float(np.abs(f - tare).max()) or 1.0
+    order = np.argsort(x, kind="stable")
+    u, v = (x[order] - low) / span, (f[order] - tare) / high
+    distinct = np.unique(u)
+    tries = distinct[:: -(-len(distinct) // _KNEES)] if knee else distinct[-1:]
+    c, t = (each.ravel() for each in np.meshgrid((touches - low) / span, tries, indexing="ij"))
+    left, right = (np.searchsorted(distinct, each, "right") for each in (c, t))
+    enough = len(u) - np.searchsorted(u, c, "right") >= _ROWS
+    if knee:
+        enough &= (right - left >= MIN_PIECE) & (len(distinct) - right >= MIN_PIECE)
+    c, t = c[enough], t[enough]
+    if not len(c):
+        return [], False
+    solution, squares = _solutions(u, v, c, t, [0, *([1] if knee else []), *([2] if free else [])])
+    rises = solution[:, : 1 + knee].min(axis=1) > 0
+    falls, starts = bool(knee and not rises[squares.argmin()]), []
+    taken = rises if knee or rises.any() else ~rises
+    for at in np.argsort(np.where(taken, squares, np.inf))[: min(_STARTS, int(taken.sum()))]:
+        K1, K2 = (float(solution[at, i]) * high / span for i in (0, int(knee)))
+        contact, join, offset = low + c[at] * span, low + t[at] * span, high * float(solution[at, -1]) if free else 0.0
+        if free == ("contact",):  # all rows are in contact: the first piece goes on back to no force
+            contact, offset = contact - offset / K1 if K1 > 0 else contact, 0.0
+        values = np.array([K1, K2, join - contact if knee else math.inf, contact, tare + offset])
+        starts.append(Law(values, (*(("K1", "K2", "x0") if knee else ("K1",)), *free)))
+    return starts, falls
+
+
+def _solutions(u: Floats, v: Floats, c: Floats, t: Floats, terms: list[int]) -> tuple[Floats, Floats]:
+    """Return the least squares (p, len(terms)) for touches c and knees t (p,), and their sums of squares (p,).
+
+    The columns of the law are min(x, t) - c and max(x - t, 0) beyond the touch, and 1. Their products with one another
+    and with the force follow from the sums of the products of (x, 1, force) over the rows before the touch, between
+    touch and knee, and beyond.
+    """
+    rows = np.stack([u, np.ones_like(u), v], axis=1)
+    sums = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(rows[:, :, None] * rows[:, None, :], axis=0)])
+    at_touch, at_knee = (sums[np.searchsorted(u, each, "right")] for each in (c, t))
+    maps = np.zeros((3, len(c), 4, 3))
+    maps[:, :, 2, 1] = maps[:, :, 3, 2] = 1
+    maps[1, :, 0, 0] = maps[2, :, 1, 0] = 1
+    maps[1, :, 0, 1], maps[2, :, 0, 1], maps[2, :, 1, 1] = -c, t - c, -t
+    parts = np.stack([at_touch, at_knee - at_touch, sums[-1] - at_knee])
+    products = (maps @ parts @ maps.swapaxes(2, 3)).sum(axis=0)
+    normal, rhs = products[:, terms][:, :, terms], products[:, terms, 3]
+    normal = normal + 1e-15 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(len(terms))
+    solution = np.linalg.solve(normal, rhs[..., None])[..., 0]
+    return solution, products[:, 3, 3] - (solution * rhs).sum(axis=1)
 
 
 def _has_rows(law: Law, x: Floats) -> bool:
@@ -166,9 +274,7 @@ def _too_few(rows: int) -> DimpleError:
 
 
 def _settled(start: Law, x: Floats, f: Floats) -> Law:
-    """Move contact, tare and constants together to the least squares of all rows (Gauss-Newton)."""
-    if not {"contact", "tare"} & set(start.free):
-        return start
+    """Move all free parameters together to the least squares of all rows (Gauss-Newton)."""
     best, least = start, start.squares(x, f)
     for _ in range(20):
         slopes = best.slopes(x - best.contact)
@@ -182,19 +288,6 @@ def _settled(start: Law, x: Floats, f: Floats) -> Law:
         if gained < 1e-14 * (least + gained):
             break
     return best
-
-
-def _variance(law: Law, x: Floats, f: Floats) -> float:
-    residual = law.pressed_residual(x, f)
-    return float((residual**2).sum()) / max(len(residual) - len(law.free), 1)
-
-
-def _covariance(law: Law, x: Floats, f: Floats) -> Floats:
-    """Return the covariance (p, p) of the free parameters: s^2 (J^T J)^-1."""
-    slopes = law.slopes(x - law.contact)
-    scale = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
-    inverse = np.linalg.pinv(slopes / scale) / scale[:, None]
-    return np.asarray(_variance(law, x, f) * inverse @ inverse.T)
 
 
 def _correlation(residual: Floats) -> float:
@@ -215,10 +308,12 @@ def _knee_gain(one: Law, two: Law, x: Floats, f: Floats) -> float:
     A knee costs 3 log n: a slope, and a place that is searched for, which weighs as two (Zhang and Siegmund,
     Biometrics 63, 2007).
     """
-    before, after = one.pressed_residual(x, f), two.pressed_residual(x, f)
+    pressed = x > min(one.contact, two.contact)  # the same rows: one slope may take the first piece for air
+    before, after = one.residual(x, f)[pressed], two.residual(x, f)[pressed]
     n = independent_rows(len(after), _correlation(after))
     floor = (_EXACT * float(np.abs(f).max())) ** 2
-    s1, s2 = max(float((before**2).mean()), floor), max(float((after**2).mean()), floor)
+    s1 = max(float((before**2).sum()) / (len(before) - 1), floor)  # of few rows two slopes take most of the scatter
+    s2 = max(float((after**2).sum()) / max(len(after) - 4, 1), floor)
     return n * math.log(s1 / s2) - 3 * math.log(max(n, 2.0))
 
 
@@ -231,21 +326,25 @@ def t_95(freedom: float) -> float:
 
 
 def _result(law: Law, x: Floats, f: Floats, bic: float) -> Fit:
-    residual = law.pressed_residual(x, f)
-    rows, r = len(residual), _correlation(residual)
+    """Return a fit with its errors: the covariance of its parameters is s^2 (J^T J)^-1."""
+    residual, slopes = law.pressed_residual(x, f), law.slopes(x - law.contact)
+    rows, r, p = len(residual), _correlation(residual), len(law.free)
     count = independent_rows(rows, r)
-    reach = t_95(max(count - len(law.free), 1.0)) * math.sqrt(rows / count)
-    covariance = _covariance(law, x, f)
+    reach = t_95(max(count - p, 1.0)) * math.sqrt(rows / count)
+    variance = float((residual**2).sum()) / max(rows - p, 1)
+    scale = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
+    inverse = np.linalg.pinv(slopes / scale) / scale[:, None]
+    covariance = variance * inverse @ inverse.T
     values = dict(zip(PARAMETERS, law.values.tolist(), strict=True))
     values["x0"] = min(values["x0"], float(x.max()) - law.contact)
     errors = dict(zip(law.free, np.sqrt(np.diag(covariance)).tolist(), strict=True))
     errors.setdefault("K2", errors["K1"])  # one slope
-    K1, K2, x0, contact, _ = (
+    K1, K2, x0, contact, tare = (
         Constant(value=value, error=errors.get(name, 0.0), half_width=reach * errors.get(name, 0.0))
         for name, value in values.items()
     )
     return Fit(
-        model="two" if law.knee else "one", K1=K1, K2=K2, x0=x0, contact=contact, tare=values["tare"],
-        noise=math.sqrt(_variance(law, x, f)), correlation=r, full_scale=float(np.abs(f - values["tare"]).max()),
-        knee_bic=bic, rows=rows, fitted=law, spread=reach**2 * covariance,
+        model="two" if law.knee else "one", K1=K1, K2=K2, x0=x0, contact=contact, tare=tare, noise=math.sqrt(variance),
+        correlation=r, full_scale=float(np.abs(f - tare.value).max()), knee_bic=bic, rows=rows, fitted=law,
+        spread=reach**2 * covariance,
     )  # fmt: skip

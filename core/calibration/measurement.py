@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from ..base import DimpleError, Floats
-from ..messages import Message
-from .columns import check_clock, choose, in_time
+from ..messages import Message, in_a_row
 from .known_words_and_units import KIND, unit_of
-from .question import Answers, Candidate, Question, Undecided
-from .reader import find_dialect, load_lines, number
-from .table import MIN_ROWS, Table, find_table
+from .question import Answers, Question, Remarks, Undecided
+from .reader import find_dialect, load_lines
+from .table import MIN_ROWS, SLIGHT, Table, find_table
 
 _CHOICES = {"force": ("N", "gf", "kgf", "mN", "kN", "lbf"), "depth": ("mm", "m", "um", "in")}
-_MASSES = ("g", "gr", "gram", "grams", "kg", "lb", "lbs", "oz")
+_OTHER = {"depth": "force", "force": "depth"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,9 +30,7 @@ class Measurement:
     force_header: of the column the force is from.
     columns: numbers of both columns, counted from 1.
     units: of depth and force, as they were taken.
-    timed: a clock or a count of rows says that the rows stand in the order they were measured.
-    notes: messages about how the file was read.
-    warnings: messages about what may be wrong.
+    remarks: what there is to say of how the file was read.
     """
 
     source: str
@@ -43,9 +40,7 @@ class Measurement:
     force_header: str
     columns: tuple[int, int] = (1, 2)
     units: tuple[str, str] = ("m", "N")
-    timed: bool = False
-    notes: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
+    remarks: Remarks = field(default_factory=Remarks)
 
 
 def read_measurement(path: str | Path, answers: Answers | None = None) -> Measurement:
@@ -58,16 +53,13 @@ def read_measurement(path: str | Path, answers: Answers | None = None) -> Measur
         Undecided: the file can be read in several ways; its questions say which, all that are open at once.
         DimpleError: the file is not a force-depth table, or beyond the limits.
     """
-    answers = answers or Answers()
-    lines, notes = load_lines(path)
-    table = find_table(lines, find_dialect(lines, answers.decimal), answers)
-    notes += table.notes
-    warnings = [*table.warnings]
-    table, timed = in_time(table, notes)
-    chosen, questions = choose(table, answers, notes)
+    answers, remarks = answers or Answers(), Remarks()
+    lines = load_lines(path, remarks)
+    table = find_table(lines, find_dialect(lines, answers.decimal), answers, remarks)
+    chosen, questions = _choose(table, answers, remarks)
     factors: dict[str, tuple[float, str]] = {}
     for role, at in chosen.items():
-        factor = _factor_to_si(table, at, role, getattr(answers, f"{role}_unit"), notes)
+        factor = _factor_to_si(table, at, role, getattr(answers, f"{role}_unit"))
         if factor is None:
             questions.append(_which_unit(table, role, at))
         else:
@@ -76,56 +68,31 @@ def read_measurement(path: str | Path, answers: Answers | None = None) -> Measur
         raise Undecided(*questions)
     both = (chosen["depth"], chosen["force"])
     if answers.depth_column is None and answers.force_column is None:
-        check_clock(table, both[0])
-    rows = _whole_rows(table.numbers[:, both], notes, warnings)
+        _check_clock(table, both[0])
+    rows = _whole_rows(table.numbers[:, both], remarks)
     return Measurement(
         source=Path(path).name,
         depth=rows[:, 0] * factors["depth"][0], force=rows[:, 1] * factors["force"][0],
         depth_header=table.title(both[0]), force_header=table.title(both[1]),
         columns=(both[0] + 1, both[1] + 1), units=(factors["depth"][1], factors["force"][1]),
-        timed=timed, notes=tuple(notes), warnings=tuple(warnings),
+        remarks=remarks,
     )  # fmt: skip
 
 
-def _factor_to_si(table: Table, at: int, role: str, given: str | None, notes: list[str]) -> tuple[float, str] | None:
+def _factor_to_si(table: Table, at: int, role: str, given: str | None) -> tuple[float, str] | None:
     """Return the factor to SI of a column and the unit; None where it is not known."""
     unit = (given or table.units[at]).strip("()[]{}<> ")
     found = unit_of(unit)
-    if found is not None and found[0] != KIND[role]:
-        found = None
-    if given is not None:
-        if found is None:
-            raise DimpleError(
-                "“{given}” is not a unit of {kind}. Use one of {choices}.",
-                given=given,
-                kind=Message(KIND[role]),
-                choices=tuple(_CHOICES[role]),
-            )
-        return found[1], unit
-    for key, value in table.values.items():
-        if role == "force" and re.search(r"counts\s*(per|/)\s*(unit )?force", key):
-            return _of_counts(table, value, notes)
-    if found is not None and unit.lower().strip(". ") in _MASSES:
-        notes.append(
-            Message("{title}: {unit} was taken as a force, the weight of that mass.", title=table.title(at), unit=unit)
+    if found is None or found[0] != KIND[role]:
+        if given is None:
+            return None
+        raise DimpleError(
+            "“{given}” is not a unit of {kind}. Use one of {choices}.",
+            given=given,
+            kind=Message(KIND[role]),
+            choices=tuple(_CHOICES[role]),
         )
-    return (found[1], unit) if found else None
-
-
-def _of_counts(table: Table, counts: str, notes: list[str]) -> tuple[float, str] | None:
-    """Return the factor to SI of a force in counts, of which the file says how many make a unit."""
-    unit = next((value for key, value in table.values.items() if re.search(r"force units?", key)), "")
-    found, divisor = unit_of(unit), number(counts, ".")
-    if found is None or found[0] != "force" or divisor is None or not divisor > 0:
-        return None
-    notes.append(
-        Message(
-            "Counts were divided by {divisor:g}, as the file says, to get {units_above}.",
-            divisor=divisor,
-            units_above=unit,
-        )
-    )
-    return found[1] / divisor, Message("counts of {units_above}/{divisor:g}", units_above=unit, divisor=divisor)
+    return found[1], unit
 
 
 def _which_unit(table: Table, role: str, at: int) -> Question:
@@ -135,16 +102,12 @@ def _which_unit(table: Table, role: str, at: int) -> Question:
     candidates = []
     for unit in _CHOICES[role]:
         _, factor = unit_of(unit) or ("", 1.0)
-        value = reach * factor * (1 if role == "force" else 1e3)
-        candidates.append(Candidate(unit, Message(then, value=value)))
-    return Question(
-        name=f"{role}_unit",
-        text=Message("In what unit is {title}? It reaches {reach:g}.", title=table.title(at), reach=reach),
-        candidates=tuple(candidates),
-    )
+        candidates.append((unit, Message(then, value=reach * factor * (1 if role == "force" else 1e3))))
+    text = Message("In what unit is {title}? It reaches {reach:g}.", title=table.title(at), reach=reach)
+    return Question(f"{role}_unit", text, *candidates)
 
 
-def _whole_rows(rows: Floats, notes: list[str], warnings: list[str]) -> Floats:
+def _whole_rows(rows: Floats, remarks: Remarks) -> Floats:
     """Return the rows (n, 2) that have a depth and a force."""
     whole = np.asarray(np.isfinite(rows).all(axis=1))
     missing, n = int((~whole).sum()), len(whole)
@@ -153,8 +116,126 @@ def _whole_rows(rows: Floats, notes: list[str], warnings: list[str]) -> Floats:
             "Only {n} rows have both a depth and a force; a fit needs at least {least}.", n=n - missing, least=MIN_ROWS
         )
     if missing:
-        serious = missing > 0.05 * n and not whole[: n - missing].all()  # beside a longer test a column just ends
-        (warnings if serious else notes).append(
-            Message("{missing} of {n} rows have no depth or no force and were left out.", missing=missing, n=n)
-        )
+        say = remarks.warn if missing > 0.05 * n else remarks.note
+        say("{missing} of {n} rows have no depth or no force and were left out.", missing=missing, n=n)
     return rows[whole]
+
+
+def _choose(table: Table, answers: Answers, remarks: Remarks) -> tuple[dict[str, int], list[Question]]:
+    """Return the columns of depth and force that are known, and the questions for those that are not.
+
+    Raises:
+        DimpleError: there is nothing to choose from, or an answer names nothing.
+    """
+    if len(table.numeric) < 2:
+        raise DimpleError("The table has one column of numbers; it needs a depth and a force.")
+    named = {"depth": answers.depth_column, "force": answers.force_column}
+    given = {role: _named(table, name, role) for role, name in named.items() if name is not None}
+    chosen, open_options = dict(given), {}
+    for role in (role for role in named if role not in given):
+        options = open_options[role] = [i for i in _options(table, role) if i not in given.values()]
+        if len(options) > 1 and _alike(table.numbers[:, options]):
+            title, other = map(table.title, options[:2])
+            remarks.note("{title} was taken; {other} says the same.", title=title, other=other)
+            options = options[:1]
+        if len(options) == 1 and (table.role(options[0]) == role or table.kind(options[0]) == KIND[role]):
+            chosen[role] = options[0]
+    for role, other in _OTHER.items():  # of two columns the one that is left is the other
+        if (given or not any(table.names)) and role not in chosen and other in chosen:
+            left = [i for i in table.numeric if i != chosen[other]]
+            chosen |= {role: left[0]} if len(left) == 1 else {}
+    if len(chosen) == 2 and chosen["depth"] == chosen["force"]:
+        raise DimpleError("{title} cannot be both the depth and the force.", title=table.title(chosen["depth"]))
+    questions = []
+    for role in (role for role in named if role not in chosen):
+        options = open_options[role] or [i for i in _unnamed(table) if i not in given.values()]
+        questions.append(_which_column(table, role, options, chosen.get(_OTHER[role])))
+    return chosen, questions
+
+
+def _options(table: Table, role: str) -> list[int]:
+    """Return the columns that may be a role: by unit, where their name says it or nothing; else by name."""
+    moving = [i for i in table.numeric if np.nanmin(table.numbers[:, i]) < np.nanmax(table.numbers[:, i])]
+    numeric = moving or table.numeric
+    named = [i for i in numeric if table.role(i) == role and table.kind(i) in (None, KIND[role])]
+    measured = [i for i in numeric if table.kind(i) == KIND[role] and table.role(i) in (None, role)]
+    if role == "time":
+        return [i for i in named if i in measured] or named or measured
+    return measured if any(i in measured for i in named) else named or measured
+
+
+def _unnamed(table: Table) -> Sequence[int]:
+    """Return the columns that could be anything, else all with numbers."""
+    free = [i for i in table.numeric if table.role(i) is None and table.kind(i) is None]
+    return free if len(free) > 1 else table.numeric
+
+
+def _named(table: Table, name: str, role: str) -> int:
+    """Return the column an answer means: a number counted from 1, or a header."""
+    if name.isdigit() and 1 <= int(name) <= len(table.names):
+        at = int(name) - 1
+    else:
+        wanted = name.strip().lower()
+        found = [i for i, each in enumerate(table.names) if wanted in (each.lower(), table.title(i).lower())]
+        if len(found) != 1:
+            raise DimpleError(
+                "No single column is called “{name}”. Give its number, 1 to {most}.", name=name, most=len(table.names)
+            )
+        at = found[0]
+    count, rows = int(np.isfinite(table.numbers[:, at]).sum()), len(table.numbers)
+    if count < MIN_ROWS:
+        few = "numbers in {count} of {rows:,} rows only" if count else "no numbers"
+        raise DimpleError(
+            "Column {number} ({title}) holds {few}, so it cannot be the {role}.",
+            number=at + 1,
+            title=table.title(at),
+            few=Message(few, count=count, rows=rows),
+            role=Message(role),
+        )
+    return at
+
+
+def _alike(columns: Floats) -> bool:
+    """Return whether columns (n, c) are one but for sign and zero."""
+    finite = np.isfinite(columns)
+    if (finite != finite[:, :1]).any():
+        return False
+    centred = columns - np.nanmean(columns, axis=0)
+    first, others = centred[:, :1], centred[:, 1:]
+    apart = np.minimum(np.nanmax(np.abs(others - first), axis=0), np.nanmax(np.abs(others + first), axis=0))
+    return bool((apart <= SLIGHT * (np.nanmax(first) - np.nanmin(first))).all())
+
+
+def _clocks(table: Table) -> list[int]:
+    """Return the first column that holds a time in every row, as a list that is empty where there is none."""
+    return [i for i in _options(table, "time") if np.isfinite(table.numbers[:, i]).all()][:1]
+
+
+def _check_clock(table: Table, depth_at: int) -> None:
+    """Ask where the column called time does not run like a clock, or the depth runs like one in its stead."""
+    for at in _clocks(table):
+        time, driven = table.numbers[:, at], table.numbers[:, depth_at]
+        steps = np.diff(driven[np.isfinite(driven)])
+        like_a_clock = driven[0] == 0 and len(steps) > 0 and steps.min() > 0 and np.ptp(steps) < SLIGHT * steps.mean()
+        backward = float((np.diff(time) < 0).mean())
+        if min(backward, 1 - backward) <= SLIGHT and not (time.min() < 0 and like_a_clock):
+            continue
+        why = "“{title}” does not run like a clock: the headers may stand over the wrong columns."
+        depth, force = (_which_column(table, role, table.numeric) for role in _OTHER)
+        depth.text = in_a_row([Message(why, title=table.title(at)), depth.text])
+        raise Undecided(depth, force)
+
+
+def _which_column(table: Table, role: str, options: Sequence[int], beside: int | None = None) -> Question:
+    """Ask for a column; of tests side by side the one next to the other column is the likeliest."""
+    near = "" if beside is None else str(min(options, key=lambda i: abs(i - beside - 0.1)) + 1)
+    candidates = ((str(i + 1), _preview(table, i)) for i in options)
+    return Question(f"{role}_column", Message("Which column is the {role}?", role=role), *candidates, default=near)
+
+
+def _preview(table: Table, at: int) -> str:
+    """Show a column: its title, its first numbers and its range."""
+    values = table.numbers[np.isfinite(table.numbers[:, at]), at]
+    first = ", ".join(f"{value:g}" for value in values[:3])
+    span = Message("{first}, ... from {least:g} to {most:g}", first=first, least=values.min(), most=values.max())
+    return Message("{label}: {error}", label=table.title(at), error=span)

@@ -17,7 +17,7 @@ from ..material import Material
 from ..mesh.surface import Mesh
 from ..messages import Message
 from .known_words_and_units import KIND, unit_of
-from .question import Answers
+from .question import Answers, Remarks
 from .reader import find_dialect, load_lines
 from .table import Table, find_table
 
@@ -79,8 +79,8 @@ def read_pokes(path: str | Path) -> Pokes:
         Undecided: the file can be read in several ways.
         DimpleError: it cannot be read, or lacks a column; the message says which.
     """
-    lines, _ = load_lines(path)
-    table = find_table(lines, find_dialect(lines), Answers())
+    lines = load_lines(path, remarks := Remarks())
+    table = find_table(lines, find_dialect(lines), Answers(), remarks)
     columns = _columns(table)
     if missing := [name for name in (*_AXES, "depth", "force") if name not in columns]:
         raise DimpleError(

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message
 from .measurement import Measurement
-from .question import Answers, Candidate, Question, Undecided
+from .question import Answers, Question, Remarks, Undecided
 from .strokes import Cycle, dip, find_cycles, oriented, spikes, still, tear, which_order
 from .table import MIN_ROWS
 
-_AGREE = 0.10  # of full scale, RMS: presses of one object that differ more have changed it
+_AGREE = 10.0  # [%] of full scale, RMS: presses of one object that differ more have changed it
 _GAINED = 0.03  # of the work: what a way back returns beyond it is no error of measurement
 
 
@@ -31,8 +31,7 @@ class LoadingCurve:
     cycles: how many there are.
     touch: of the first touch, in the file's own depth but growing inward [m].
     tare: force at the first touch [N].
-    notes: messages about how the press was prepared.
-    warnings: messages about what may be wrong.
+    remarks: what there is to say of how the press was prepared.
     """
 
     depth: Floats
@@ -44,8 +43,7 @@ class LoadingCurve:
     cycles: int = 1
     touch: float = 0.0
     tare: float = 0.0
-    notes: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
+    remarks: Remarks = field(default_factory=Remarks)
 
     def begun_at(self, touch: float, tare: float) -> LoadingCurve:
         """Return the curve from a touch [m] and without a tare [N] of its own."""
@@ -87,20 +85,18 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
         Undecided: which way presses, which of several cycles, or how deep before it was torn, is open.
         DimpleError: there is no press in it.
     """
-    answers = answers or Answers()
-    notes: list[str] = []
-    warnings: list[str] = []
-    depth, force = _without_spikes(measurement, warnings)
+    answers, remarks = answers or Answers(), Remarks()
+    depth, force = _without_spikes(measurement, remarks)
     if np.ptp(depth) == 0 or np.ptp(force) == 0:
         raise DimpleError("The depth or the force is the same in every row, so there is no press to fit.")
-    depth, force, inward = oriented(measurement, depth, force, answers, notes)
-    depth, force = _in_range(depth, force, inward, answers, notes)
+    depth, force, inward = oriented(depth, force, answers, remarks)
+    depth, force = _in_range(depth, force, inward, answers, remarks)
     cycles = find_cycles(depth)
-    if not cycles and answers.order is None and not measurement.timed:
+    if not cycles and answers.order is None:
         raise Undecided(which_order(Message("The depth only falls, which would be a way back and no press")))
     if not cycles:
         raise DimpleError("The depth never grows: the file holds unloading only, no press.")
-    cycles = _long_enough(cycles, depth, notes)
+    cycles = _long_enough(cycles, depth, remarks)
     if len(cycles) > 8 and len(depth) / len(cycles) < 4 * MIN_ROWS:
         raise DimpleError(
             "The depth turns back {cycles} times in {rows} rows: they are not in the order measured, or the depth is "
@@ -109,13 +105,12 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
             rows=len(depth),
         )
     curves = [_curve(depth, force, cycle, inward) for cycle in cycles]
-    chosen = _choose(curves, answers, notes)
+    chosen = _choose(curves, answers, remarks)
     curve = curves[chosen]
     if (at := tear(curve.force)) is not None and answers.until_mm is None:
         raise Undecided(_torn(curve, at))
-    return replace(
-        curve, cycle=chosen + 1, cycles=len(cycles), notes=(*notes, *curve.notes), warnings=tuple(warnings)
-    )  # fmt: skip
+    remarks.notes += curve.remarks.notes
+    return replace(curve, cycle=chosen + 1, cycles=len(cycles), remarks=remarks)
 
 
 def check_loss(curve: LoadingCurve, ordered: bool) -> tuple[str, ...]:
@@ -132,42 +127,34 @@ def check_loss(curve: LoadingCurve, ordered: bool) -> tuple[str, ...]:
     return (Message("{why}.\nNo object does that: force and depth may not be of one press.", why=why),)
 
 
-def _without_spikes(measurement: Measurement, warnings: list[str]) -> tuple[Floats, Floats]:
+def _without_spikes(measurement: Measurement, remarks: Remarks) -> tuple[Floats, Floats]:
     depth, force = measurement.depth, measurement.force
     wrong = spikes(depth) | spikes(force)
     if wrong.any():
         rows = ", ".join(str(row + 1) for row in np.flatnonzero(wrong)[:5])
         more = " ..." if wrong.sum() > 5 else ""
-        warnings.append(
-            Message(
-                "{count} rows stand apart from their neighbours and were left out ({rows}{more}).",
-                count=int(wrong.sum()),
-                rows=rows,
-                more=more,
-            )
-        )
+        said = "{count} rows stand apart from their neighbours and were left out ({rows}{more})."
+        remarks.warn(said, count=int(wrong.sum()), rows=rows, more=more)
     return depth[~wrong], force[~wrong]
 
 
-def _in_range(depth: Floats, force: Floats, inward: int, answers: Answers, notes: list[str]) -> tuple[Floats, Floats]:
+def _in_range(depth: Floats, force: Floats, inward: int, answers: Answers, remarks: Remarks) -> tuple[Floats, Floats]:
     """Leave out the rows outside the range that was given."""
     keep = np.ones(len(depth), bool)
     if answers.from_mm is not None:
         keep &= depth >= inward * answers.from_mm / 1e3
     if answers.until_mm is not None:
         keep &= depth <= inward * answers.until_mm / 1e3
-    if keep.sum() < MIN_ROWS:
+    if (rows := int(keep.sum())) < MIN_ROWS:
         raise DimpleError(
-            "Only {rows} rows lie in the range that was given; a fit needs {least}.",
-            rows=int(keep.sum()),
-            least=MIN_ROWS,
+            "Only {rows} rows lie in the range that was given; a fit needs {least}.", rows=rows, least=MIN_ROWS
         )
-    if not keep.all():
-        notes.append(Message("{rows} rows outside the range that was given were left out.", rows=int((~keep).sum())))
+    if rows < len(keep):
+        remarks.note("{rows} rows outside the range that was given were left out.", rows=len(keep) - rows)
     return depth[keep], force[keep]
 
 
-def _long_enough(cycles: list[Cycle], depth: Floats, notes: list[str]) -> list[Cycle]:
+def _long_enough(cycles: list[Cycle], depth: Floats, remarks: Remarks) -> list[Cycle]:
     """Leave out touches in passing: less than half as deep as the deepest press, or with a tenth of the rows."""
     shallowest, deepest = float(depth.min()), max(float(depth[cycle.peak]) for cycle in cycles)
     deep = [cycle for cycle in cycles if depth[cycle.peak] - shallowest >= (deepest - shallowest) / 2]
@@ -175,56 +162,45 @@ def _long_enough(cycles: list[Cycle], depth: Floats, notes: list[str]) -> list[C
     whole = [cycle for cycle in deep if cycle.rows >= least] or deep
     if len(whole) < len(cycles):
         peaks = ", ".join(f"{1e3 * depth[cycle.peak]:.4g}" for cycle in cycles if cycle not in whole)
-        notes.append(Message("Touches to {peaks} mm, less deep or of a few rows only, were left out.", peaks=peaks))
+        remarks.note("Touches to {peaks} mm, less deep or of a few rows only, were left out.", peaks=peaks)
     return whole
 
 
 def _curve(depth: Floats, force: Floats, cycle: Cycle, inward: int) -> LoadingCurve:
     """Return one press in the file's own zero, without the rows that are no part of it."""
-    notes = []
+    remarks = Remarks()
     x, f = depth[cycle.start : cycle.peak + 1], force[cycle.start : cycle.peak + 1]
     stands = still(x)
     if stands.any():
-        notes.append(Message("{dwelt} rows in which the depth stood still were left out.", dwelt=int(stands.sum())))
+        remarks.note("{dwelt} rows in which the depth stood still were left out.", dwelt=int(stands.sum()))
     x, f = x[~stands], f[~stands]
     if len(x) < MIN_ROWS:
         raise DimpleError("A press has {rows} rows; a fit needs at least {least}.", rows=len(x), least=MIN_ROWS)
     pulled = dip(x, f)
     if pulled.any():
-        notes.append(
-            Message(
-                "The force dips by {dip:.3g} N before the press, as where a tip sticks; {rows} rows of it were left "
-                "out.",
-                dip=f[~pulled][0] - f.min(),
-                rows=int(pulled.sum()),
-            )
-        )
+        said = "The force dips by {dip:.3g} N before the press, as where a tip sticks; {rows} rows of it were left out."
+        remarks.note(said, dip=f[~pulled][0] - f.min(), rows=int(pulled.sum()))
     back = slice(cycle.peak, cycle.end + 1)
     return LoadingCurve(
         depth=x[~pulled], force=f[~pulled], unloading_depth=depth[back], unloading_force=force[back], inward=inward,
-        notes=tuple(notes),
+        remarks=remarks,
     )  # fmt: skip
 
 
 def _torn(curve: LoadingCurve, at: int) -> Question:
     tear_mm = curve.reading(float(curve.depth[at] + curve.depth[at + 1]) / 2)
-    return Question(
-        name="until_mm",
-        text=Message(
-            "The force falls for good from {force:.4g} N at {at:.4g} mm: was the specimen torn? Down to which depth "
-            "should it be fitted?",
-            force=curve.force[at],
-            at=tear_mm,
-        ),
-        candidates=(
-            Candidate(f"{tear_mm:.7g}", "where the force begins to fall"),
-            Candidate(f"{curve.reading(float(curve.depth[-1])):.7g}", "the deepest row: no tear, it answers like this"),
-        ),
-        default=f"{tear_mm:.7g}",
+    text = Message(
+        "The force falls for good from {force:.4g} N at {at:.4g} mm: was the specimen torn? Down to which depth should "
+        "it be fitted?",
+        force=curve.force[at],
+        at=tear_mm,
     )
+    falls = f"{tear_mm:.7g}", "where the force begins to fall"
+    deepest = f"{curve.reading(float(curve.depth[-1])):.7g}", "the deepest row: no tear, it answers like this"
+    return Question("until_mm", text, falls, deepest, default=falls[0])
 
 
-def _choose(curves: list[LoadingCurve], answers: Answers, notes: list[str]) -> int:
+def _choose(curves: list[LoadingCurve], answers: Answers, remarks: Remarks) -> int:
     """Return which cycle to fit: the one that was given, else the first where the others agree with it."""
     if answers.cycle is not None:
         if not 1 <= answers.cycle <= len(curves):
@@ -234,34 +210,19 @@ def _choose(curves: list[LoadingCurve], answers: Answers, notes: list[str]) -> i
         return answers.cycle - 1
     if len(curves) == 1:
         return 0
-    apart = [_difference(curves[0], other) for other in curves[1:]]
-    if max(apart) <= _AGREE:
-        notes.append(
-            Message(
-                "{presses} presses agree within {apart:.1f} % of full scale; the first is fitted.",
-                presses=len(curves),
-                apart=100 * max(apart),
-            )
-        )
+    apart = 100 * max(_difference(curves[0], other) for other in curves[1:])
+    if apart <= _AGREE:
+        said = "{presses} presses agree within {apart:.1f} % of full scale; the first is fitted."
+        remarks.note(said, presses=len(curves), apart=apart)
         return 0
-    raise Undecided(
-        Question(
-            name="cycle",
-            text=Message(
-                "The file holds {presses} presses that differ by up to {apart:.0f} % of full scale. Which one is "
-                "fitted?",
-                presses=len(curves),
-                apart=100 * max(apart),
-            ),
-            candidates=tuple(
-                Candidate(
-                    str(i + 1),
-                    Message("{depth:.4g} mm deep, up to {force:.4g} N", depth=1e3 * s.depth.max(), force=s.force.max()),
-                )
-                for i, s in enumerate(curves)
-            ),
-        )
+    text = Message(
+        "The file holds {presses} presses that differ by up to {apart:.0f} % of full scale. Which one is fitted?",
+        presses=len(curves),
+        apart=apart,
     )
+    label = "{depth:.4g} mm deep, up to {force:.4g} N"
+    labels = (Message(label, depth=1e3 * each.depth.max(), force=each.force.max()) for each in curves)
+    raise Undecided(Question("cycle", text, *((str(i), each) for i, each in enumerate(labels, 1))))
 
 
 def _difference(first: LoadingCurve, other: LoadingCurve) -> float:

@@ -1,71 +1,40 @@
-"""What a file leaves open, and what the user answers."""
+"""What a file leaves open, what the user answers, and what is said of how it was read."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from ..base import DimpleError
+from ..errors import DimpleError
+from ..messages import Message, in_a_row
 
-_ALLOWED = {
-    "decimal": (".", ","), "press": ("positive", "negative"), "inward": ("positive", "negative"),
-    "order": ("written", "reversed"),
-}  # fmt: skip
+SIGNS = ("positive", "negative")
+
+
+def _asked(label: str, text: str, *choices: str) -> Any:
+    """Declare an answer: None where it is not given, what it is called, what it means, and what it may be."""
+    return field(default=None, metadata={"label": label, "text": text, "choices": choices})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answers:
-    """Answers of the user about a file; what is None is detected, and asked where that fails.
+    """Answers of the user about a file; what is None is detected, and asked where that fails."""
 
-    depth_column: header, or number counted from 1.
-    force_column: header, or number counted from 1.
-    depth_unit: "mm", "um"...
-    force_unit: "N", "gf"...
-    decimal: the decimal mark, "." or ",".
-    table: which of several tables in the file, counted from 1.
-    press: sign of a pressing force, "positive" or "negative".
-    inward: sign of a depth that grows as the tip goes in, "positive" or "negative".
-    order: whether the rows stand as they were measured, "written", or from the last to the first, "reversed".
-    cycle: which of several presses, counted from 1.
-    contact_mm: reading of the depth at first touch [mm].
-    from_mm: reading of the depth before which rows are left out [mm].
-    until_mm: reading of the depth beyond which rows are left out [mm].
-    """
-
-    depth_column: str | None = None
-    force_column: str | None = None
-    depth_unit: str | None = None
-    force_unit: str | None = None
-    decimal: str | None = None
-    table: int | None = None
-    press: str | None = None
-    inward: str | None = None
-    order: str | None = None
-    cycle: int | None = None
-    contact_mm: float | None = None
-    from_mm: float | None = None
-    until_mm: float | None = None
-
-    def __post_init__(self) -> None:
-        """Refuse what is no answer."""
-        for name, allowed in _ALLOWED.items():
-            if (given := getattr(self, name)) not in (None, *allowed):
-                raise DimpleError(
-                    "The answer to “{name}” is {first} or {second} (it is {given}).",
-                    name=name,
-                    first=allowed[0],
-                    second=allowed[1],
-                    given=given,
-                )
-        for name in ("table", "cycle"):
-            if (number := getattr(self, name)) is not None and number < 1:
-                raise DimpleError(
-                    "The answer to “{name}” is counted from 1 (it is {number}).", name=name, number=number
-                )
-        for name in ("contact_mm", "from_mm", "until_mm"):
-            if (depth := getattr(self, name)) is not None and not math.isfinite(depth):
-                raise DimpleError("The answer to “{name}” is a depth in mm (it is {depth}).", name=name, depth=depth)
+    depth_column: str | None = _asked("Depth Column", "Header of the column of depth, or its number counted from 1")
+    force_column: str | None = _asked("Force Column", "Header of the column of force, or its number counted from 1")
+    depth_unit: str | None = _asked("Depth Unit", "mm, m, um or in")
+    force_unit: str | None = _asked("Force Unit", "N, gf, kgf, mN, kN or lbf")
+    decimal: str | None = _asked("Decimal", "The decimal mark", ".", ",")
+    table: int | None = _asked("Table", "Which of several tables, counted from 1")
+    press: str | None = _asked("Sign of Force", "Sign of a pressing force", *SIGNS)
+    inward: str | None = _asked("Inward", "Sign of a depth that grows as the tip goes in", *SIGNS)
+    order: str | None = _asked("Order", "Whether the rows stand as they were measured", "written", "reversed")
+    cycle: int | None = _asked("Cycle", "Which of several presses, counted from 1")
+    contact_mm: float | None = _asked("Contact (mm)", "Depth reading at first touch; detected unless set")
+    from_mm: float | None = _asked("From (mm)", "Depth reading before which rows are left out; all are used unless set")
+    until_mm: float | None = _asked(
+        "Until (mm)", "Depth reading beyond which rows are left out, as where the object was torn"
+    )
 
 
 class Candidate(NamedTuple):
@@ -75,51 +44,47 @@ class Candidate(NamedTuple):
     label: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Question:
-    """A question about one field of Answers.
+    """A question about one field of Answers, and the answers that are possible.
 
     name: the field.
     text: the question as a sentence.
-    candidates: the answers that are possible.
+    candidates: (value, what it means).
     default: the value of the likeliest, "" where none is likelier.
     """
 
-    name: str
-    text: str
-    candidates: tuple[Candidate, ...]
-    default: str = ""
+    def __init__(self, name: str, text: str, *candidates: tuple[str, str], default: str = "") -> None:
+        self.name, self.text, self.default = name, text, default
+        self.candidates = tuple(Candidate(*each) for each in candidates)
 
-    def mark(self, candidate: Candidate) -> str:
-        """Return what stands behind the likeliest answer, "" behind the others."""
-        return " (the likeliest)" if candidate.value == self.default else ""
+
+class Remarks:
+    """What there is to say of how a file was read: notes, and warnings of what may be wrong."""
+
+    def __init__(self) -> None:
+        self.notes: list[str] = []
+        self.warnings: list[str] = []
+
+    def note(self, template: str, **values: Any) -> None:
+        """Note how the file was read."""
+        self.notes.append(Message(template, **values))
+
+    def warn(self, template: str, **values: Any) -> None:
+        """Warn of what may be wrong."""
+        self.warnings.append(Message(template, **values))
 
 
 class Undecided(DimpleError):
-    """A file can be read in several ways; `questions` ask which is right."""
+    """A file can be read in several ways; `questions` ask which is right, and a script gives the answers by name."""
 
     def __init__(self, *questions: Question) -> None:
-        self.questions = questions
-        lines = []
+        self.questions, lines = questions, []
         for question in questions:
-            lines.append(question.text)
-            lines += [f"  {c.value}   {c.label}{question.mark(c)}" for c in question.candidates]
-        super().__init__("\n".join(lines))
+            choices = tuple(Message("{value!r} ({label})", value=c.value, label=c.label) for c in question.candidates)
+            lines += [question.text, Message("Give {name}: {choices}.", name=question.name, choices=choices)]
+        super().__init__(in_a_row(lines))
 
     def to_record(self) -> dict[str, Any]:
         """Return the open questions as plain data."""
-        return {
-            "questions": [
-                {
-                    "name": question.name, "text": question.text, "default": question.default,
-                    "candidates": [c._asdict() for c in question.candidates],
-                }
-                for question in self.questions
-            ]
-        }  # fmt: skip
-
-
-class WrongColumns(DimpleError):
-    """The columns that were taken hold no press; the fields of Answers in `answers` choose others."""
-
-    answers = ("depth_column", "force_column")
+        questions = [{**vars(each), "candidates": [c._asdict() for c in each.candidates]} for each in self.questions]
+        return {"questions": questions}

@@ -14,28 +14,18 @@ from pathlib import Path
 from ..base import DimpleError
 from ..messages import Message
 from .known_words_and_units import role_of, split_unit
-from .question import Candidate, Question, Undecided
+from .question import Question, Remarks, Undecided
 
 MAX_BYTES = 64 * 2**20  # a million rows: far more than an instrument writes
 MAX_LINE = 20_000  # characters
 _NARROW = dict.fromkeys(map(ord, "\u2009\u202f\u2007"), "\u00a0")  # spaces between groups of thousands
-# how other files begin: what they are
+# how files begin that people take for tables: what they are
 _MAGIC = {
-    b"PK\x03\x04": "a ZIP archive (an Excel or LibreOffice sheet is one too)",
-    b"PK\x05\x06": "an empty ZIP archive",
+    b"PK\x03\x04": "a spreadsheet or a ZIP archive",
     b"\xd0\xcf\x11\xe0": "an old Excel or Word file",
-    b"\x1f\x8b": "a gzip archive",
-    b"BZh": "a bzip2 archive",
-    b"\xfd7zXZ": "an xz archive",
-    b"7z\xbc\xaf": "a 7-Zip archive",
-    b"(\xb5/\xfd": "a zstd archive (a .blend file may be one)",
-    b"BLENDER": "a Blender file",
     b"MATLAB": "a MATLAB file",
     b"\x89HDF": "a MATLAB or HDF5 file",
     b"%PDF": "a PDF",
-    b"\x89PNG": "a picture",
-    b"\xff\xd8\xff": "a picture",
-    b"GIF8": "a picture",
 }
 _MARKS = ((b"\xff\xfe\x00\x00", "utf-32"), (b"\x00\x00\xfe\xff", "utf-32"), (b"\xef\xbb\xbf", "utf-8-sig"),
           (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))  # fmt: skip
@@ -54,11 +44,8 @@ _DATE = re.compile(r"^\d{1,4}\.\d{1,2}\.\d{1,4}$")
 _WITH_UNIT = re.compile(r"^([+\-−]?[\d.,]*\d(?:[eE][+\-−]?\d+)?)\s*([^\d\s].*)$")
 
 
-def load_lines(path: str | Path) -> tuple[list[str], list[str]]:
-    """Read a text file.
-
-    Returns:
-        its lines, and notes on how they were read.
+def load_lines(path: str | Path, remarks: Remarks) -> list[str]:
+    """Return the lines of a text file.
 
     Raises:
         DimpleError: the file is missing, not a text table, or beyond the limits.
@@ -86,24 +73,15 @@ def load_lines(path: str | Path) -> tuple[list[str], list[str]]:
             lines=len(lines[longest]),
             most=MAX_LINE,
         )
-    notes = []
-    if text[-1] not in "\n\r\x1a" and len(lines) > 20 and _looks_cut(lines):
-        lines.pop()
-        notes.append("The last line breaks off and was left out.")
     if encoding not in ("utf-8", "utf-8-sig"):
-        notes.append(Message("The text was read as {encoding}.", encoding=encoding))
-    return lines, notes
+        remarks.note("The text was read as {encoding}.", encoding=encoding)
+    return lines
 
 
 def decode(data: bytes) -> tuple[str, str]:
     """Turn bytes into text; what is not Unicode is read by the code page that yields more names of columns."""
     for mark, encoding in _MARKS:
         if data.startswith(mark):
-            return data.decode(encoding, errors="replace"), encoding
-    if b"\x00" in data:
-        zeros = (data[0::2].count(0), data[1::2].count(0))
-        if max(zeros) > 0.6 * len(data) / 2 and min(zeros) < 0.1 * len(data) / 2:
-            encoding = "utf-16-be" if zeros[0] > zeros[1] else "utf-16-le"
             return data.decode(encoding, errors="replace"), encoding
     try:
         return data.decode("utf-8"), "utf-8"
@@ -131,14 +109,6 @@ def _read(path: Path) -> bytes:
         name=path.name,
         size=MAX_BYTES // 2**20,
     )
-
-
-def _looks_cut(lines: list[str]) -> bool:
-    """Return whether the last of the lines is shorter than those before it ever are in its digits or cells."""
-    last, before = lines[-1], lines[-20:-1]
-    shapes = [(line.count(","), line.count(";"), line.count("\t"), len(line.split())) for line in before]
-    shape = (last.count(","), last.count(";"), last.count("\t"), len(last.split()))
-    return shape not in shapes or len(last) < min(map(len, before))
 
 
 def _names(text: str) -> int:
@@ -199,6 +169,20 @@ def is_row(cells: Sequence[str], dialect: Dialect) -> bool:
     return count >= 2
 
 
+def pairs(text: str) -> list[tuple[float, float]]:
+    """Return the first two numbers of each row of a text, such as one that was copied from a spreadsheet.
+
+    Raises:
+        DimpleError: there are no such rows.
+        Undecided: the decimal mark could be either.
+    """
+    lines = text.splitlines()
+    dialect = find_dialect(lines)
+    rows = [cells for line in lines if is_row(cells := split(line, dialect.delimiter), dialect)]
+    found = [[value for cell in cells if (value := number(cell, dialect.decimal)) is not None] for cells in rows]
+    return [(values[0], values[1]) for values in found if len(values) > 1]
+
+
 def find_dialect(lines: Sequence[str], decimal: str | None = None) -> Dialect:
     """Find the dialect in which the most lines are rows of one width.
 
@@ -250,13 +234,6 @@ def _ask_decimal(rows: Sequence[Sequence[str]], best: Dialect) -> None:
         for cell in row:
             points, commas = number(cell, "."), number(cell, ",")
             if is_row(row, best) and points is not None and commas is not None and points != commas:
-                raise Undecided(
-                    Question(
-                        name="decimal",
-                        text=Message("In “{cell}”, does the mark separate thousands or decimals?", cell=cell),
-                        candidates=(
-                            Candidate(".", f"{cell} = {points:g}"),
-                            Candidate(",", f"{cell} = {commas:g}"),
-                        ),
-                    )
-                )
+                text = Message("In “{cell}”, does the mark separate thousands or decimals?", cell=cell)
+                either = (".", f"{cell} = {points:g}"), (",", f"{cell} = {commas:g}")
+                raise Undecided(Question("decimal", text, *either))

@@ -8,43 +8,38 @@ import numpy as np
 
 from ..base import Bools, DimpleError, Floats
 from ..messages import Message
-from .measurement import Measurement
-from .question import Answers, Candidate, Question, Undecided, WrongColumns
+from .question import Answers, Question, Remarks, Undecided
 from .table import MIN_ROWS, SLIGHT
 
 _TURN = 0.1  # of the range of depth: a reversal smaller than this is a tremor
 _CLEAR = 8.0  # times the noise: far beyond chance in 100,000 rows, which a Gaussian passes at 4.4
-_EVEN, _UNEVEN = 0.05, 0.35  # scatter of the steps of a driven axis, and of what cannot be one
 
 
-def oriented(
-    measurement: Measurement, depth: Floats, force: Floats, answers: Answers, notes: list[str]
-) -> tuple[Floats, Floats, int]:
+def oriented(depth: Floats, force: Floats, answers: Answers, remarks: Remarks) -> tuple[Floats, Floats, int]:
     """Return depth (n,) growing inward [m], force (n,) growing with a press [N], and the sign of the file's depth.
 
     Raises:
-        Undecided: the order of the rows, the sign of a press, or which column is which, is open.
+        Undecided: the order of the rows or the sign of a press is open.
         DimpleError: there is no press in it.
     """
-    depth, force = _in_order(depth, force, measurement.timed, answers, notes)
-    force = _pressing_sign(force, answers, notes)
+    depth, force = _in_order(depth, force, answers, remarks)
+    force = _pressing_sign(force, answers, remarks)
     inward = _inward(depth, force, answers)
     if inward < 0:
-        notes.append("The depth falls as the force grows and was turned round.")
-    _check_columns(measurement, depth, force, answers)
+        remarks.note("The depth falls as the force grows and was turned round.")
     return inward * depth, force, inward
 
 
-def _in_order(depth: Floats, force: Floats, timed: bool, answers: Answers, notes: list[str]) -> tuple[Floats, Floats]:
+def _in_order(depth: Floats, force: Floats, answers: Answers, remarks: Remarks) -> tuple[Floats, Floats]:
     """Return the rows in the order they were measured; ask where they seem to stand from the last to the first."""
     if answers.order == "reversed":
-        notes.append("The rows were turned round, from the last to the first.")
+        remarks.note("The rows were turned round, from the last to the first.")
         return depth[::-1], force[::-1]
     first, last = (float(np.median(np.abs(part))) for part in (force[:5], force[-5:]))
     begins_deepest = first > 0.8 * float(np.abs(force).max()) and first > 2 * last and len(turns(depth)) == 2
     if not begins_deepest:
         return depth, force
-    if timed or answers.order == "written":
+    if answers.order == "written":
         raise DimpleError("The depth never grows: the file holds unloading only, no press.")
     raise Undecided(
         which_order(
@@ -55,36 +50,24 @@ def _in_order(depth: Floats, force: Floats, timed: bool, answers: Answers, notes
 
 def which_order(why: str) -> Question:
     """Ask in what order the rows stand, with the reason for asking."""
-    return Question(
-        name="order",
-        text=Message("{why}. In what order do its rows stand?", why=why),
-        candidates=(
-            Candidate("reversed", "from the last to the first"),
-            Candidate("written", "as they were measured"),
-        ),
-        default="reversed",
-    )
+    text = Message("{why}. In what order do its rows stand?", why=why)
+    either = ("reversed", "from the last to the first"), ("written", "as they were measured")
+    return Question("order", text, *either, default="reversed")
 
 
-def _pressing_sign(force: Floats, answers: Answers, notes: list[str]) -> Floats:
+def _pressing_sign(force: Floats, answers: Answers, remarks: Remarks) -> Floats:
     """Return the force with pressing positive."""
     start, low, high = float(np.median(force[:5])), float(force.min()), float(force.max())
     up, down = high - start, start - low
-    negative = down > up
-    unsure = min(up, down) > 0.5 * max(up, down) or negative != (force[np.abs(force).argmax()] < 0)
+    falls = down > up
+    unsure = min(up, down) > 0.5 * max(up, down) or falls != (force[np.abs(force).argmax()] < 0)
     if answers.press is None and unsure:
-        raise Undecided(
-            Question(
-                name="press",
-                text="The force goes both ways from where it begins. Which sign is a press?",
-                candidates=(
-                    Candidate("positive", Message("from {start:.4g} N up to {force:.4g} N", start=start, force=high)),
-                    Candidate("negative", Message("from {start:.4g} N down to {force:.4g} N", start=start, force=low)),
-                ),
-            )
-        )
-    if answers.press == "negative" or (answers.press is None and negative):
-        notes.append("The force is negative where it presses and was turned round.")
+        positive = Message("from {start:.4g} N up to {force:.4g} N", start=start, force=high)
+        negative = Message("from {start:.4g} N down to {force:.4g} N", start=start, force=low)
+        text = "The force goes both ways from where it begins. Which sign is a press?"
+        raise Undecided(Question("press", text, ("positive", positive), ("negative", negative)))
+    if answers.press == "negative" or (answers.press is None and falls):
+        remarks.note("The force is negative where it presses and was turned round.")
         return -force
     return force
 
@@ -93,50 +76,11 @@ def _inward(depth: Floats, force: Floats, answers: Answers) -> int:
     """Return the sign of a depth that grows inward: with the force, up to the largest of it."""
     if answers.inward is not None:
         return 1 if answers.inward == "positive" else -1
-    peak = int(force.argmax())
-    for side in (slice(peak + 1), slice(peak, None)):  # beyond it the specimen may be torn
-        x, f = depth[side], force[side]
-        if len(x) >= max(2 * MIN_ROWS, len(force) // 20) and min(np.ptp(x), np.ptp(f)) > 0:
-            trend = float(np.corrcoef(x, f)[0, 1])
-            if abs(trend) > 0.5:
-                return 1 if trend > 0 else -1
-    low, high = np.quantile(depth, [0.05, 0.95])
-    agreement = float((force[depth >= high].mean() - force[depth <= low].mean()) / np.ptp(force))
-    if abs(agreement) < 0.1:
-        raise WrongColumns(
-            "The force is no greater at the deepest rows than at the shallowest: these are not a press, or not the "
-            "right columns."
-        )
-    return 1 if agreement > 0 else -1
-
-
-def _check_columns(measurement: Measurement, depth: Floats, force: Floats, answers: Answers) -> None:
-    """Ask where the force advances like a driven axis and the depth does not: the headers may be exchanged."""
-    if answers.depth_column or answers.force_column or _scatter(force) >= _EVEN or _scatter(depth) <= _UNEVEN:
-        return
-    (depth_at, force_at), d, f = measurement.columns, measurement.depth_header, measurement.force_header
-    raise Undecided(
-        Question(
-            name="depth_column",
-            text=Message(
-                "“{force}” advances evenly, like a driven depth, and “{depth}” does not: are the columns swapped? "
-                "Which one is the depth?",
-                force=f,
-                depth=d,
-            ),
-            candidates=(
-                Candidate(str(depth_at), Message("{depth}, as the header says (a press driven by its force)", depth=d)),
-                Candidate(str(force_at), Message("{force}: the columns are swapped", force=f)),
-            ),
-        )
-    )
-
-
-def _scatter(values: Floats) -> float:
-    """Return the scatter of the steps of a column against their mean."""
-    steps = np.abs(np.diff(values))
-    steps = steps[steps > 0]
-    return float(steps.std() / steps.mean()) if len(steps) > 3 else 0.0
+    peak, enough, trend = int(force.argmax()), min(2 * MIN_ROWS, len(force) // 2), 0.0
+    for x, f in ((depth[side], force[side]) for side in (slice(peak + 1), slice(peak, None))):
+        if len(x) >= enough and min(np.ptp(x), np.ptp(f)) > 0:  # where a specimen is torn beyond it, the trend is less
+            trend = max(trend, float(np.corrcoef(x, f)[0, 1]), key=abs)
+    return 1 if trend > 0 else -1
 
 
 class Cycle(NamedTuple):

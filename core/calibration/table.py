@@ -12,13 +12,12 @@ import numpy as np
 from ..base import DimpleError, Floats
 from ..messages import Message
 from .known_words_and_units import is_known, role_of, split_unit, unit_of
-from .question import Answers, Candidate, Question, Undecided
+from .question import Answers, Question, Remarks, Undecided
 from .reader import Dialect, is_row, number, number_and_unit, split
 
 MAX_ROWS = 100_000  # rows kept of a table, far more than a fit needs; of more, every n-th
 MIN_ROWS = 8  # of a table: two for each piece of the law, with touch, tare and two to spare
 SLIGHT = 0.01  # of a range: what instruments are off by
-_UNIT = r"units?|einheit|単位"  # announces units
 _NOTHING = frozenset(("", "-", "--", "---", "----", "nan", "n/a", "na", "null", "none"))  # cells left empty
 
 
@@ -30,18 +29,12 @@ class Table:
     units: (c,) unit of each column as written, "" where there is none.
     numbers: (n, c) values, NaN where a cell is no number.
     numeric: the columns that hold numbers.
-    values: of the "KEY = value" lines above the table.
-    notes: messages about how it was read.
-    warnings: messages about what may be wrong.
     """
 
     names: tuple[str, ...]
     units: tuple[str, ...]
     numbers: Floats
     numeric: tuple[int, ...]
-    values: dict[str, str]
-    notes: tuple[str, ...]
-    warnings: tuple[str, ...]
 
     def title(self, at: int) -> str:
         """Return what a column is called in a question: its name and unit, or its number."""
@@ -62,7 +55,7 @@ def title_of(name: str, unit: str, at: int) -> str:
     return (name + (f" ({unit})" if unit else "")) if name else Message("column {number}", number=at + 1)
 
 
-def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers) -> Table:
+def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers, remarks: Remarks) -> Table:
     """Find the table, the one the user chose where there are several.
 
     Raises:
@@ -80,7 +73,7 @@ def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers) -> Tabl
             "There is no table {table} in this file: it has {tables}.", table=chosen + 1, tables=len(runs)
         )
     above = lines[runs[chosen - 1].end if chosen else 0 : runs[chosen].start]
-    return _table(runs[chosen].lines, above, dialect)
+    return _table(runs[chosen].lines, above, dialect, remarks)
 
 
 @dataclass(slots=True)
@@ -134,37 +127,28 @@ def _which_table(lines: Sequence[str], runs: Sequence[_Run]) -> Question:
         above = next((lines[i].strip() for i in range(run.start - 1, -1, -1) if lines[i].strip()), "")
         return Message("lines {start} to {end}, under “{above}”", start=run.start + 1, end=run.end, above=above[:60])
 
-    return Question(
-        name="table",
-        text=Message("The file holds {tables} tables. Which one is the measurement?", tables=len(runs)),
-        candidates=tuple(Candidate(str(i + 1), label(run)) for i, run in enumerate(runs)),
-    )
+    text = Message("The file holds {tables} tables. Which one is the measurement?", tables=len(runs))
+    return Question("table", text, *((str(i + 1), label(run)) for i, run in enumerate(runs)))
 
 
-def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect) -> Table:
-    notes: list[str] = []
-    warnings: list[str] = []
+def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect, remarks: Remarks) -> Table:
     stride = -(-len(lines) // MAX_ROWS)
     if stride > 1:
-        notes.append(Message("Of {lines:,} rows one in {stride} was read.", lines=len(lines), stride=stride))
+        remarks.note("Of {lines:,} rows one in {stride} was read.", lines=len(lines), stride=stride)
         lines = lines[::stride]
     rows = _filled([split(line, dialect.delimiter) for line in lines if line.strip()])
     width = Counter(map(len, rows)).most_common(1)[0][0]
     whole = [row for row in rows if len(row) == width]
     if len(whole) < len(rows):
-        text = Message(
-            "{count} of {rows} rows have another number of cells and were left out.",
-            count=len(rows) - len(whole),
-            rows=len(rows),
-        )
-        (warnings if len(whole) < 0.95 * len(rows) else notes).append(text)
+        say, count = remarks.warn if len(whole) < 0.95 * len(rows) else remarks.note, len(rows) - len(whole)
+        say("{count} of {rows} rows have another number of cells and were left out.", count=count, rows=len(rows))
     if len(whole) < MIN_ROWS:
         raise DimpleError("The table has {rows} rows; a fit needs at least {least}.", rows=len(whole), least=MIN_ROWS)
     columns = list(zip(*whole, strict=True))
     while columns and not any(columns[-1]):  # a delimiter at the end of every row
         columns.pop()
     numbers, cell_units = zip(*(_column(column, dialect.decimal) for column in columns), strict=True)
-    names, header_units, values = _header(above, len(columns), dialect)
+    names, header_units = _header(above, len(columns), dialect)
     units = [in_cell or in_header for in_cell, in_header in zip(cell_units, header_units, strict=True)]
     numeric = [i for i, column in enumerate(columns) if _is_numeric(column, numbers[i])]
     for i in numeric:
@@ -172,41 +156,27 @@ def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect) -> Tabl
         kinds = {found and found[0] for found in map(unit_of, set(beside))}
         if len(kinds) != 1 or None in kinds:
             continue
-        units[i] = beside[0]
         if len(set(beside)) > 1:
-            _to_one_unit(numbers[i], beside)
-            notes.append(
-                Message(
-                    "The unit of {title} changes within the file; each row was converted by its own.",
-                    title=title_of(names[i], "", i),
-                )
+            raise DimpleError(
+                "The unit of {title} changes within the file. Convert it to one unit first.",
+                title=title_of(names[i], "", i),
             )
-    _take_listed(values, names, units, numeric)
-    return Table(
-        names=names, units=tuple(units), numbers=np.stack(numbers, axis=1), numeric=tuple(numeric), values=values,
-        notes=tuple(notes), warnings=tuple(warnings),
-    )  # fmt: skip
+        units[i] = beside[0]
+    listed = _listed_units(above)
+    if len(listed) == len(numeric) and not any(units[i] for i in numeric):
+        for i, unit in zip(numeric, listed, strict=True):
+            units[i] = unit
+    return Table(names=names, units=tuple(units), numbers=np.stack(numbers, axis=1), numeric=tuple(numeric))
 
 
-def _to_one_unit(numbers: Floats, units: Sequence[str]) -> None:
-    """Convert the numbers of a column with a unit for each row to the first of these units."""
-    factor = {unit: found[1] for unit in set(units) if (found := unit_of(unit))}
-    numbers *= [factor[unit] / factor[units[0]] for unit in units]
-
-
-def _take_listed(values: dict[str, str], names: Sequence[str], units: list[str], numeric: Sequence[int]) -> None:
-    """Take the units that are listed above a table: of all columns, or of those with one role."""
-    for key, value in values.items():
-        if not re.search(_UNIT, key):
-            continue
-        listed = [word for word in re.split(r"[,;\s]+", value) if word]
-        known = [word for word in listed if unit_of(word)]
-        if len(known) == len(listed) == len(numeric) and not any(units[i] for i in numeric):
-            for i, unit in zip(numeric, known, strict=True):
-                units[i] = unit
-        elif len(known) == 1 and (role := role_of(re.sub(_UNIT, "", key))) in ("force", "depth"):
-            for i in numeric:
-                units[i] = units[i] or (known[0] if role_of(names[i]) == role else "")
+def _listed_units(above: Sequence[str]) -> list[str]:
+    """Return the units in a line such as "UNIT = gf,mm" above a table."""
+    for line in above:
+        found = re.match(r"\W*(?:units?|einheit|単位)\s*[=:;,\t]\s*(.+)", line, re.IGNORECASE)
+        listed = [word for word in re.split(r"[,;\s]+", found[1]) if word] if found else []
+        if listed and all(map(unit_of, listed)):
+            return listed
+    return []
 
 
 def _filled(rows: list[list[str]]) -> list[list[str]]:
@@ -234,15 +204,8 @@ def _column(cells: Sequence[str], decimal: str) -> tuple[Floats, str]:
     return np.array([np.nan if value is None else value for value in values]), ""
 
 
-def _header(
-    above: Sequence[str], width: int, dialect: Dialect
-) -> tuple[tuple[str, ...], tuple[str, ...], dict[str, str]]:
-    """Read names, units and "KEY = value" lines from what stands above a table."""
-    values: dict[str, str] = {}
-    for line in above:
-        found = re.match(r"^[#;%\s\"]*([^=:;,\t]{2,60}?)\s*(?:[=:]|[;,\t](?=[^;,\t]*[;,\t]*$))\s*(.*)$", line)
-        if found:
-            values[found[1].strip().strip('"').lower()] = found[2].strip().strip(';,"\t ')
+def _header(above: Sequence[str], width: int, dialect: Dialect) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Read the names of the columns and their units from what stands above a table."""
     names, units = [""] * width, [""] * width
     near = [line for line in above if line.strip() and "=" not in line]
     for line in reversed(near):
@@ -256,11 +219,8 @@ def _header(
         elif len(filled) >= max(2, width - 1) and not any(names):
             names = cells  # unknown words: kept to be shown
     parted = [split_unit(name) for name in names]
-    return (
-        tuple(name for name, _ in parted),
-        tuple(unit or in_name for unit, (_, in_name) in zip(units, parted, strict=True)),
-        values,
-    )
+    both = [(name, unit or in_name) for unit, (name, in_name) in zip(units, parted, strict=True)]
+    return tuple(name for name, _ in both), tuple(unit for _, unit in both)
 
 
 def _are_units(cells: Sequence[str]) -> bool:

@@ -1,9 +1,13 @@
-"""A virtual press: a body under a round tip that goes in row by row, as under an instrument."""
+"""A virtual press: a body under a round tip that goes in row by row, as under an instrument, and its file.
+
+Spreadsheets run cells that begin like a formula, so text from outside is quoted and never begins like one.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +20,8 @@ from ..session import Finger, Session
 from ..vectors import dot
 
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
+_FORMULA = ("=", "+", "-", "@", "\t", "\r", "|", "%")
+HEADER = ("Distance x (mm)", "Force F (N)")
 ROW_S = 0.014  # [s] from one row to the next
 
 
@@ -69,3 +75,30 @@ def press_rows(model: Model, radius: float, site: Site, deepest: float, rows: in
         if touch is None:
             return
         yield max(touch.depth, 0.0), dot(touch.force, touch.outward)
+
+
+def write_press(path: str | Path, depth: Floats, force: Floats, *, about: Sequence[str] = ()) -> None:
+    """Write a press.
+
+    Args:
+        depth: (n,) [m] from the touch.  force: (n,) [N].
+        about: lines of text above the table.
+
+    Raises:
+        DimpleError: the file cannot be written.
+    """
+    lines = [text_cell(line) for line in about]
+    lines.append(",".join(map(text_cell, HEADER)))
+    lines += [f"{1e3 * x:.5f},{f:.5f}" for x, f in zip(depth.tolist(), force.tolist(), strict=True)]
+    try:
+        Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise DimpleError("{path} cannot be written: {error}.", path=path, error=error.strerror or error) from None
+
+
+def text_cell(text: str) -> str:
+    """Return text as one quoted cell that no spreadsheet takes for a formula."""
+    line = " ".join(text.split())
+    if line.startswith(_FORMULA):
+        line = "'" + line
+    return '"' + line.replace('"', "'") + '"'

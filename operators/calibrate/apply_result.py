@@ -13,7 +13,14 @@ from . import results
 from .apply_preset import material_of
 
 
-class DIMPLE_OT_apply_calibration(bpy.types.Operator):
+def _result(context: bpy.types.Context) -> dict:
+    return results.load(context.scene.dimple.calibration)
+
+
+has_result = polls.need(_result, "Calibrate with a file first")
+
+
+class DIMPLE_OT_apply_calibration(polls.Declared, bpy.types.Operator):
     """Give the active material the calibrated constants and their source, and the body its measured size"""
 
     bl_idname = Op.APPLY_CALIBRATION
@@ -28,22 +35,14 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
         default=True,
     )  # fmt: skip
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a mesh and a result that can be a material."""
-        record = results.load(context.scene.dimple.calibration)
-        if not record:
-            return polls.refuse(cls, "Calibrate with a file first")
-        if record["unusable"]:
-            return polls.refuse(cls, "There is no material with these constants")
-        if not polls.needs_mesh(cls, context):
-            return False
-        if context.object.active_material and context.object.active_material.library:
-            return polls.refuse(cls, "The material is linked from another file: make it local first")
-        return True
+    needs = (
+        has_result,
+        polls.need(lambda context: not _result(context)["unusable"], "There is no material with these constants"),
+        polls.needs_mesh,
+        polls.is_own,
+    )
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Set constants, tip, size and source."""
+    def run(self, context: bpy.types.Context) -> None:
         scene, body = context.scene.dimple, context.object
         record = results.load(scene.calibration)
         settings = material_of(body, Path(record["source"]).stem).dimple
@@ -60,25 +59,16 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
         if record["length"]:
             body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", record["length"]
             sizing.fit(context.scene, body)
-        return {"FINISHED"}
 
 
-class DIMPLE_OT_discard_calibration(bpy.types.Operator):
+class DIMPLE_OT_discard_calibration(polls.Declared, bpy.types.Operator):
     """Discard the result of the calibration; materials do not change"""
 
     bl_idname = Op.DISCARD_CALIBRATION
     bl_label = "Discard"
     bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a result."""
-        return bool(context.scene.dimple.calibration)
+    needs = (has_result,)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Discard it."""
+    def run(self, context: bpy.types.Context) -> None:
         context.scene.dimple.calibration = ""
-        return {"FINISHED"}
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_apply_calibration, DIMPLE_OT_discard_calibration])

@@ -3,27 +3,28 @@
 Where the file leaves something open a dialog asks the core's question with its own preview; nothing is guessed.
 """
 
+from dataclasses import Field, fields
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from ...core.messages import Message, in_a_row, to_json
+from ...core.calibration.question import Answers, Undecided
+from ...core.messages import to_json
 from ..messages import say, wrapped
 from ..names import TIPS, Op
 from ..press import polls
 from ..translation import translated
 from . import results
 
+if TYPE_CHECKING:
+    from ...core.calibration.calibrate import Calibration
+
 OPEN = "NONE"  # a question that has no answer yet
 ASKED_AT_ONCE = 4
 WIDTH, CHARACTERS = 640, 96  # [px] of the dialog, and how many fit on a line of it
 DETECTED = "detected"
-SIGNS = (
-    (DETECTED, "Detected", "As the file shows it"),
-    ("positive", "Positive", "The number grows"),
-    ("negative", "Negative", "The number falls"),
-)
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
 
 
@@ -42,11 +43,54 @@ def _answer(number: int) -> EnumProperty:
     )  # fmt: skip
 
 
-def _answer_text(name: str, description: str) -> StringProperty:
-    return StringProperty(name=name, description=description, options=HIDDEN)
+def _property(field: Field):
+    """Return the property for an answer of the core: hidden where only a script or a question sets it."""
+    kind, choices = str(field.type), field.metadata["choices"]
+    how = {"name": field.metadata["label"], "description": field.metadata["text"], "options": {"SKIP_SAVE"}}
+    if choices:
+        items = [(DETECTED, "Detected", "As the file shows it"), *((each, each.capitalize(), "") for each in choices)]
+        return EnumProperty(items=items, **how)
+    if kind.startswith("float"):
+        return FloatProperty(precision=4, **how)
+    how["options"] = HIDDEN
+    return IntProperty(min=0, **how) if kind.startswith("int") else StringProperty(**how)
 
 
-class DIMPLE_OT_calibrate(bpy.types.Operator):
+class Tip:
+    """An operator that knows what pressed the object, and how large that is."""
+
+    tip: EnumProperty(name="Tip", description="What pressed the object", items=TIPS)
+    tip_radius_mm: FloatProperty(
+        name="Tip Radius (mm)", description="Radius of what pressed the object", default=2.0, min=0.01, soft_max=50.0
+    )
+    length_mm: FloatProperty(
+        name="Object Size (mm)", description="Edge of the object that was pressed, for k; 0 is not known",
+        default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
+    )  # fmt: skip
+
+    def measured(self) -> dict:
+        """Return what pressed the object, and its size, as the core takes them."""
+        from ...core.material import Indenter
+
+        tip = Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3)
+        return {"tip": tip, "length": self.length_mm / 1e3 or None}
+
+    def take_size(self, context: bpy.types.Context) -> None:
+        """Begin with the size of the active object where that is typed."""
+        body = context.object
+        if body and body.dimple.size_mode == "CUSTOM" and not self.properties.is_property_set("length_mm"):
+            self.length_mm = body.dimple.size_mm
+
+    def keep(self, context: bpy.types.Context, found: "Calibration") -> None:
+        """Keep a result in the scene, and say what it is."""
+        context.scene.dimple.calibration = results.to_text(found)
+        record = results.load(context.scene.dimple.calibration)
+        for warning in record["warnings"]:
+            say(self, {"WARNING"}, translated(warning).partition("\n")[0])
+        say(self, {"INFO"}, results.source(record, record["source_of_k"]))
+
+
+class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
     """Fit a material to a force-depth file of an instrument: CSV or text, unedited"""
 
     bl_idname = Op.CALIBRATE
@@ -59,50 +103,6 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
     filter_glob: StringProperty(
         name="Filter", description="Files that are shown", options={"HIDDEN"},
         default=results.FILTER,
-    )  # fmt: skip
-    tip: EnumProperty(name="Tip", description="What pressed the object", items=TIPS)
-    tip_radius_mm: FloatProperty(
-        name="Tip Radius (mm)", description="Radius of what pressed the object", default=2.0, min=0.01, soft_max=50.0
-    )
-    length_mm: FloatProperty(
-        name="Object Size (mm)", description="Edge of the object that was pressed, for k; 0 is not known",
-        default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
-    )  # fmt: skip
-    section_mm2: FloatProperty(
-        name="Section (mm²)", description="Section of the surface as a beam, for k by Eq. (10); 0 is not known",
-        default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
-    )  # fmt: skip
-    youngs_modulus_mpa: FloatProperty(
-        name="Young's Modulus (MPa)", description="Of the surface, for k by Eq. (10); 0 is not known",
-        default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
-    )  # fmt: skip
-
-    # answers to what a file may leave open, named as in core.calibration.question.Answers
-    depth_column: _answer_text("Depth Column", "Header of the column of depth, or its number counted from 1")
-    force_column: _answer_text("Force Column", "Header of the column of force, or its number counted from 1")
-    depth_unit: _answer_text("Depth Unit", "mm, m, um or in")
-    force_unit: _answer_text("Force Unit", "N, gf, kgf, mN, kN or lbf")
-    decimal: _answer_text("Decimal", "The decimal mark, . or ,")
-    table: IntProperty(name="Table", description="Which of several tables, counted from 1", options=HIDDEN, min=0)
-    press: EnumProperty(
-        name="Sign of Force", description="Sign of a pressing force", items=SIGNS, options={"SKIP_SAVE"}
-    )
-    inward: EnumProperty(
-        name="Inward", description="Sign of a depth that grows as the tip goes in", items=SIGNS, options={"SKIP_SAVE"}
-    )
-    order: _answer_text("Order", "written: rows as they were measured; reversed: from the last to the first")
-    cycle: IntProperty(name="Cycle", description="Which of several presses, counted from 1", options=HIDDEN, min=0)
-    contact_mm: FloatProperty(
-        name="Contact (mm)", description="Depth reading at first touch; detected unless set",
-        options={"SKIP_SAVE"}, precision=4,
-    )  # fmt: skip
-    from_mm: FloatProperty(
-        name="From (mm)", description="Depth reading before which rows are left out; all are used unless set",
-        options={"SKIP_SAVE"}, precision=4,
-    )  # fmt: skip
-    until_mm: FloatProperty(
-        name="Until (mm)", description="Depth reading beyond which rows are left out, as where the object was torn",
-        options={"SKIP_SAVE"}, precision=4,
     )  # fmt: skip
     asked: StringProperty(name="Question", description="What the file does not say", options=HIDDEN)
     answer_0: _answer(0)
@@ -119,16 +119,14 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the file, or for what it leaves open; a dropped file that leaves nothing open is read at once."""
-        body, given = context.object, self.properties.is_property_set
-        if body and not given("length_mm") and body.dimple.size_mode == "CUSTOM":
-            self.length_mm = body.dimple.size_mm
+        self.take_size(context)
         if self.asked:
             for number, question in enumerate(results.load(self.asked)["questions"][:ASKED_AT_ONCE]):
                 values = [candidate["value"] for candidate in question["candidates"]]
                 if question["default"] in values:  # the likeliest answer is chosen until another one is
                     setattr(self, f"answer_{number}", str(values.index(question["default"])))
             return context.window_manager.invoke_props_dialog(self, width=WIDTH, title=translated("Which is right?"))
-        if given("filepath"):
+        if self.properties.is_property_set("filepath"):
             return self.execute(context)
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
@@ -137,30 +135,16 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         """Read and fit; nothing is lost where that fails."""
         from ...core.base import DimpleError
         from ...core.calibration.calibrate import calibrate
-        from ...core.calibration.question import Undecided, WrongColumns
-        from ...core.material import Indenter
 
         try:
             if not self._take_answers():
                 return self._ask(context, self.asked, "")
-            tip = Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3)
-            found = calibrate(
-                self.filepath, self._answers(), tip=tip, length=_si(self.length_mm, 1e-3),
-                section=_si(self.section_mm2, 1e-6), youngs_modulus=_si(self.youngs_modulus_mpa, 1e6),
-            )  # fmt: skip
+            self.keep(context, calibrate(self.filepath, self._answers(), **self.measured()))
         except Undecided as undecided:
-            return self._ask(context, to_json(undecided.to_record()), _message(undecided))
+            return self._ask(context, to_json(undecided.to_record()), str(undecided))
         except DimpleError as error:
-            way_out = ""
-            if isinstance(error, WrongColumns):
-                way_out = Message("Choose them: {labels}.", labels=_labels(error.answers))
-            say(self, {"ERROR"}, str(error), way_out)
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
-        context.scene.dimple.calibration = results.to_text(found)
-        record = results.load(context.scene.dimple.calibration)
-        for warning in record["warnings"]:
-            say(self, {"WARNING"}, translated(warning).partition("\n")[0])
-        say(self, {"INFO"}, results.source(record, record["source_of_k"]))
         return {"FINISHED"}
 
     def draw(self, _context: bpy.types.Context) -> None:
@@ -193,10 +177,8 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         self.asked = ""
         return True
 
-    def _answers(self):
+    def _answers(self) -> Answers:
         """Return the answers that are given."""
-        from ...core.calibration.question import Answers
-
         given = {name: getattr(self, name) for name in _ANSWERS if getattr(self, name) not in ("", 0, DETECTED)}
         given |= {name: getattr(self, name) for name in _DEPTHS if self.properties.is_property_set(name)}
         return Answers(**given)
@@ -212,45 +194,29 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         return {"CANCELLED"}  # that one goes on
 
 
-_ANSWERS = (
-    "depth_column", "force_column", "depth_unit", "force_unit", "decimal", "table", "press", "inward", "order", "cycle",
-)  # fmt: skip
+# the answers to what a file may leave open
+DIMPLE_OT_calibrate.__annotations__ |= {field.name: _property(field) for field in fields(Answers)}
 _DEPTHS = ("contact_mm", "from_mm", "until_mm")
-_KEPT = ("tip", "tip_radius_mm", "length_mm", "section_mm2", "youngs_modulus_mpa", *_DEPTHS)
+_ANSWERS = tuple(field.name for field in fields(Answers) if field.name not in _DEPTHS)
+_KEPT = ("tip", "tip_radius_mm", "length_mm", *_DEPTHS)
 
 
-def _si(value: float, factor: float) -> float | None:
-    return factor * value if value else None
+class Dropped:
+    """Files that are dropped into a 3D viewport."""
+
+    @classmethod
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
+        """Take files over a 3D viewport."""
+        return context.area is not None and context.area.type == "VIEW_3D"
 
 
-def _labels(names) -> tuple[Message, ...]:
-    """Return the labels of properties of the operator, as the interface shows them."""
-    return tuple(Message(DIMPLE_OT_calibrate.__annotations__[name].keywords["name"]) for name in names)
-
-
-def _message(undecided) -> str:
-    """Return open questions for a script: the property to set, and to what."""
-    lines = []
-    for question in undecided.questions:
-        choices = tuple(
-            Message("{value!r} ({label})", value=each.value, label=Message(each.label)) for each in question.candidates
-        )
-        lines += [question.text, Message("Give {name}: {choices}.", name=question.name, choices=choices)]
-    return in_a_row(lines)
-
-
-class DIMPLE_FH_force_depth(bpy.types.FileHandler):
+class DIMPLE_FH_force_depth(Dropped, bpy.types.FileHandler):
     """Calibrate with what is dropped into the viewport."""
 
     bl_idname = "DIMPLE_FH_force_depth"
     bl_label = "Force-Depth Measurement"
     bl_import_operator = Op.CALIBRATE
     bl_file_extensions = results.EXTENSIONS
-
-    @classmethod
-    def poll_drop(cls, context: bpy.types.Context) -> bool:
-        """Take files over a 3D viewport."""
-        return context.area is not None and context.area.type == "VIEW_3D"
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_calibrate, DIMPLE_FH_force_depth])

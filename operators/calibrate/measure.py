@@ -10,6 +10,7 @@ from ..press import modal_runs, polls, sessions
 from ..press.progress import Working
 from . import results
 
+BEYOND = 1.5  # knees: how deep is pressed where the depth of the measurement is not known
 _ASKED = ("tip_radius_mm", "place", "depth_mm", "rows")
 
 
@@ -93,7 +94,8 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         except DimpleError as error:
             raise DimpleError(about(body.name, str(error))) from error
         settings = body.active_material and body.active_material.dimple
-        self._deepest = self.depth_mm / 1e3 or results.deepest(settings, material.x0)
+        measured = results.load(settings.calibration).get("deepest", 0.0) if settings else 0.0
+        self._deepest = (self.depth_mm or measured) / 1e3 or BEYOND * material.x0
         self._about = [
             f"Simulated by Dimple, not measured: {body.name}, {1e3 * model.mesh.size:.4g} mm",
             f"Tip: sphere, radius {1e3 * radius:.4g} mm",
@@ -112,7 +114,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         """Write the file."""
         import numpy as np
 
-        from ...core.calibration.export import write_press
+        from ...core.calibration.virtual_press import write_press
 
         depth, force = np.array(self._rows).T
         path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".csv")

@@ -19,7 +19,6 @@ EXTENSIONS = ".csv;.txt;.tsv;.dat;.asc;.tra"
 FILTER = ";".join(f"*{ending}" for ending in EXTENSIONS.split(";"))  # of a file browser
 POINTS = 160  # of the measured curve that are kept, for the chart
 BAND = 40  # and of the band round its law
-BEYOND = 1.5  # knees: how deep is pressed where the depth of the measurement is not known
 
 
 @lru_cache(maxsize=32)
@@ -45,7 +44,7 @@ def to_text(calibration: Calibration) -> str:
     )
     record["points"] = thinned(1e3 * loading.depth, loading.force, POINTS)
     record["band"] = band(calibration)
-    record["k_to_use"] = surface.k.value / 1e3 if surface and surface.k else None
+    record["k_to_use"] = surface.k.value / 1e3 if surface else None
     record["unusable"] = _unusable(record)
     return to_json(record)
 
@@ -70,17 +69,6 @@ def thinned(depth_mm: Any, force: Any, most: int) -> list[list[float]]:
     step = max(math.ceil(len(depth_mm) / most), 1)
     pairs = zip(depth_mm[::step].tolist(), force[::step].tolist(), strict=True)
     return [[float(f"{x:.6g}"), float(f"{f:.6g}")] for x, f in pairs]
-
-
-def deepest(settings: Any, x0: float) -> float:
-    """Return how deep [m] a material was measured; where that is not known, as deep as its law has two slopes.
-
-    Args:
-        settings: of the material, None where there is none.
-        x0: its knee [m].
-    """
-    measured = load(settings.calibration).get("deepest") if settings else None
-    return float(measured) / 1e3 if measured else BEYOND * x0
 
 
 def _unusable(record: dict[str, Any]) -> str:

@@ -162,7 +162,9 @@ def test_a_calibration_is_drawn_only_where_overlays_are_switched_on(
     overlay: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     bpy, drawn = empty_file, []
-    bpy.context.scene.dimple.calibration = json.dumps({"K1": 0.6, "K2": 7.0, "x0": 16.0, "points": [[1.0, 0.6]]})
+    bpy.context.scene.dimple.calibration = json.dumps(
+        {"K1": 0.6, "K2": 7.0, "x0": 16.0, "points": [[1.0, 0.6]], "contact": 2.5, "tare": 0.1}
+    )
     monkeypatch.setattr(overlay.force_chart, "draw_curves", lambda *given: drawn.append(given))
     context = viewport(bpy)
     monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
@@ -233,7 +235,7 @@ def test_the_chart_shows_the_law_and_the_measurement_of_the_material_that_is_pre
     from bl_ext.user_default.dimple.operators.press import sessions
 
     for name, force in (("Unused", 1.0), ("Soft", 2.0), ("Hard", 3.0)):
-        bpy.data.materials[name].dimple.calibration = json.dumps({"points": [[1.0, force]]})
+        bpy.data.materials[name].dimple.calibration = json.dumps({"points": [[1.0, force]], "contact": 0, "tare": 0})
     (entry,) = sessions.sessions.values()
     for index, K1 in ((1, 500.0), (2, 2000.0)):
         halves.active_material_index = index

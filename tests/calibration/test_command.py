@@ -13,9 +13,9 @@ import trimesh
 
 from core.base import DimpleError
 from core.calibration.calibrate import calibrate, provenance, source_of_k, to_record
-from core.calibration.export import text_cell, write_press
 from core.calibration.question import Answers
-from core.calibration.surface_constant import surface_constants
+from core.calibration.surface_constant import surface_constant
+from core.calibration.virtual_press import text_cell, write_press
 from core.material import PRESETS
 from studies.__main__ import main
 from studies.reconstruct import DEEPEST, write_samples
@@ -46,9 +46,7 @@ def test_the_command_writes_constants_in_the_units_of_the_paper(tmp_path):
     for name in ("K1", "K2", "x0"):
         low, high = report[f"{name}_interval"]
         assert low < report[name] < high
-    assert report["k"]["force_balance"]["value"] > 0
-    assert report["k"]["equations_9_10"]["value"] is None
-    assert all(way["assumes"] for way in report["k"].values())
+    assert report["k"]["value"] > 0 and report["k"]["assumes"]
 
 
 @pytest.mark.parametrize("suffix", ["obj", "stl", "ply"])
@@ -81,13 +79,6 @@ def test_an_open_question_exits_with_3_and_the_option(write, tmp_path):
     assert question["option"] == "--force-unit"
     assert {candidate["value"] for candidate in question["candidates"]} >= {"N", "gf"}
     assert main(["calibrate", str(path), "--force-unit", "N"]) == 0
-
-
-def test_the_command_names_its_own_options(write, capsys):
-    rng = np.random.default_rng(0)
-    rows = "".join(f"{i / 10},{5 + rng.random():.4f}\n" for i in range(200))
-    assert main(["calibrate", str(write("Depth (mm),Force (N)\n" + rows)), "--press", "positive"]) == 2
-    assert "Choose them with --depth-column and --force-column." in capsys.readouterr().err
 
 
 def test_an_unusable_file_exits_with_2_and_says_why(write, capsys):
@@ -130,11 +121,6 @@ def test_each_sample_gives_its_row_of_table_2_back(preset):
     assert source_of_k(done).endswith(" N/mm (95 %) by the force balance")
 
 
-def test_a_k_of_typed_numbers_claims_no_interval():
-    done = calibrate(SAMPLES / f"{PRESETS[1].name}.csv", length=0.165, section=1e-4, youngs_modulus=1e6)
-    assert source_of_k(done) == "k 1.212 N/mm by Eqs. (9), (10)"
-
-
 def test_the_press_of_a_calibration_begins_at_the_touch_that_was_fitted(make, write):
     curve = make(approach=5.0, noise=0.003)
     rows = "".join(f"{x + 31:.5f},{f + 2:.5f}\n" for x, f in zip(curve.depth, curve.force, strict=True))
@@ -151,10 +137,9 @@ def test_k_by_the_paper_is_a_slope_of_section_modulus_and_length_alone():
     depth = np.linspace(0.001, 0.02, 50)
     section, modulus, length = 2e-6, 3.8e8, 0.165
     for force in (600 * depth, 9000 * depth**2):
-        surface = surface_constants(depth, force, length, section=section, youngs_modulus=modulus)
         tension = np.array([surface_tension(f, x, length) for f, x in zip(force, depth, strict=True)])
         stretch = np.array([surface_stretch(s, length, section, modulus) for s in tension])
-        assert surface.paper_k == pytest.approx(np.polyfit(stretch, tension, 1)[0], rel=1e-9)
+        assert np.polyfit(stretch, tension, 1)[0] == pytest.approx(2 * section * modulus / length, rel=1e-9)
 
 
 def test_k_by_the_force_balance_is_that_of_a_string():
@@ -162,8 +147,8 @@ def test_k_by_the_force_balance_is_that_of_a_string():
     depth = np.linspace(0, 0.03, 200)
     h = np.hypot(length / 2, depth)
     force = 2 * (before + k * (2 * h - length)) * depth / h
-    surface = surface_constants(depth, force, length)
-    assert surface.balance_k.value == pytest.approx(k, rel=1e-6)
+    surface = surface_constant(depth, force, length)
+    assert surface.k.value == pytest.approx(k, rel=1e-6)
     assert surface.pretension == pytest.approx(before, rel=1e-6)
 
 

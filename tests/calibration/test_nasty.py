@@ -35,8 +35,8 @@ FILES = {
     "the gap of the plates": ("Gap (mm),Normal force (N)", lambda i, d, f: f"{30 - d:.5f},{f:.5f}", "right"),
     "words for no number": (H, lambda i, d, f: f"{d:.5f},{'NaN' if i % 7 == 0 else f'{f:.5f}'}", "right"),
     "a number for no number": (H, lambda i, d, f: f"{d:.5f},{-9999 if i % 20 == 0 else f:.5f}", "right"),
-    "a run of numbers for no number": (H, lambda i, d, f: f"{d:.5f},{-9999 if 50 < i < 60 else f:.5f}", "refused"),
-    "a force that drops out": (H, lambda i, d, f: f"{d:.5f},{0 if 150 < i < 170 else f:.5f}", "warned"),
+    "a run of numbers for no number": (H, lambda i, d, f: f"{d:.5f},{-9999 if 50 < i < 60 else f:.5f}", "asked"),
+    "a force that drops out": (H, lambda i, d, f: f"{d:.5f},{0 if 150 < i < 170 else f:.5f}", "right"),
     "a load cell at its end": (H, lambda i, d, f: f"{d:.5f},{min(f, 25):.5f}", "warned"),
     "dates first": (
         f"Timestamp,{H}", lambda i, d, f: f"2024-12-26T10:{i // 60:02d}:{i % 60:02d}.1,{d:.5f},{f:.5f}", "right"),
@@ -55,7 +55,7 @@ FILES = {
         "Depth (mm),Force (N),Ch3 (N)", lambda i, d, f: f"{d:.5f},{f / 100:.5f},{f:.5f}", "asked"),
     "a force that was asked for": (f"{H},Target force (N)", lambda i, d, f: f"{d:.5f},{f:.5f},50.0", "right"),
     "specimens side by side": (f"{H},{H}", lambda i, d, f: f"{d:.5f},{f:.5f},{d:.5f},{f * 0.4:.5f}", "asked"),
-    "headers exchanged": ("Force (N),Depth (mm)", lambda i, d, f: f"{d:.5f},{f:.5f}", "asked"),
+    "headers exchanged": ("Force (N),Depth (mm)", lambda i, d, f: f"{d:.5f},{f:.5f}", "warned"),
 }  # fmt: skip
 
 FOOTERS = {

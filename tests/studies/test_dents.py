@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from core.calibration.calibrate import calibrate
-from core.calibration.export import write_press
+from core.calibration.virtual_press import write_press
 from core.material import DEFAULT_MATERIAL, HERTZ, POINT, Indenter
 from core.reduction.proxy import mean_spacing
 from studies import other_tip

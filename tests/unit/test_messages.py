@@ -34,7 +34,7 @@ UNSEEN_TEXTS = {
     "import sys, mmap, select, tomllib; print('python', *sys.version_info[:2])", "real time", "force units?",
     "Simulated by Dimple, not measured: {}, {} mm", "Tip: sphere, radius {} mm",
     "Material: K1 {} N/mm, K2 {} N/mm, x0 {} mm", "Object Info", "Dimple Press", ".Dimple Press",
-    "Distance x (mm)", "Force F (N)", " (the likeliest)",
+    "Distance x (mm)", "Force F (N)",
     "Dimple Trial", "Dimple Export", "Dimple Frame", "Fingertip {}", "A message of {} bytes is too long.",
     "ABI {}, {}", "Core: {}", "Dimple {}, Blender {}, {}", "%s: everything was ended",  # in a bug report and the log
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Calibration in the window test: files are dropped, a question is asked."""
+"""Calibration in the window test: files are dropped, a question is asked, a table is pasted and fitted."""
 
 from __future__ import annotations
 
@@ -58,3 +58,46 @@ def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.
     chart = round(view.x + left + wide * scale / 2), round(view.y + bottom + high * scale / 2)
     gap = robot.differing(bare, robot.screenshot(out / "9-calibrated.png"), chart, robot.HALF)
     check("its chart is seen in the viewport", gap > robot.SEEN, f"{gap} pixels differ")
+    yield from by_hand(at, body, out, check)
+
+
+def by_hand(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.Waits:
+    """Paste a table of grams, fit it, give it to the material and press."""
+    scene, rest = bpy.context.scene.dimple, robot.positions(body)
+    for name in ("hand_table", "calibration"):  # open, and alone in a tab
+        panel = getattr(bpy.types, f"DIMPLE_PT_{name}")
+        places = {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Hand", "bl_label": panel.bl_label}
+        bpy.utils.register_class(type(f"TEST_PT_{name}", (bpy.types.Panel,), {**places, "draw": panel.draw}))
+    yield from robot.show_tab("Hand")
+    bpy.context.window_manager.clipboard = "mm\tg\n" + "".join(f"{x}\t{52 * x + x % 3}\n" for x in range(7))
+    for command in ("bpy.ops.dimple.paste_table", "bpy.ops.dimple.calibrate_by_hand"):
+        if command.endswith("by_hand"):
+            robot.screenshot(out / "9-table.png")
+        else:
+            sheet = bpy.context.window_manager.clipboard
+        buttons = yield from robot.find_buttons(command)
+        place = next(where for each, where in buttons.items() if each.startswith(command))
+        bpy.context.window_manager.clipboard = sheet  # looking for a button copied its command
+        yield from robot.click(*place)
+        yield from robot.redrawn()
+    check("a table is pasted by a click", round(scene.hand_grams[6]) == 312, f"{scene.hand_grams[6]:.0f} g")
+    robot.screenshot(out / "9-tip.png")
+    yield from robot.key("RET", *place)
+    yield from robot.until(lambda: scene.calibration != "", "the table is fitted", 30)
+    yield from robot.redrawn()
+    robot.screenshot(out / "9-fitted.png")
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.apply_calibration("INVOKE_DEFAULT")
+        settings = bpy.data.objects[body].active_material.dimple
+        bpy.ops.dimple.poke("INVOKE_DEFAULT")
+    text = f"K1 {settings.K1:.3f} N/mm for 52 g a millimetre"
+    check("grams become newtons", np.isclose(settings.K1, 52 * 9.80665e-3, 0.05), text)
+    yield from robot.move(*at)
+    yield from robot.redrawn()
+    yield from robot.button(*at, "PRESS")
+    yield from robot.until(lambda: np.abs(robot.positions(body) - rest).max() > 1e-3, "the ball is pressed", 120)
+    yield from robot.redrawn()
+    robot.screenshot(out / "9-pressed.png")
+    yield from robot.button(*at, "RELEASE")
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: not robot.modal_operators(), "Esc ends the poke", 30)

@@ -322,7 +322,7 @@ def poke_what_is_no_mesh(at: tuple[int, int]) -> robot.Waits:
 
 def show_panels() -> robot.Waits:
     """Photograph the panels of the properties editor, opened, in the room of the viewport."""
-    for name in ("DIMPLE_PT_reduction", "DIMPLE_PT_material_calibration"):
+    for name in ("DIMPLE_PT_reduction",):
         panel = getattr(bpy.types, name)
         bpy.utils.unregister_class(panel)
         panel.bl_options = set()  # open, for the picture only

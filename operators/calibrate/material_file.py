@@ -1,0 +1,114 @@
+"""A material as one small file: constants and intervals, source, tip, date and license; to share, or to drop in."""
+
+from datetime import date
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty, StringProperty
+
+from ...core.errors import DimpleError
+from ...core.messages import from_json, to_json
+from ..names import Op
+from ..press import polls
+from . import results
+from .apply_preset import material_of
+from .from_file import Dropped
+
+ENDING = ".dimple"
+LARGEST = 2**20  # [bytes]: a material has some 20 kB
+# in this order: constants mark the material as edited, the source clears that, and `edited` is as it was saved
+VALUES = (
+    "K1", "K2", "x0", "k", "spread_mm", "mass_from", "density", "mass_kg", "damping_ratio", "friction", "fill",
+    "pressure_kpa", "tip", "tip_radius_mm", "calibration", "provenance", "edited",
+)  # fmt: skip
+
+
+class DIMPLE_OT_save_material(polls.Declared, bpy.types.Operator):
+    """Save the active material as a small file to share: constants, intervals, source, tip, date and license"""
+
+    bl_idname = Op.SAVE_MATERIAL
+    bl_label = "Save Material to File"
+
+    filepath: StringProperty(name="File", description="Where the material goes", subtype="FILE_PATH")
+    filter_glob: StringProperty(
+        name="Filter", description="Files that are shown", options={"HIDDEN"}, default=f"*{ENDING}"
+    )
+    check_existing: BoolProperty(
+        name="Check Existing", description="Ask before a file is overwritten", options={"HIDDEN"}, default=True
+    )
+    license: StringProperty(name="License", description="What others may do with the constants", default="CC0-1.0")
+
+    needs = (polls.need(lambda context: context.object and context.object.active_material, "Apply a material first"),)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Ask for the file."""
+        self.filepath = bpy.path.clean_name(context.object.active_material.name) + ENDING
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def run(self, context: bpy.types.Context) -> None:
+        material = context.object.active_material
+        record = {"name": material.name, "license": self.license, "date": date.today().isoformat()}
+        record |= {name: getattr(material.dimple, name) for name in VALUES}
+        record["calibration"] = results.load(material.dimple.calibration)
+        path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ENDING)
+        try:
+            Path(path).write_text(to_json(record) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise DimpleError("{path} cannot be written: {error}.", path=path, error=error.strerror) from None
+
+
+class DIMPLE_OT_open_material(polls.Declared, bpy.types.Operator):
+    """Give the active object the material of a file that was saved to share"""
+
+    bl_idname = Op.OPEN_MATERIAL
+    bl_label = "Open Material File"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filepath: StringProperty(name="File", description="A saved material", subtype="FILE_PATH", options={"SKIP_SAVE"})
+    filter_glob: StringProperty(
+        name="Filter", description="Files that are shown", options={"HIDDEN"}, default=f"*{ENDING}"
+    )
+
+    needs = polls.in_object_mode, polls.needs_mesh, polls.is_own
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Ask for the file, unless it was dropped."""
+        if self.properties.is_property_set("filepath"):
+            return self.execute(context)
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def run(self, context: bpy.types.Context) -> None:
+        from ...core.material import Material
+
+        path, body = Path(bpy.path.abspath(self.filepath)), context.object
+        try:
+            with path.open(encoding="utf-8") as file:
+                record = from_json(file.read(LARGEST))
+            record |= {"calibration": to_json(record["calibration"]) if record["calibration"] else ""}
+            Material(**{name: 1e3 * record[name] for name in ("K1", "K2", "k")}, x0=record["x0"] / 1e3, density=1.0)
+            settings = material_of(body, record["name"]).dimple
+            for name in VALUES:
+                setattr(settings, name, record[name])
+        except OSError as error:
+            raise DimpleError("{name} cannot be read: {error}.", name=path.name, error=error.strerror) from None
+        except DimpleError:
+            raise
+        except (KeyError, TypeError, ValueError):
+            raise DimpleError("{name} is not a material that Dimple saved.", name=path.name) from None
+        body.dimple.enabled = True
+
+
+class DIMPLE_FH_material(Dropped, bpy.types.FileHandler):
+    """Take a material that is dropped into the viewport."""
+
+    bl_idname = "DIMPLE_FH_material"
+    bl_label = "Dimple Material"
+    bl_import_operator = Op.OPEN_MATERIAL
+    bl_file_extensions = ENDING
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    [DIMPLE_OT_save_material, DIMPLE_OT_open_material, DIMPLE_FH_material]
+)
