@@ -18,8 +18,8 @@ from .export import command_line, export_dialog
 from .press import handlers, make_soft, play, poke, progress, record
 
 PARTS = (
-    bug_report, make_soft, progress, poke, play, record, bake, export_dialog, apply_preset, fingertips, from_file, by_hand,
-    apply_result, material_file, paint_softness, measure, connect_device, blind_trial, command_line, handlers,
+    bug_report, make_soft, progress, poke, play, record, bake, export_dialog, apply_preset, fingertips, from_file,
+    by_hand, apply_result, material_file, paint_softness, measure, connect_device, blind_trial, command_line, handlers,
 )  # fmt: skip
 
 
