@@ -1,10 +1,11 @@
 """What C and Python both must know, written by `dev.py native` from native/constants.h."""
 
-ABI = 28
+ABI = 29
 MAX_FINGERTIPS = 3
 MAX_STEPS = 1000000
 MAX_BODIES = 4096
 MAX_RING = 12
+PASSED = 11
 LANES = 8
 FOLLOWED = LANES
 FACTORS = 33

@@ -4,11 +4,12 @@
 #include <float.h>
 
 /* What Python must know too: `dev.py native` writes it into core/constants.py. */
-#define DM_ABI 28              /* changes with anything in dimple.h */
+#define DM_ABI 29              /* changes with anything in dimple.h */
 #define DM_MAX_FINGERTIPS 3    /* thumb, index and middle finger: those of the paper's device */
 #define DM_MAX_STEPS 1000000   /* in one call, so that none takes longer than minutes */
 #define DM_MAX_BODIES 4096     /* in one call, and in one scene: pairs of them are looked at one by one */
 #define DM_MAX_RING 12         /* neighbours in a ring: one wide fan must not widen every row */
+#define DM_PASSED 11           /* numbers that a call returns of each surface of a scene */
 #define DM_LANES 8             /* vertices at once: floats in a register of AVX2 */
 #define DM_FOLLOWED DM_LANES   /* vertices of a proxy that a vertex of its surface follows: two rings, thinned */
 #define DM_FACTORS 33          /* depths at which the force of another tip is known; linear between them */
@@ -51,15 +52,13 @@
 #define DM_REST_TIME 0.25       /* [s] of that: what only turns round in a swing is slow for less, and a dent has come back */
 
 /* What meets: how far a query looks, and what may go how far until the next. */
-#define DM_QUERY_REACH 2.5   /* times the distance at which surfaces touch, a query looks; as many times that, a search, of
-                              * which several queries live: pairs grow with its square, searches with its inverse */
+#define DM_QUERY_REACH 2.5   /* times the distance at which surfaces touch, a query looks: pairs grow with its square,
+                              * queries with its inverse */
 #define DM_BOUND 0.9         /* of half the distance: what two primitives may go towards each other; rounding has the rest */
 #define DM_ROAM 0.99         /* of half the reach: what is near nothing may go */
 #define DM_STALE 0.8         /* of the way after which something unknown might touch: a substep comes on top */
-#define DM_LEAST_SHARE 0.1   /* of the distance, that a side gets at least; more the faster it comes; */
-#define DM_SOFT_SHARE 0.3    /* where both are soft: they come and go, and a side that is slow now is soon fast */
-#define DM_QUICK 0.05        /* of its way: what goes farther in a substep gets its planes by all it has gone */
-#define DM_TRIES 8           /* projections of a vertex on its planes, or halvings of the way of a prop, down to half a percent */
+#define DM_TRIES 8           /* projections of a vertex on its planes */
+#define DM_LEAST_WAY 0.005   /* of its way: what is rigid and may not go so far waits; eight halvings */
 
 /* What touches. */
 #define DM_SHARP 0.05        /* slope of the faces beside an edge above which it is one; */

@@ -5,8 +5,7 @@ DM_INLINE void dm_advance(dm_state *b, double pressure, int fitted) {
     dm_lanes p = dm_splat((dm_real)pressure), dt = dm_splat((dm_real)b->dt);
     dm_real limit = (dm_real)b->skin_travel;
     dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
-    dm_lanes most[2] = {dm_splat(0), dm_splat(0)}; /* of groups that are near something, and of others */
-    const uint32_t *near = b->near_groups, *end = near + b->near_group_count;
+    dm_lanes most = dm_splat(0);
     for (int64_t g = 0; g < b->groups; g++) {
         dm_vec3 x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
         v.x += p * n.x, v.y += p * n.y, v.z += p * n.z;
@@ -25,13 +24,11 @@ DM_INLINE void dm_advance(dm_state *b, double pressure, int fitted) {
             }
         }
         x.x += way.x, x.y += way.y, x.z += way.z;
-        while (near < end && *near < g) near++;
-        int far = near == end || *near != g;
-        most[far] = dm_vmax(dm_dot(way, way), most[far]);
+        most = dm_vmax(dm_dot(way, way), most);
         b->state[g] = (dm_group_state){x, v};
         dm_scatter8(x, v, b->records + g * DM_LANES);
     }
-    b->near_way = sqrt(dm_most_of(most[0])), b->way = sqrt(dm_most_of(most[1]));
+    b->way = sqrt(dm_most_of(most));
 }
 
 static void dm_advance_pinned(dm_state *b, double pressure) { dm_advance(b, pressure, 0); }

@@ -230,6 +230,6 @@ def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:
         impulses, moments = impulses + part.impulses, moments + part.moments
     return Meeting(
         max(part.touching for part in parts), sum(part.truncated for part in parts),
-        sum(part.taken for part in parts), max(part.held_back for part in parts),
+        sum(part.taken for part in parts), float(parts[-1].late.max(initial=0.0)),
         impulses / seconds, sum(part.queries for part in parts), moments / seconds,
     )  # fmt: skip
