@@ -47,6 +47,22 @@ static void dm_renew_plane(dm_scene_state *s, uint32_t pair) {
     dm_set_plane(s->planes + pair, p, at, w, between, gap, dm_closest_of(dm_surface_of(s, p, 0), dm_surface_of(s, p, 3)));
 }
 
+/* Let the plane between two that are soft go to the middle between them, where both were on their sides of it before this
+ * substep. */
+static void dm_centre_plane(const dm_scene_state *s, const dm_pair *p, dm_plane *plane) {
+    double now[2] = {INFINITY, INFINITY}, last[2] = {INFINITY, INFINITY}; /* the least of the first, and of the second back */
+    for (uint32_t j = 0; j < 4; j++) {
+        double x[3], at[3], sign = j < p->ones ? 1 : -1;
+        const dm_neighbour *n = s->near + p->at[j];
+        dm_corner(s, p, j, x);
+        for (int c = 0; c < 3; c++) at[c] = s->surfaces[n->surface].body->origin[c] + (double)n->last[c];
+        now[sign < 0] = fmin(now[sign < 0], sign * dm_inner3(plane->normal, x));
+        last[sign < 0] = fmin(last[sign < 0], sign * dm_inner3(plane->normal, at));
+    }
+    double low = plane->keep - last[1], high = last[0] - plane->keep, middle = (now[0] - now[1]) / 2;
+    if (low <= high) plane->level = middle < low ? low : middle > high ? high : middle;
+}
+
 /* Let the plane of a pair move with what is rigid: to the side of it that the other one sees. */
 DM_INLINE void dm_move_plane(const dm_scene_state *s, const dm_pair *p, dm_plane *plane) {
     double x[3], level = -INFINITY, sign = p->rigid & 1 ? -1 : 1;
@@ -121,6 +137,8 @@ static int dm_bring_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex
     return allowed;
 }
 
+DM_INLINE int dm_goes(const dm_surface *f) { return f->prop ? !f->prop->asleep : f->moving; }
+
 /* The surface that a plane moves with, beside a vertex; null where that is soft. */
 DM_INLINE dm_surface *dm_rigid_beside(const dm_scene_state *s, uint32_t which) {
     const dm_pair *p = s->pairs + which / 4;
@@ -155,7 +173,7 @@ static void dm_note_stuck(dm_scene_state *s, uint32_t near, const double *x) {
     const uint32_t *mine = dm_pairs_of(s, near, &count);
     for (uint32_t k = 0; k < count; k++) {
         dm_surface *g = dm_rigid_beside(s, mine[k]);
-        if (!g || !(g->share > 0) || dm_left_at(s, mine[k], x) >= 0) continue;
+        if (!g || !dm_goes(g) || !(g->share > 0) || dm_left_at(s, mine[k], x) >= 0) continue;
         g->stuck = 1, memcpy(g->place, x, sizeof g->place);
     }
 }
@@ -225,7 +243,8 @@ static void dm_check_pair(dm_scene_state *s, const dm_run *run, uint32_t pair) {
     const dm_pair *p = s->pairs + pair;
     dm_plane *plane = s->planes + pair;
     double x[3], least = INFINITY, left[4];
-    dm_move_plane(s, p, plane);
+    if (p->rigid) dm_move_plane(s, p, plane);
+    else dm_centre_plane(s, p, plane);
     for (uint32_t j = 0; j < 4; j++) {
         left[j] = INFINITY;
         if (p->rigid & (j < p->ones ? 1 : 2) && (p->rigid != 3 || j < p->ones)) continue;
@@ -243,8 +262,7 @@ static void dm_check_pair(dm_scene_state *s, const dm_run *run, uint32_t pair) {
         if (left[j] < 0 && p->rigid != 3) dm_note_held(s, p->at[j]);
     for (int k = 0; k < 2 && p->rigid == 3; k++) {
         dm_surface *f = s->surfaces + s->near[p->at[k ? 3 : 0]].surface;
-        f->stuck |= f->share > 0;
-        if (f->share > 0) dm_corner(s, p, 0, f->place);
+        if (dm_goes(f) && f->share > 0) f->stuck = 1, dm_corner(s, p, 0, f->place);
     }
 }
 
@@ -277,14 +295,12 @@ static void dm_watch_way(dm_scene_state *s, dm_surface *f) {
         most = square > most ? square : most;
         if (!(square <= f->slack * f->slack)) {
             if (f->body) dm_settle(s, f, i);
-            else f->stuck |= f->share > 0;
+            else f->stuck |= dm_goes(f) && f->share > 0;
         }
     }
     f->gone = sqrt(most);
     if (f->gone > f->stale) s->due = 1;
 }
-
-DM_INLINE int dm_goes(const dm_surface *f) { return f->prop ? !f->prop->asleep : f->moving; }
 
 /* Keep skin ahead of all that has moved, and on its side of what it is near. Where it cannot get away, what is rigid goes
  * half of its way, and half of that. */

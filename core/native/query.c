@@ -70,38 +70,35 @@ DM_INLINE int dm_may_touch(const dm_scene_state *s, const dm_surface *f, const d
     return f == g ? f->self : (f->body || g->body || f->prop || g->prop) && !dm_is_released(s, f, g);
 }
 
-/* How far [m] a vertex of a body is from its place in the shape at rest. */
-static double dm_pulled(const dm_state *b, uint32_t i) {
-    double square = 0, rest[3];
-    const dm_vec3 *lanes = &b->matter[i / DM_LANES].rest;
-    rest[0] = (double)lanes->x[i % DM_LANES], rest[1] = (double)lanes->y[i % DM_LANES], rest[2] = (double)lanes->z[i % DM_LANES];
-    for (int c = 0; c < 3; c++) {
-        double way = (double)b->records[i].x[c] - dm_inner3(b->rotation + 3 * c, rest) - b->translation[c];
-        square += way * way;
-    }
-    return sqrt(square);
+/* How far [m] a vertex of a body is pulled from its place in the shape at rest along the way of a collider. */
+static double dm_pulled(const dm_state *b, uint32_t i, const double *rate) {
+    double along = 0, speed = sqrt(dm_inner3(rate, rate)), rest[3];
+    dm_vec3 lanes = b->matter[i / DM_LANES].rest;
+    rest[0] = (double)lanes.x[i % DM_LANES], rest[1] = (double)lanes.y[i % DM_LANES], rest[2] = (double)lanes.z[i % DM_LANES];
+    for (int c = 0; c < 3 && speed > 0; c++)
+        along += rate[c] / speed * ((double)b->records[i].x[c] - dm_inner3(b->rotation + 3 * c, rest) - b->translation[c]);
+    return along;
 }
 
-/* Let go of a collider that has pulled skin farther than the body's size, and let the two meet again that are apart. */
+/* Let go of colliders that have pulled skin farther than the body's size, and let those meet it again that are apart. */
 static void dm_release(dm_scene_state *s) {
     for (uint32_t k = 0; k < s->released_count; k++) {
         const dm_surface *f = s->surfaces + s->released[k][0], *g = s->surfaces + s->released[k][1];
         if (!(dm_boxes_apart(f->low, f->high, g->low, g->high) > s->reach)) continue;
         memcpy(s->released[k--], s->released[--s->released_count], sizeof *s->released);
     }
-    for (uint32_t k = 0, pair = 0; k < s->run_count; k++) {
-        const dm_run *run = s->runs + k;
-        dm_surface *f = s->surfaces + run->first, *g = s->surfaces + run->second;
-        for (int torn = 0; pair < run->end; pair++) {
-            for (int j = 0; j < 4 && !torn && f->body && !g->body; j++) {
-                const dm_neighbour *n = s->near + s->pairs[pair].at[j];
-                if (!n->body || !(dm_pulled(f->body, n->vertex - f->first) > f->body->size)) continue;
-                s->released = dm_grown(s, s->released, s->released_count, &s->released_room, sizeof *s->released);
-                if (!dm_has_room(s)) return;
-                memcpy(s->released[s->released_count++], &run->first, sizeof *s->released), torn = 1;
-                g->torn = 1, dm_world_of(s, f, n->vertex, g->place);
-            }
-        }
+    for (uint32_t k = 0; k < s->pair_count; k++) {
+        const dm_pair *p = s->pairs + k;
+        if (p->rigid != 1 && p->rigid != 2) continue;
+        uint32_t soft = p->rigid & 1 ? 3 : 0;
+        const dm_neighbour *n = s->near + p->at[soft], *other = s->near + p->at[3 - soft];
+        dm_surface *f = s->surfaces + n->surface, *g = s->surfaces + other->surface;
+        if (!g->moving || g->torn || dm_is_released(s, f, g)) continue;
+        if (!(dm_pulled(f->body, n->vertex - f->first, s->rate[other->vertex]) > f->body->size)) continue;
+        s->released = dm_grown(s, s->released, s->released_count, &s->released_room, sizeof *s->released);
+        if (!dm_has_room(s)) return;
+        s->released[s->released_count][0] = n->surface, s->released[s->released_count++][1] = other->surface;
+        g->torn = 1, dm_world_of(s, f, n->vertex, g->place);
     }
 }
 
