@@ -72,7 +72,7 @@ def ball_through_ring(rng: np.random.Generator) -> Played:
     """Push a ball through a ring whose hole is two thirds as wide."""
     ring = trimesh.creation.torus(0.037, 0.01, major_sections=40, minor_sections=16)
     punch = icosphere(2, 0.012)
-    push = _along(punch[0] + (0, 0, 0.09), (0, 0, -0.115), rest=0.8)
+    push = _along(punch[0] + (0, 0, 0.09), (0, 0, -0.09), rest=0.8)
     ball = moved(icosphere(3, 0.04), rng, (0, 0, 0.035))
     return _play([ball], [_of(ring), (push(0.0), punch[1])], ticks=300, leads=[None, push])
 

@@ -21,6 +21,7 @@
                                 * could skip over the skin; a facet that bulges by more does not bend round it */
 #define DM_CREASE 0.5          /* cosine: faces that turn by more than 60 degrees meet in a crease, which a proxy must keep and
                                 * not make */
+#define DM_SLACK 1e-3          /* of a size: the error of a place that nobody sees */
 #define DM_ROUNDING 1e-6       /* of a size: ten units in the last place of single precision */
 #define DM_EXACT 1e-9          /* of a sum: a million units in the last place of double precision */
 #define DM_TINY 1e-30          /* keeps a quotient finite: its square is still a number in double precision */
@@ -34,7 +35,6 @@
 #define DM_SWEEPS 20         /* over all contacts of a substep, at most: then what is left waits for the next one */
 #define DM_BACK 0.1          /* of an error that contact has left, is taken back in a substep: all of it would make facets rock,
                               * what sticks shake, and a ball that comes to rest swing */
-#define DM_SLACK 1e-3        /* the error of a place that nobody sees */
 #define DM_SEATED 1e-4       /* the error with which a sphere lies on the surface; of its size, a pin in its place */
 #define DM_HELD (2 * DM_SEATED)   /* what is as near to a sphere, or to the ground, holds it; */
 #define DM_SAME_WAY (1 - DM_HELD) /* so cosine: the planes of a surface turned by less hold it at one place */

@@ -90,11 +90,21 @@ DM_INLINE void dm_let_wait(dm_scene_state *s, dm_pair pair) {
     if (s->waiting_count[k] == DM_WAITING) dm_note_waiting(s, pair.ones);
 }
 
-/* Is a point, or the ball round a triangle, farther than a query looks from the ball round another? */
-DM_INLINE int dm_balls_apart(const dm_scene_state *s, const double *a, double r, const double *b, double q) {
-    double way[3], most = s->reach + r + q;
-    dm_minus(a, b, way);
-    return dm_inner3(way, way) >= most * most;
+/* Are some vertices farther from others along an axis than a query looks? */
+DM_INLINE int dm_are_apart(const dm_scene_state *s, const uint32_t *a, int m, const uint32_t *b, int n) {
+    for (int c = 0; c < 3; c++) {
+        double low = s->before[a[0]][c], high = low, lower = s->before[b[0]][c], higher = lower;
+        for (int i = 1; i < m; i++) {
+            double x = s->before[a[i]][c];
+            low = x < low ? x : low, high = x > high ? x : high;
+        }
+        for (int i = 1; i < n; i++) {
+            double x = s->before[b[i]][c];
+            lower = x < lower ? x : lower, higher = x > higher ? x : higher;
+        }
+        if (lower - high > s->reach || low - higher > s->reach) return 1;
+    }
+    return 0;
 }
 
 static void dm_pair_edges(dm_scene_state *s, uint32_t i, uint32_t j) {
@@ -104,7 +114,8 @@ static void dm_pair_edges(dm_scene_state *s, uint32_t i, uint32_t j) {
         for (int l = 0; l < 3; l++) {
             if (!(s->owns[j] >> (3 + l) & 1)) continue;
             uint32_t other = s->edges_of[j][l], c = s->edges[other][0], d = s->edges[other][1];
-            if (a != c && a != d && b != c && b != d) dm_let_wait(s, (dm_pair){{a, b, c, d}, {edge, other}, 2, 0});
+            if (a != c && a != d && b != c && b != d && !dm_are_apart(s, s->edges[edge], 2, s->edges[other], 2))
+                dm_let_wait(s, (dm_pair){{a, b, c, d}, {edge, other}, 2, 0});
         }
     }
 }
@@ -113,12 +124,11 @@ static void dm_pair_edges(dm_scene_state *s, uint32_t i, uint32_t j) {
 static void dm_pair_triangles(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
     (void)f, (void)g;
     const uint32_t *a = s->corners[i], *b = s->corners[j];
-    const double *p = s->balls[i], *q = s->balls[j];
-    if (dm_balls_apart(s, p, p[3], q, q[3])) return;
+    if (dm_are_apart(s, a, 3, b, 3)) return;
     for (int k = 0; k < 3; k++) {
-        if (s->owns[i] >> k & 1 && !dm_share_a_vertex(a + k, 1, b, 3) && !dm_balls_apart(s, s->before[a[k]], 0, q, q[3]))
+        if (s->owns[i] >> k & 1 && !dm_share_a_vertex(a + k, 1, b, 3) && !dm_are_apart(s, a + k, 1, b, 3))
             dm_let_wait(s, (dm_pair){{a[k], b[0], b[1], b[2]}, {j, 0}, 1, 0});
-        if (s->owns[j] >> k & 1 && !dm_share_a_vertex(b + k, 1, a, 3) && !dm_balls_apart(s, s->before[b[k]], 0, p, p[3]))
+        if (s->owns[j] >> k & 1 && !dm_share_a_vertex(b + k, 1, a, 3) && !dm_are_apart(s, b + k, 1, a, 3))
             dm_let_wait(s, (dm_pair){{b[k], a[0], a[1], a[2]}, {i, 0}, 1, 0});
     }
     dm_pair_edges(s, i, j);

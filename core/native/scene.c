@@ -6,7 +6,7 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
         dm_free_prop(s->surfaces[k].prop);
     void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->was, s->corners, s->edges_of,
                            s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes,
-                           s->balls, s->number, s->bins, s->left_out};
+                           s->number, s->bins, s->left_out};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     void *const lists[] = {s->near, s->pairs, s->pairs_of, s->batches, s->moving, s->candidates, s->sorted, s->held,
                            s->spent, s->runs, s->planes, s->tally, s->sides, s->there, s->met, s->supports,
@@ -24,7 +24,7 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
     whole = whole && (s->edges = dm_alloc(3 * t, sizeof *s->edges)) && (s->across = dm_alloc(3 * t, sizeof *s->across));
     whole = whole && (s->owns = dm_alloc(t, 1)) && (s->place = dm_alloc(n, sizeof(uint32_t)));
     whole = whole && (s->nodes = dm_alloc(2 * t + s->surface_count, sizeof *s->nodes));
-    whole = whole && (s->left_out = dm_alloc(n, 1)) && (s->balls = dm_alloc(t, sizeof *s->balls));
+    whole = whole && (s->left_out = dm_alloc(n, 1));
     whole = whole && (s->number = dm_alloc(n, sizeof(uint32_t))) && (s->bins = dm_alloc(2 * n + 1, sizeof(uint32_t)));
     for (int64_t i = 0; whole && i < n; i++) s->place[i] = DM_NO_VERTEX;
     return whole ? DM_OK : DM_MEMORY;

@@ -110,7 +110,6 @@ typedef struct dm_scene_state {
     uint8_t *owns; /* bits: a triangle stands for these of its corners, and of its edges */
     uint32_t *ring_start, *ring, *place; /* neighbours of a vertex; where it is in the list of what is near */
     dm_node *nodes;
-    double (*balls)[4]; /* middle and radius of each triangle at the last query */
     dm_neighbour *near;
     uint32_t near_count, near_room, pair_count, pair_room, *pairs_of, pairs_of_room;
     uint32_t candidate_count, candidate_room; /* pairs that may touch before the next query */

@@ -104,17 +104,23 @@ def simulate(
             if note := body.session.contact_note:
                 messages.append(about(body.name, note))
         poses: props.Poses = {}
+        held: dict[tuple[str, bool], tuple[float, Message]] = {}
         files.callback(props.put_back)
         _write(plan, bodies, plan.first)
         _show_props(worlds, plan.first, poses)
         for frame in range(plan.first + 1, plan.last + 1):
             _step(context, bodies, worlds, frame)
+            for each in [each for world in worlds for each in world.world.held]:
+                if each.late >= held.get((each.name, each.torn), (0.0,))[0]:
+                    said = Message("Frame {frame}: {said}", frame=frame, said=each.said)
+                    held[each.name, each.torn] = each.late, said
             _show_props(worlds, frame, poses)
             _write(plan, bodies, frame)
             share = (frame - plan.first) / (plan.last - plan.first)
             yield READY + (0.99 - READY) * share  # the rest is for the files
         for file in [file for body in bodies for file in (body.cache, body.table) if file]:
             file.close()
+        messages += [said for _, said in held.values()]
         props.fallen.clear()
         props.keyframe(poses)
         for body in bodies:
