@@ -192,7 +192,7 @@ static void dm_put_vertex(dm_scene_state *s, dm_surface *f, uint32_t vertex, con
         back[c] /= length, along += (double)v[c] * back[c], least += way[c] * back[c] / s->dt;
     }
     double change = fmax(least, 0) - along, mass = b->inverse_mass[i] > 0 ? 1 / (double)b->inverse_mass[i] : 0;
-    if (change > 0 && mass > 0) {
+    if (change > 0) {
         for (int c = 0; c < 3; c++) v[c] += (dm_real)(change * back[c]), j[c] = mass * change * back[c];
         dm_cross3(at, j, moment);
         for (int c = 0; c < 3 && pusher; c++) {
@@ -217,10 +217,11 @@ static void dm_settle(dm_scene_state *s, dm_surface *f, uint32_t vertex) {
     for (uint32_t k = 0; k < count; k++) dm_move_plane(s, s->pairs + mine[k] / 4, s->planes + mine[k] / 4);
     for (uint32_t k = 0; k < count; k++) s->planes[mine[k] / 4].next = 0;
     dm_surface *pusher = count ? dm_pusher_of(s, near, x, way) : NULL;
-    int pinned = !(f->body->inverse_mass[vertex - f->first] > 0);
     for (int c = 0; c < 3 && count; c++) last[c] = f->body->origin[c] + (double)s->near[near].last[c];
-    int allowed = !pinned && dm_bring_back(s, f, vertex, at);
-    if (!allowed && pusher && !pinned) {
+    /* a pin that rests gives no way */
+    int rests = !(f->body->inverse_mass[vertex - f->first] > 0) && !memcmp(x, last, sizeof x);
+    int allowed = !rests && dm_bring_back(s, f, vertex, at);
+    if (!allowed && pusher && !rests) {
         for (int c = 0; c < 3; c++) at[c] = last[c] + way[c];
         allowed = dm_bring_back(s, f, vertex, at);
     }

@@ -28,8 +28,9 @@ static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
 }
 
 /* The greatest speed of anything as a tick begins. */
-static double dm_fastest_of(const dm_scene_state *s) {
+static double dm_fastest_of(dm_scene_state *s) {
     double speed = 0;
+    s->fastest_rigid = 0;
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         double fastest = f->body ? dm_greatest_speed(f->body) : 0;
         if (f->prop && !f->prop->asleep) {
@@ -43,6 +44,7 @@ static double dm_fastest_of(const dm_scene_state *s) {
             fastest = v > fastest ? v : fastest;
         }
         speed = fastest > speed ? fastest : speed;
+        if (!f->body && fastest > s->fastest_rigid) s->fastest_rigid = fastest;
     }
     return speed;
 }
@@ -123,7 +125,7 @@ static void dm_query_pair(dm_scene_state *s, uint32_t i, uint32_t j) {
 
 static void dm_query(dm_scene_state *s) {
     dm_sum_meetings(s), s->batch_count = s->support_count = 0;
-    s->reach = fmax(s->least_reach, s->touch + 3 * s->fastest * s->dt); /* so that the fastest may go on in a substep */
+    s->reach = fmax(s->least_reach, s->touch + 3 * s->fastest_rigid * s->dt); /* so that it may go on */
     for (int64_t k = 0; k < s->surface_count; k++) dm_note_surface(s, s->surfaces + k);
     dm_release(s);
     for (int64_t i = 0; i < s->vertex_count; i++) s->place[i] = DM_NO_VERTEX;

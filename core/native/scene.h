@@ -139,7 +139,7 @@ typedef struct dm_scene_state {
     dm_tally *tally;  /* of what is near */
     double (*there)[3]; /* where that was at the last look */
     uint32_t tally_room, plane_room, there_room;
-    double touch, edge, tick, dt, substeps, reach, least_reach, gap, approach, fastest;
+    double touch, edge, tick, dt, substeps, reach, least_reach, gap, approach, fastest, fastest_rigid;
     int32_t code;
     dm_scene_frame *out;
     dm_crossings *found;

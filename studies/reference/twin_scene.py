@@ -205,14 +205,14 @@ class TwinScene:
 
     def _set_approach(self) -> None:
         """Set how much farther than they touch things are looked at [m]: they come nearer before the next look."""
-        fastest = [float(np.sqrt((body.state.velocities**2).sum(axis=0).max())) for body in self._bodies]
+        soft, fastest = [float(np.sqrt((b.state.velocities**2).sum(axis=0).max())) for b in self._bodies], [0.0]
         for here, aim in zip(self._here, self._aims, strict=True):
             if aim is not None:
                 fastest.append(float(np.sqrt(((aim - here) ** 2).sum(axis=0).max())) / self._tick)
         for _, prop in self._props.awake:
             assert prop.fall
             fastest.append(prop.speed() + float(np.linalg.norm(prop.fall.gravity)) * self._tick)
-        self._fastest = max(fastest)
+        self._fastest_rigid, self._fastest = max(fastest), max(*soft, *fastest)
         least = self._touch + 3 * self._fastest * self._dt
         if not least <= self._approach <= 4 * least:
             self._approach, self._looks = self._touch + 6 * self._fastest * self._dt, True
@@ -220,7 +220,7 @@ class TwinScene:
     def _query(self) -> None:
         s, x, count, bodies = self._surfaces, self._positions(), len(self._part), len(self._bodies)
         least = QUERY_REACH * max(self._touch, 2 * OFFSET * self._edge)
-        reach = max(least, self._touch + 3 * self._fastest * self._dt)
+        reach = max(least, self._touch + 3 * self._fastest_rigid * self._dt)
         lows, highs = (np.array([pick(x[part], axis=0) for part in self._part]) for pick in (np.min, np.max))
         slack, stale, found = np.full(count, np.inf), np.full(count, np.inf), []
         for i in range(count):
@@ -382,15 +382,15 @@ class TwinScene:
         way = way_of(b, planes[0], x, was) if planes else None
         own, last = vertex - self._part[index].start, self._last[vertex]
         pinned = not body.model.inverse_mass[own] > 0
-        start = (last, None) if pinned else (x[vertex], way)
+        start = (last, None) if pinned and np.array_equal(x[vertex], last) else (x[vertex], way)
         at, allowed = settle(b, vertex, start[0], last, start[1], ROUNDING * body.model.mesh.size)
         back = at - x[vertex]
         back = back / max(float(np.linalg.norm(back)), 1e-300)
         velocity = body.state.velocities[:, own]
         change = max(0.0 if way is None else float(way @ back) / self._dt, 0.0) - float(velocity @ back)
-        if change > 0 and not pinned:
+        if change > 0:
             body.state.velocities[:, own] = velocity + change * back
-            self._taken += change / float(body.model.inverse_mass[own])
+            self._taken += 0.0 if pinned else change / float(body.model.inverse_mass[own])
         body.state.positions[:, own] = at
         self._truncated += 1
         self._due |= body.rest.asleep

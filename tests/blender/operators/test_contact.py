@@ -273,3 +273,26 @@ def test_what_meets_something_is_planned_for_twice_the_work_and_with_every_verte
     live_step.start_all(bpy.context)
     assert after(0.1) == (False, reason)
     sessions.stop_all()
+
+
+@pytest.mark.parametrize("size", [(0.3, 0.3, 0.3), (0.6, 0.6, 0.1)], ids=["box", "plate"])
+def test_a_led_cube_of_eight_vertices_goes_into_a_soft_cube_as_deep_as_its_keyframes_say(
+    bpy: ModuleType, scene: Any, add: Add, size: tuple[float, float, float]
+) -> None:
+    soft, led = add(name="Soft"), add(name="Led")
+    cuts = soft.modifiers.new("Cuts", "SUBSURF")
+    cuts.subdivision_type, cuts.levels, cuts.render_levels = "SIMPLE", 3, 3
+    led.scale = size
+    for frame, height in ((1, 1.02), (20, 0.4)):  # of its lowest face; the soft cube reaches up to 1
+        led.location = (0, 0, height + size[2])
+        led.keyframe_insert("location", frame=frame)
+    led.dimple.collider = True
+    led.select_set(False)
+    soft.select_set(True)
+    bpy.context.view_layer.objects.active = soft
+    soft.dimple.pinned = "BASE"
+    scene.dimple.use_gravity = scene.dimple.use_ground = False
+    scene.frame_set(1)
+    assert bpy.ops.dimple.bake(frame_start=1, frame_end=24) == {"FINISHED"}
+    (path,) = Path(scene.dimple.cache_dir).glob("*.pc2")
+    assert read_point_cache(path)[2][-1][:, 2].min() == pytest.approx(-0.6, abs=0.05)
