@@ -218,10 +218,13 @@ static void dm_settle(dm_scene_state *s, dm_surface *f, uint32_t vertex) {
     for (uint32_t k = 0; k < count; k++) s->planes[mine[k] / 4].next = 0;
     dm_surface *pusher = count ? dm_pusher_of(s, near, x, way) : NULL;
     for (int c = 0; c < 3 && count; c++) last[c] = f->body->origin[c] + (double)s->near[near].last[c];
-    /* a pin that rests gives no way */
-    int rests = !(f->body->inverse_mass[vertex - f->first] > 0) && !memcmp(x, last, sizeof x);
-    int allowed = !rests && dm_bring_back(s, f, vertex, at);
-    if (!allowed && pusher && !rests) {
+    int pinned = !(f->body->inverse_mass[vertex - f->first] > 0), allowed = dm_bring_back(s, f, vertex, at);
+    if (pinned) { /* it slides on its way, and is not pushed farther */
+        double gone[3], own[3];
+        dm_minus(at, last, gone), dm_minus(x, last, own);
+        allowed = allowed && dm_inner3(gone, gone) <= dm_inner3(own, own);
+    }
+    if (!allowed && pusher && !pinned) {
         for (int c = 0; c < 3; c++) at[c] = last[c] + way[c];
         allowed = dm_bring_back(s, f, vertex, at);
     }

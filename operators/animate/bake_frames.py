@@ -26,6 +26,7 @@ from ..press.progress import READY
 from . import shape_keys  # fmt: skip
 
 if TYPE_CHECKING:
+    from ...core.world.world import Held
     from ..bridge.scene_objects import Singles
 
 
@@ -109,8 +110,7 @@ def simulate(
         _write(plan, bodies, plan.first)
         _show_props(worlds, plan.first, poses)
         for frame in range(plan.first + 1, plan.last + 1):
-            _step(context, bodies, worlds, frame)
-            for each in [each for world in worlds for each in world.world.held]:
+            for each in _step(context, bodies, worlds, frame):
                 if each.late >= held.get((each.name, each.torn), (0.0,))[0]:
                     said = Message("Frame {frame}: {said}", frame=frame, said=each.said)
                     held[each.name, each.torn] = each.late, said
@@ -202,8 +202,9 @@ def _opening(
 
 def _step(
     context: bpy.types.Context, bodies: Sequence[Baked], worlds: Sequence[colliders.LiveWorld], frame: int
-) -> None:
-    scene = context.scene
+) -> list[Held]:
+    """Step to a frame; return the colliders that could not go their way."""
+    scene, held = context.scene, []
     for look_s in timeline.looks(scene, frame):
         for body in bodies:
             obj = body.obj
@@ -213,6 +214,7 @@ def _step(
         for world in worlds:
             colliders.lead_colliders(context, world)
             world.world.step(look_s)
+            held += world.world.held
         met = {uid for world in worlds for uid in world.uids}
         alone = [body.session for body in bodies if body.link.uid not in met]
         step_all(alone, [look_s] * len(alone))
@@ -221,6 +223,7 @@ def _step(
                 raise DimpleError(
                     '"{name}", frame {frame}: {note}', name=body.link.name, frame=frame, note=body.session.frame.note
                 )
+    return held
 
 
 def _show_props(worlds: Sequence[colliders.LiveWorld], frame: int, poses: props.Poses) -> None:

@@ -11,7 +11,7 @@ from core.native.motion import Motion
 from core.native.scene import Collider, ColliderMotion, Crossings, SceneFrame, Way
 
 from . import touching
-from .bounds import Bounds, beyond, bounds_of, left_of, moved, renewed, settle, way_of
+from .bounds import Bounds, beyond, bounds_of, is_allowed, left_of, moved, renewed, settle, way_of
 from .constants import LEAST_WAY, OFFSET, PUSH_TIME, QUERY_REACH, ROAM, ROUNDING, STALE, TOO_NEAR
 from .crossing import crossing_vertices, find_crossings
 from .islands import let_sleep, woken
@@ -382,8 +382,10 @@ class TwinScene:
         way = way_of(b, planes[0], x, was) if planes else None
         own, last = vertex - self._part[index].start, self._last[vertex]
         pinned = not body.model.inverse_mass[own] > 0
-        start = (last, None) if pinned and np.array_equal(x[vertex], last) else (x[vertex], way)
-        at, allowed = settle(b, vertex, start[0], last, start[1], ROUNDING * body.model.mesh.size)
+        margin = ROUNDING * body.model.mesh.size
+        at, allowed = settle(b, vertex, x[vertex], last, None if pinned else way, margin)
+        if pinned and np.linalg.norm(at - last) > np.linalg.norm(x[vertex] - last):  # it is not pushed
+            at, allowed = last, is_allowed(b, vertex, last)
         back = at - x[vertex]
         back = back / max(float(np.linalg.norm(back)), 1e-300)
         velocity = body.state.velocities[:, own]

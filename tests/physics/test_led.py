@@ -1,4 +1,4 @@
-"""What is led goes where its keyframes lead, and the skin gives way: whatever its faces are, and however fast it goes."""
+"""What is led goes where its keyframes lead, and the skin gives way, whatever its faces are and however fast it is."""
 
 import numpy as np
 import pytest
@@ -62,7 +62,7 @@ def soft_cube(cells: int = 12) -> Session:
 
 
 def led(name: str, cuts: int, speed: float) -> tuple[float, float]:
-    """Lead a shape into a cube; return its force [N] and how far the skin is below it [m], and check that it is there."""
+    """Lead a shape into a cube; return its force [N] and how far the skin is below it [m]."""
     session, (start, faces) = soft_cube(16), shape(name, cuts)
     world = World([session], [Collider(start.T.copy(), faces)])
     ticks = round((DEEP + ABOVE) / speed / 1e-3)
