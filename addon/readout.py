@@ -60,4 +60,5 @@ def more_rows(frame: Any, tick: float) -> list[tuple[str, str]]:
 def warnings(entry: Any) -> list[str]:
     """Return the messages on a session that an artist has to see."""
     wrong = [note for note in entry.session.model.notes if not isinstance(note, Note)]
-    return [*wrong, *filter(None, [entry.session.contact_note, entry.refused, entry.frame.note])]
+    session = entry.session
+    return [*wrong, *filter(None, [session.contact_note, session.held_note, entry.refused, entry.frame.note])]

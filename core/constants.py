@@ -1,10 +1,11 @@
 """What C and Python both must know, written by `dev.py native` from native/constants.h."""
 
-ABI = 30
+ABI = 31
 MAX_FINGERTIPS = 3
 MAX_STEPS = 1000000
 MAX_BODIES = 4096
 MAX_RING = 12
+PASSED = 11
 LANES = 8
 FOLLOWED = LANES
 FACTORS = 33
@@ -14,6 +15,7 @@ LIQUID_BULK_MODULUS = 2e6
 OFFSET = 0.05
 TRAVEL = 0.25
 CREASE = 0.5
+SLACK = 1e-3
 ROUNDING = 1e-6
 EXACT = 1e-9
 TINY = 1e-30

@@ -71,7 +71,7 @@ def ball_through_ring(rng: np.random.Generator) -> Played:
     """Push a ball through a ring whose hole is two thirds as wide."""
     ring = trimesh.creation.torus(0.037, 0.01, major_sections=40, minor_sections=16)
     punch = icosphere(2, 0.012)
-    push = _along(punch[0] + (0, 0, 0.09), (0, 0, -0.115), rest=0.8)
+    push = _along(punch[0] + (0, 0, 0.09), (0, 0, -0.09), rest=0.8)
     ball = moved(icosphere(3, 0.04), rng, (0, 0, 0.035))
     return _play([ball], [_of(ring), (push(0.0), punch[1])], ticks=300, leads=[None, push])
 
@@ -145,7 +145,7 @@ def pile_of_twenty(rng: np.random.Generator) -> Played:
 
 def fast_fist(rng: np.random.Generator) -> Played:
     """Hit a ball on a table with a fist of 5 m/s, until it is nearly flat."""
-    fist = trimesh.creation.box((0.06, 0.06, 0.06)).subdivide().subdivide()
+    fist = trimesh.creation.box((0.06, 0.06, 0.06))
     down = _along(np.array(fist.vertices) + (0, 0, 0.16), (0, 0, -0.12), until=0.024 / 0.12)
     ball = moved(icosphere(3, 0.04), rng, (0, 0, 0.042))
     return _play([ball], [grid(2, 2, 0.4, 0.4), (down(0.0), np.array(fist.faces))], ticks=120, leads=[None, down])

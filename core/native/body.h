@@ -151,10 +151,7 @@ struct dm_state {
     dm_inertia moments;
     double resisted[3]; /* moment that what it touches takes out in the next substep [N m] */
     double dt, skin_travel; /* [m] the farthest a vertex may go in a step, 0 where nothing is near */
-    double way;             /* [m] the farthest that one went in the last, before contact, */
-    double near_way;        /* and one of these groups, which are near something that the body meets */
-    const uint32_t *near_groups;
-    uint32_t near_group_count;
+    double way;             /* [m] the farthest that one went in the last, before contact */
 
     uint32_t (*triangles)[4], *box_start, *box_vertex;
     dm_quad (*boxes)[2];

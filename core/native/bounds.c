@@ -1,4 +1,4 @@
-/* How far vertices may go before the next query: planes between pairs, and a distance for what is near nothing.
+/* How far what meets may go before the next query: planes between pairs, which move with what is rigid.
  * Source: studies/reference/bounds.py. */
 #include "scene.h"
 
@@ -11,267 +11,335 @@ static void *dm_roomy(dm_scene_state *s, void *array, uint32_t count, uint32_t *
     return array;
 }
 
-/* List the pairs of each vertex that is near, and note how far it may go before they are looked at. */
+/* Where a vertex of a pair is. */
+DM_INLINE void dm_corner(const dm_scene_state *s, const dm_pair *p, uint32_t corner, double *x) {
+    const dm_neighbour *n = s->near + p->at[corner];
+    dm_world_of(s, s->surfaces + n->surface, n->vertex, x);
+}
+
+/* Nearer than this, nothing of two surfaces goes nearer still. */
+DM_INLINE double dm_closest_of(const dm_surface *f, const dm_surface *g) {
+    return f->closest > g->closest ? f->closest : g->closest;
+}
+
+/* Set the plane of a pair whose nearest points and distance are known: what is rigid gives the skin all of it to keep, two
+ * that are soft half of it each. */
+static void dm_set_plane(dm_plane *plane, const dm_pair *p, const double *const *x, const double *w,
+                         const double *between, double gap, double closest) {
+    double whole = p->rigid ? gap : gap / 2, least = (whole < closest ? whole : closest) / 2;
+    plane->level = 0, plane->next = 0;
+    plane->keep = gap > closest ? least + (1 - DM_BOUND) * (whole - least) : whole * (1 - DM_ROUNDING);
+    for (int c = 0; c < 3; c++) {
+        double other = 0;
+        plane->normal[c] = gap > 0 ? between[c] / gap : 0;
+        for (uint32_t k = p->ones; k < 4; k++) other -= w[k] * x[k][c];
+        plane->level += plane->normal[c] * (other + between[c] / 2);
+    }
+}
+
+/* Set the plane of a pair where things are now. */
+static void dm_renew_plane(dm_scene_state *s, uint32_t pair) {
+    double x[4][3], w[4], between[3];
+    const dm_pair *p = s->pairs + pair;
+    for (uint32_t j = 0; j < 4; j++) dm_corner(s, p, j, x[j]);
+    const double *at[4] = {x[0], x[1], x[2], x[3]};
+    double gap = dm_measure_pair(at, p->ones, w, between);
+    dm_set_plane(s->planes + pair, p, at, w, between, gap, dm_closest_of(dm_surface_of(s, p, 0), dm_surface_of(s, p, 3)));
+}
+
+/* Let the plane between two that are soft go to the middle between them, where both were on their sides of it before this
+ * substep. */
+static void dm_centre_plane(const dm_scene_state *s, const dm_pair *p, dm_plane *plane) {
+    double now[2] = {INFINITY, INFINITY}, last[2] = {INFINITY, INFINITY}; /* the least of the first, and of the second back */
+    for (uint32_t j = 0; j < 4; j++) {
+        double x[3], at[3], sign = j < p->ones ? 1 : -1;
+        const dm_neighbour *n = s->near + p->at[j];
+        dm_corner(s, p, j, x);
+        for (int c = 0; c < 3; c++) at[c] = s->surfaces[n->surface].body->origin[c] + (double)n->last[c];
+        now[sign < 0] = fmin(now[sign < 0], sign * dm_inner3(plane->normal, x));
+        last[sign < 0] = fmin(last[sign < 0], sign * dm_inner3(plane->normal, at));
+    }
+    double low = plane->keep - last[1], high = last[0] - plane->keep, middle = (now[0] - now[1]) / 2;
+    if (low <= high) plane->level = middle < low ? low : middle > high ? high : middle;
+}
+
+/* Let the plane of a pair move with what is rigid: to the side of it that the other one sees. */
+DM_INLINE void dm_move_plane(const dm_scene_state *s, const dm_pair *p, dm_plane *plane) {
+    double x[3], level = -INFINITY, sign = p->rigid & 1 ? -1 : 1;
+    if (!p->rigid) return;
+    for (uint32_t k = p->rigid & 1 ? 0 : p->ones, end = p->rigid & 1 ? p->ones : 4; k < end; k++) {
+        dm_corner(s, p, k, x);
+        double along = sign * dm_inner3(plane->normal, x);
+        level = along > level ? along : level;
+    }
+    plane->level = sign * level;
+}
+
+/* How far a vertex is from what a pair lets it reach: less than nothing beyond that. */
+DM_INLINE double dm_left_of(const dm_plane *plane, int first, const double *x) {
+    double along = dm_inner3(plane->normal, x) - plane->level;
+    return (first ? along : -along) - plane->keep;
+}
+
+/* List the pairs of each vertex that is near. */
 static void dm_link_pairs(dm_scene_state *s) {
     s->pairs_of = dm_roomy(s, s->pairs_of, 4 * s->pair_count, &s->pairs_of_room, sizeof *s->pairs_of);
     if (!dm_has_room(s)) return;
     uint32_t start = 0;
-    for (uint32_t k = 0; k < s->near_count; k++) {
-        dm_tally *t = s->tally + k;
-        const dm_neighbour *n = s->near + k;
-        t->end = start, start += t->count;
-        s->roam[n->vertex] = t->way < s->roam[n->vertex] ? t->way : s->roam[n->vertex];
-    }
+    for (dm_tally *t = s->tally; t < s->tally + s->near_count; t++) t->end = start, start += t->count;
     for (uint32_t k = 0; k < 4 * s->pair_count; k++)
         s->pairs_of[s->tally[s->pairs[k / 4].at[k % 4]].end++] = k;
 }
 
-/* The pairs of a vertex that is near. */
-DM_INLINE const uint32_t *dm_pairs_of(const dm_scene_state *s, const dm_neighbour *n, uint32_t *count) {
-    const dm_tally *t = s->tally + (n - s->near);
-    const uint32_t *mine = s->pairs_of + t->end - t->count;
-    *count = t->count;
-    for (uint32_t k = 0; k < t->count; k++) __builtin_prefetch(s->planes + mine[k] / 4);
-    return mine;
+/* The pairs of a vertex that is near, each four times its number and at which of its corners. */
+DM_INLINE const uint32_t *dm_pairs_of(const dm_scene_state *s, uint32_t near, uint32_t *count) {
+    *count = s->tally[near].count;
+    return s->pairs_of + s->tally[near].end - *count;
 }
 
-/* How far a near vertex goes in a substep. */
-static double dm_stride_of(const dm_scene_state *s, const dm_neighbour *n) {
-    double v[3];
-    dm_velocity_of(s, n, v);
-    return sqrt(dm_inner3(v, v)) * s->dt;
+DM_INLINE double dm_left_at(const dm_scene_state *s, uint32_t which, const double *x) {
+    return dm_left_of(s->planes + which / 4, which % 4 < s->pairs[which / 4].ones, x);
 }
 
-/* How far a vertex may go from x before its planes are looked at: less than nothing where it may not be there. */
-static __attribute__((noinline)) double dm_room_of(dm_scene_state *s, uint32_t vertex, const double *x, int *spent) {
-    double way[3];
-    dm_minus(x, s->before[vertex], way);
-    double gone = sqrt(dm_inner3(way, way)), least = s->slack[vertex] - gone;
-    if (!(least >= 0)) return -1;
-    if (s->place[vertex] == DM_NO_VERTEX) return least;
-    uint32_t count;
-    const dm_neighbour *n = s->near + s->place[vertex];
-    const uint32_t *mine = dm_pairs_of(s, n, &count);
-    double stride = dm_stride_of(s, n);
-    for (uint32_t k = 0; k < count; k++) {
-        double left = dm_left_of(s, mine[k], x, gone, stride, spent);
-        if (!(left >= 0)) return -1;
-        least = left < least ? left : least;
-    }
-    return least;
-}
-
-static int dm_is_allowed(dm_scene_state *s, uint32_t vertex, const double *x) {
-    int spent = 0;
-    return dm_room_of(s, vertex, x, &spent) >= 0;
-}
-
-/* Shorten the way of a vertex since the query to a length. */
-static void dm_shorten(const double *from, double *x, double most) {
-    double way[3];
+/* Shorten the way of a vertex since the query to what it may go. */
+static void dm_shorten(const dm_surface *f, const double *from, double *x) {
+    double way[3], most = f->slack * (1 - DM_ROUNDING);
     dm_minus(x, from, way);
     double length = sqrt(dm_inner3(way, way));
-    if (!(length > most)) return;
-    for (int c = 0; c < 3; c++) x[c] = from[c] + way[c] * (most / length);
+    for (int c = 0; c < 3 && length > most; c++) x[c] = from[c] + way[c] * (most / length);
 }
 
-/* Where a near vertex was before this substep; a collider has not moved yet when it is asked. */
-DM_INLINE void dm_last_of(const dm_scene_state *s, const dm_surface *f, const dm_neighbour *n, double *x) {
-    for (int c = 0; c < 3; c++) x[c] = f->body ? f->body->origin[c] + (double)n->last[c] : s->here[n->vertex][c];
-}
-
-/* Bring a vertex to where it may be: onto its planes where it is beyond them, so that it still slides along; where that
- * is not enough, so far back on its way as it must. */
-static void dm_hold_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
-    const double *begin = s->before[vertex];
-    double most = s->slack[vertex] * (1 - DM_ROUNDING), share = 1;
-    dm_shorten(begin, x, most);
-    if (s->place[vertex] == DM_NO_VERTEX) return;
-    const dm_neighbour *n = s->near + s->place[vertex];
-    double from[3];
-    dm_last_of(s, f, n, from);
-    uint32_t count;
-    const uint32_t *mine = dm_pairs_of(s, n, &count);
-    for (int sweep = 0; sweep < DM_TRIES; sweep++) {
-        int moved = 0;
-        for (uint32_t k = 0; k < count; k++) {
+/* Bring a vertex of a body to where it may be, as far as some sweeps over its planes do, so that it still slides along
+ * them; return whether it is. */
+static int dm_bring_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
+    uint32_t count = 0;
+    int near = s->place[vertex] != DM_NO_VERTEX, moved = 1;
+    const uint32_t *mine = near ? dm_pairs_of(s, s->place[vertex], &count) : NULL;
+    double way[3], margin = DM_ROUNDING * f->body->size; /* for single precision */
+    for (int sweep = 0; sweep <= DM_TRIES && moved; sweep++) {
+        double local[3];
+        if (sweep) dm_shorten(f, s->before[vertex], x);
+        moved = 0;
+        for (uint32_t k = 0; k < count && sweep < DM_TRIES; k++) {
             const dm_plane *plane = s->planes + mine[k] / 4;
-            int first = mine[k] % 4 < plane->ones;
-            double short_of = plane->keep[!first] * (1 + DM_ROUNDING) - dm_side(plane, first, x);
-            if (!(short_of > 0)) continue;
-            double by = first ? short_of : -short_of;
-            for (int c = 0; c < 3; c++) x[c] += by * plane->normal[c];
+            double left = dm_left_at(s, mine[k], x), by = mine[k] % 4 < s->pairs[mine[k] / 4].ones ? 1 : -1;
+            if (!(left < 0)) continue;
+            for (int c = 0; c < 3; c++) x[c] += by * (margin - left) * plane->normal[c];
             moved = 1;
         }
-        if (!moved) return;
-        dm_shorten(begin, x, most);
+        dm_minus(x, f->body->origin, local);
+        dm_quad rounded = dm_quad_of(local);
+        for (int c = 0; c < 3; c++) x[c] = f->body->origin[c] + (double)rounded[c];
     }
-    for (uint32_t k = 0; k < count; k++) {
-        const dm_plane *plane = s->planes + mine[k] / 4;
-        int first = mine[k] % 4 < plane->ones;
-        double there = dm_side(plane, first, x), here = dm_side(plane, first, from), keep = plane->keep[!first];
-        if (there < keep && here > there) {
-            double part = (here - keep) / (here - there) * (1 - DM_ROUNDING);
-            share = part < share ? (part > 0 ? part : 0) : share;
-        }
-    }
-    for (int c = 0; c < 3; c++) x[c] = from[c] + share * (x[c] - from[c]);
-}
-
-static void dm_note_held(dm_scene_state *s, uint32_t vertex) {
-    if (s->place[vertex] == DM_NO_VERTEX) {
-        s->due = 1; /* it wants to go farther than anybody has looked */
-        return;
-    }
-    s->held = dm_grown(s, s->held, s->held_count, &s->held_room, sizeof *s->held);
-    if (dm_has_room(s)) s->held[s->held_count++] = s->place[vertex];
-    else s->due = 1;
-}
-
-/* Let a vertex go so far from where it is now, at x, before its planes are looked at, or until a query may be due. */
-static void dm_set_bound(dm_scene_state *s, dm_surface *f, uint32_t vertex, const double *x, double most) {
-    uint32_t i = vertex - f->first;
-    double way[3];
     dm_minus(x, s->before[vertex], way);
-    double fresh = s->stale[vertex] - sqrt(dm_inner3(way, way));
-    if (fresh < 0) s->due = 1;
-    if (f->prop) {
-        s->roam[vertex] = most, memcpy(f->prop->since[i], x, sizeof way);
-        return;
+    int allowed = dm_inner3(way, way) <= f->slack * f->slack;
+    for (uint32_t k = 0; k < count && allowed; k++) allowed = dm_left_at(s, mine[k], x) >= 0;
+    return allowed;
+}
+
+DM_INLINE int dm_goes(const dm_surface *f) { return f->prop ? !f->prop->asleep : f->moving; }
+
+/* The surface that a plane moves with, beside a vertex; null where that is soft. */
+DM_INLINE dm_surface *dm_rigid_beside(const dm_scene_state *s, uint32_t which) {
+    const dm_pair *p = s->pairs + which / 4;
+    return p->rigid ? s->surfaces + s->near[p->at[p->rigid & 1 ? 0 : 3]].surface : NULL;
+}
+
+/* Find the rigid surface that is in the way of a vertex at x the most, and by what way it came nearer in this substep. */
+static dm_surface *dm_pusher_of(const dm_scene_state *s, uint32_t near, const double *x, double *way) {
+    uint32_t count, worst = DM_NO_VERTEX;
+    const uint32_t *mine = dm_pairs_of(s, near, &count);
+    double least = 0, at[4][3], w[4], between[3];
+    for (uint32_t k = 0; k < count; k++) {
+        double left = dm_left_at(s, mine[k], x);
+        if (left < least && s->pairs[mine[k] / 4].rigid) least = left, worst = mine[k];
     }
-    dm_set_lane3(&f->before[i / DM_LANES], i, f->body->records[i].x);
-    most = most / 2 < fresh ? most / 2 : fresh, f->near_left = 0;
-    f->bound[i / DM_LANES][i % DM_LANES] = (dm_real)(most > 0 ? most * most : -1);
+    memset(way, 0, 3 * sizeof *way);
+    if (worst == DM_NO_VERTEX) return NULL;
+    const dm_pair *p = s->pairs + worst / 4;
+    for (uint32_t j = 0; j < 4; j++) dm_corner(s, p, j, at[j]);
+    dm_measure_pair((const double *[4]){at[0], at[1], at[2], at[3]}, p->ones, w, between);
+    for (uint32_t j = 0; j < 4; j++) {
+        uint32_t vertex = s->near[p->at[j]].vertex;
+        for (int c = 0; c < 3 && s->near[p->at[j]].surface == s->near[p->at[p->rigid & 1 ? 0 : 3]].surface; c++)
+            way[c] += fabs(w[j]) * (s->here[vertex][c] - s->was[vertex][c]);
+    }
+    return dm_rigid_beside(s, worst);
 }
 
-static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
-    dm_surface *f = s->surfaces + n->surface;
-    double x[3];
-    int spent = 0;
-    if (!(f->body || f->prop) || n->renewed == s->renewal) return;
-    n->renewed = s->renewal;
-    dm_world_of(s, f, n->vertex, x);
-    dm_set_bound(s, f, n->vertex, x, dm_room_of(s, n->vertex, x, &spent));
-}
-
-/* Renew the planes that what was held back, or has come near to them, has used up, where things are now: it may go on
- * from there in the next substep. What is stiff goes far in a substep: all its planes are renewed. */
-static void dm_renew_planes(dm_scene_state *s) {
-    s->renewal = s->renewal < UINT32_MAX ? s->renewal + 1 : 2; /* 0: as at the query */
+/* Note which rigid surfaces a vertex at x, where it was before this substep, cannot get away from. */
+static void dm_note_stuck(dm_scene_state *s, uint32_t near, const double *x) {
     uint32_t count;
-    for (uint32_t h = 0; h < s->held_count && !s->due; h++) {
-        const dm_neighbour *n = s->near + s->held[h];
-        const uint32_t *mine = dm_pairs_of(s, n, &count);
-        double x[3], way[3];
-        dm_world_of(s, s->surfaces + n->surface, n->vertex, x);
-        dm_minus(x, s->before[n->vertex], way);
-        double gone = sqrt(dm_inner3(way, way)), stride = dm_stride_of(s, n);
-        for (uint32_t k = 0; k < count; k++) {
-            int spent = s->planes[mine[k] / 4].stiff;
-            dm_left_of(s, mine[k], x, gone, stride, &spent);
-            if (spent) dm_renew_plane(s, s->pairs + mine[k] / 4);
-        }
+    const uint32_t *mine = dm_pairs_of(s, near, &count);
+    for (uint32_t k = 0; k < count; k++) {
+        dm_surface *g = dm_rigid_beside(s, mine[k]);
+        if (!g || !dm_goes(g) || !(g->share > 0) || dm_left_at(s, mine[k], x) >= 0) continue;
+        g->stuck = 1, memcpy(g->place, x, sizeof g->place);
     }
-    for (uint32_t h = 0; h < s->held_count && !s->due; h++) {
-        const uint32_t *mine = dm_pairs_of(s, s->near + s->held[h], &count);
-        dm_renew_bound(s, s->near + s->held[h]);
-        for (uint32_t k = 0; k < count; k++) {
-            const dm_pair *p = s->pairs + mine[k] / 4;
-            int renewed = s->planes[mine[k] / 4].renewed == s->renewal;
-            for (int j = 0; renewed && j < 4; j++) dm_renew_bound(s, s->near + p->at[j]);
-        }
-    }
-    s->held_count = 0;
 }
 
-/* Hold a vertex of a body back, and take the speed with which it would go on; what of momentum that takes is counted. */
-static void dm_bound_vertex(dm_scene_state *s, dm_surface *f, uint32_t i) {
+/* Put a vertex of a body where it may be. It gets the speed at which that is ahead of what pushes it, and loses that with
+ * which it would go on; what of momentum it loses to what stands still is counted. */
+static void dm_put_vertex(dm_scene_state *s, dm_surface *f, uint32_t vertex, const double *x, const double *at,
+                          dm_surface *pusher, const double *way) {
     dm_state *b = f->body;
-    uint32_t vertex = f->first + i;
-    double x[3], at[3], back[3];
-    dm_world_of(s, f, vertex, x);
-    int spent = s->place[vertex] == DM_NO_VERTEX;
-    double room = dm_room_of(s, vertex, x, &spent);
-    if (room >= 0) { /* most have moved along their planes, and keep them */
-        if (spent) dm_note_held(s, vertex);
-        else dm_set_bound(s, f, vertex, x, room);
-        return;
-    }
-    memcpy(at, x, sizeof at);
-    dm_hold_back(s, f, vertex, at);
-    dm_record *r = b->records + i;
-    double local[3];
-    dm_minus(at, b->origin, local);
-    dm_quad rounded = dm_quad_of(local);
-    for (int c = 0; c < 3; c++) at[c] = b->origin[c] + (double)rounded[c];
-    if (!dm_is_allowed(s, vertex, at)) {
-        if (s->place[vertex] != DM_NO_VERTEX) dm_last_of(s, f, s->near + s->place[vertex], at);
-        else memcpy(at, s->before[vertex], sizeof at);
-        dm_minus(at, b->origin, local), rounded = dm_quad_of(local);
-    }
+    double back[3], local[3], j[3], moment[3], along = 0, least = 0;
+    uint32_t i = vertex - f->first;
+    dm_quad v = b->records[i].v;
     dm_minus(at, x, back);
-    double length = sqrt(dm_inner3(back, back)), against = 0;
-    for (int c = 0; c < 3 && length > 0; c++) against += (double)r->v[c] * back[c] / length;
-    dm_quad v = r->v;
-    if (against < 0) {
-        for (int c = 0; c < 3; c++) v[c] -= (dm_real)(against * back[c] / length);
-        if (b->inverse_mass[i] > 0) s->out->taken -= against / (double)b->inverse_mass[i];
+    double length = sqrt(dm_inner3(back, back));
+    for (int c = 0; c < 3 && length > 0; c++) {
+        back[c] /= length, along += (double)v[c] * back[c], least += way[c] * back[c] / s->dt;
     }
-    dm_set_vertex(b, i, rounded, v);
+    double change = fmax(least, 0) - along, mass = b->inverse_mass[i] > 0 ? 1 / (double)b->inverse_mass[i] : 0;
+    if (change > 0) {
+        for (int c = 0; c < 3; c++) v[c] += (dm_real)(change * back[c]), j[c] = mass * change * back[c];
+        dm_cross3(at, j, moment);
+        for (int c = 0; c < 3 && pusher; c++) {
+            f->impulse[c] += j[c], f->moment[c] += moment[c], pusher->impulse[c] -= j[c], pusher->moment[c] -= moment[c];
+        }
+        if (pusher && pusher->prop) dm_answer_prop(pusher->prop, at, j, -1);
+        s->out->taken += mass * change;
+    }
+    dm_minus(at, b->origin, local);
+    dm_set_vertex(b, i, dm_quad_of(local), v);
     b->pins_met |= !(b->inverse_mass[i] > 0);
-    s->out->truncated++, dm_note_held(s, vertex);
+    s->out->truncated++;
 }
 
-/* Hold the vertices of a group to their bounds; return how far each may go before they are looked at again. */
-DM_INLINE dm_lanes dm_bound_group(dm_scene_state *s, dm_surface *f, int64_t g) {
-    const dm_state *b = f->body;
-    dm_vec3 way = dm_sub(b->state[g].x, f->before[g]);
-    dm_lanes square = dm_dot(way, way);
-    dm_mask far = (dm_mask)(square > f->bound[g]);
-    if (dm_any_of(far))
-        for (uint32_t l = 0; l < DM_LANES; l++)
-            if (far[l] && g * DM_LANES + l < b->n) dm_bound_vertex(s, f, (uint32_t)g * DM_LANES + l);
-    if (dm_any_of((dm_mask)(square > f->due[g]))) s->due = 1;
-    dm_lanes most = dm_vmax(-dm_vmax(-f->bound[g], -f->due[g]), dm_splat(0));
-    return dm_vsqrt(most) - dm_vsqrt(square);
-}
-
-/* Hold every vertex of a body to its bounds. None is looked at while they all together cannot have used up what was left
- * when they were; what is near something has little left, and is looked at more often. */
-static void dm_bound_body(dm_scene_state *s, dm_surface *f) {
-    double near_way = f->body->near_way > f->met_way ? f->body->near_way : f->met_way;
-    f->left -= f->body->way, f->near_left -= near_way;
-    int all = !(f->left > 0) || f->body->finger_count;
-    if (!all && f->near_left > 0) return;
-    dm_lanes left = dm_splat(-INFINITY), near_left = left; /* negative: the least is sought */
-    const uint32_t *near = f->near_groups, *end = near + f->near_group_count;
-    for (int64_t g = 0; all && g < f->body->groups; g++) {
-        if (near < end && *near == g) near_left = dm_vmax(near_left, -dm_bound_group(s, f, g)), near++;
-        else left = dm_vmax(left, -dm_bound_group(s, f, g));
+/* Bring a vertex of a body to its side of its planes: along them, else with what pushes it, else back to where it was
+ * before this substep. Where it may not be there either, what pushes it has no room. */
+static void dm_settle(dm_scene_state *s, dm_surface *f, uint32_t vertex) {
+    double x[3], at[3], last[3], way[3] = {0};
+    uint32_t count = 0, near = s->place[vertex];
+    const uint32_t *mine = near == DM_NO_VERTEX ? NULL : dm_pairs_of(s, near, &count);
+    dm_world_of(s, f, vertex, x), memcpy(at, x, sizeof at), memcpy(last, s->before[vertex], sizeof last);
+    for (uint32_t k = 0; k < count; k++) dm_move_plane(s, s->pairs + mine[k] / 4, s->planes + mine[k] / 4);
+    for (uint32_t k = 0; k < count; k++) s->planes[mine[k] / 4].next = 0;
+    dm_surface *pusher = count ? dm_pusher_of(s, near, x, way) : NULL;
+    for (int c = 0; c < 3 && count; c++) last[c] = f->body->origin[c] + (double)s->near[near].last[c];
+    int pinned = !(f->body->inverse_mass[vertex - f->first] > 0), allowed = dm_bring_back(s, f, vertex, at);
+    if (pinned) { /* it slides on its way, and is not pushed farther */
+        double gone[3], own[3];
+        dm_minus(at, last, gone), dm_minus(x, last, own);
+        allowed = allowed && dm_inner3(gone, gone) <= dm_inner3(own, own);
     }
-    for (; near < end; near++) near_left = dm_vmax(near_left, -dm_bound_group(s, f, *near));
-    f->near_left = -dm_most_of(near_left);
-    if (all) f->left = -dm_most_of(left);
+    if (!allowed && pusher && !pinned) {
+        for (int c = 0; c < 3; c++) at[c] = last[c] + way[c];
+        allowed = dm_bring_back(s, f, vertex, at);
+    }
+    if (!allowed) {
+        memcpy(at, last, sizeof at);
+        if (count) dm_note_stuck(s, near, at);
+    }
+    if (f->body->asleep && allowed) s->wakes = f->pressed = 1;
+    if (!f->body->asleep || allowed) dm_put_vertex(s, f, vertex, x, at, pusher, way);
 }
 
-/* Move a collider on its way; where something that it presses cannot get away, it waits. */
-static void dm_move_collider(dm_scene_state *s, dm_surface *f, double share) {
-    for (uint32_t i = f->first; i < f->first + f->count && f->moving; i++) {
+static void dm_note_held(dm_scene_state *s, uint32_t near) {
+    if (s->near[near].held || !s->near[near].body) return;
+    s->held = dm_grown(s, s->held, s->held_count, &s->held_room, sizeof *s->held);
+    if (dm_has_room(s)) s->near[near].held = 1, s->held[s->held_count++] = near;
+}
+
+/* Look whether the two of a pair are on their sides of its plane, and when that must be looked at again. */
+static void dm_check_pair(dm_scene_state *s, const dm_run *run, uint32_t pair) {
+    const dm_pair *p = s->pairs + pair;
+    dm_plane *plane = s->planes + pair;
+    double x[3], least = INFINITY, left[4];
+    if (p->rigid) dm_move_plane(s, p, plane);
+    else dm_centre_plane(s, p, plane);
+    for (uint32_t j = 0; j < 4; j++) {
+        left[j] = INFINITY;
+        if (p->rigid & (j < p->ones ? 1 : 2) && (p->rigid != 3 || j < p->ones)) continue;
+        dm_corner(s, p, j, x), left[j] = dm_left_of(plane, j < p->ones, x);
+        least = left[j] < least ? left[j] : least;
+    }
+    plane->next = run->gone + least;
+    if (least < plane->keep) {
+        s->spent = dm_grown(s, s->spent, s->spent_count, &s->spent_room, sizeof *s->spent);
+        if (dm_has_room(s)) s->spent[s->spent_count++] = pair;
+    }
+    if (least >= 0) return;
+    plane->next = 0;
+    for (uint32_t j = 0; j < 4; j++)
+        if (left[j] < 0 && p->rigid != 3) dm_note_held(s, p->at[j]);
+    for (int k = 0; k < 2 && p->rigid == 3; k++) {
+        dm_surface *f = s->surfaces + s->near[p->at[k ? 3 : 0]].surface;
+        if (dm_goes(f) && f->share > 0) f->stuck = 1, dm_corner(s, p, 0, f->place);
+    }
+}
+
+/* Put a collider or a prop on its way where its share of it ends. */
+static void dm_go(dm_scene_state *s, dm_surface *f) {
+    double pose[12], most = 0;
+    if (f->prop) dm_find_pose(f->prop, s->dt, f->share, pose), dm_find_places(f->prop, pose, s->here + f->first);
+    for (uint32_t i = f->first; i < f->first + f->count; i++) {
+        double way[3];
+        for (int c = 0; c < 3 && !f->prop; c++)
+            s->here[i][c] = s->was[i][c] + f->share * f->pace_now * (s->aim[i][c] - s->was[i][c]);
+        if (!(f->share > 0)) memcpy(s->here[i], s->was[i], sizeof *s->here);
+        dm_minus(s->here[i], s->was[i], way);
+        double square = dm_inner3(way, way);
+        for (int c = 0; c < 3; c++) s->rate[i][c] = way[c] / s->dt;
+        most = square > most ? square : most;
+    }
+    f->way = sqrt(most), f->fitted = 0;
+}
+
+/* Note how far vertices have gone since the query: whether the next is due, and none farther than it may. */
+static void dm_watch_way(dm_scene_state *s, dm_surface *f) {
+    f->gone += f->way;
+    if (!(f->gone > f->stale)) return;
+    double most = 0;
+    for (uint32_t i = f->first; i < f->first + (f->body ? (uint32_t)f->body->n : f->count); i++) {
         double x[3], way[3];
-        for (int c = 0; c < 3; c++) x[c] = s->here[i][c] + share * (s->aim[i][c] - s->here[i][c]);
-        memcpy(way, x, sizeof x);
-        if (!dm_is_allowed(s, i, x)) {
-            dm_hold_back(s, f, i, x);
-            if (!dm_is_allowed(s, i, x)) memcpy(x, s->here[i], sizeof x);
-            if (s->place[i] != DM_NO_VERTEX) dm_note_held(s, i);
+        dm_world_of(s, f, i, x), dm_minus(x, s->before[i], way);
+        double square = dm_inner3(way, way);
+        most = square > most ? square : most;
+        if (!(square <= f->slack * f->slack)) {
+            if (f->body) dm_settle(s, f, i);
+            else f->stuck |= dm_goes(f) && f->share > 0;
         }
-        dm_minus(way, x, way);
-        double late = sqrt(dm_inner3(way, way)), gone = 0;
-        s->out->held_back = late > s->out->held_back ? late : s->out->held_back;
-        for (int c = 0; c < 3; c++) {
-            s->rate[i][c] = (x[c] - s->here[i][c]) / s->dt, s->here[i][c] = x[c];
-            gone += (x[c] - s->before[i][c]) * (x[c] - s->before[i][c]);
-        }
-        if (gone > s->stale[i] * s->stale[i]) s->due = 1;
     }
+    f->gone = sqrt(most);
+    if (f->gone > f->stale) s->due = 1;
+}
+
+/* Keep skin ahead of all that has moved, and on its side of what it is near. Where it cannot get away, what is rigid goes
+ * half of its way, and half of that. */
+static void dm_keep_apart(dm_scene_state *s) {
+    int again = 0;
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+        const dm_state *b = f->body;
+        if (b) f->way = b->finger_count ? INFINITY : f->jumped + (b->asleep ? 0 : b->way + f->met_way), f->jumped = 0;
+        else if (!dm_goes(f)) f->way = 0;
+    }
+    do {
+        uint32_t pair = 0;
+        for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+            f->stuck = 0;
+            dm_watch_way(s, f);
+        }
+        for (dm_run *run = s->runs; run < s->runs + s->run_count; run++) {
+            double way = s->surfaces[run->first].way + s->surfaces[run->second].way;
+            run->gone += again ? 0 : way < 1e18 ? way : 0;
+            int all = again || !(way < 1e18);
+            for (; way > 0 && pair < run->end; pair++)
+                if (all || !(s->planes[pair].next > run->gone)) dm_check_pair(s, run, pair);
+            pair = run->end;
+        }
+        for (uint32_t k = 0; k < s->held_count; k++) {
+            dm_neighbour *n = s->near + s->held[k];
+            dm_settle(s, s->surfaces + n->surface, n->vertex), n->held = 0;
+        }
+        s->held_count = 0, again = 0;
+        for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+            if (!f->stuck) continue;
+            f->share = f->share > DM_LEAST_WAY * f->tried ? f->share / 2 : 0;
+            dm_go(s, f), again = 1;
+        }
+    } while (again && dm_has_room(s));
+    for (uint32_t k = 0; k < s->spent_count && !s->due; k++) dm_renew_plane(s, s->spent[k]);
+    s->spent_count = 0;
 }

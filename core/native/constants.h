@@ -4,11 +4,12 @@
 #include <float.h>
 
 /* What Python must know too: `dev.py native` writes it into core/constants.py. */
-#define DM_ABI 30              /* changes with anything in dimple.h */
+#define DM_ABI 31              /* changes with anything in dimple.h */
 #define DM_MAX_FINGERTIPS 3    /* thumb, index and middle finger: those of the paper's device */
 #define DM_MAX_STEPS 1000000   /* in one call, so that none takes longer than minutes */
 #define DM_MAX_BODIES 4096     /* in one call, and in one scene: pairs of them are looked at one by one */
 #define DM_MAX_RING 12         /* neighbours in a ring: one wide fan must not widen every row */
+#define DM_PASSED 11           /* numbers that a call returns of each surface of a scene */
 #define DM_LANES 8             /* vertices at once: floats in a register of AVX2 */
 #define DM_FOLLOWED DM_LANES   /* vertices of a proxy that a vertex of its surface follows: two rings, thinned */
 #define DM_FACTORS 33          /* depths at which the force of another tip is known; linear between them */
@@ -20,6 +21,7 @@
                                 * could skip over the skin; a facet that bulges by more does not bend round it */
 #define DM_CREASE 0.5          /* cosine: faces that turn by more than 60 degrees meet in a crease, which a proxy must keep and
                                 * not make */
+#define DM_SLACK 1e-3          /* of a size: the error of a place that nobody sees */
 #define DM_ROUNDING 1e-6       /* of a size: ten units in the last place of single precision */
 #define DM_EXACT 1e-9          /* of a sum: a million units in the last place of double precision */
 #define DM_TINY 1e-30          /* keeps a quotient finite: its square is still a number in double precision */
@@ -40,7 +42,6 @@
 #define DM_SWEEPS 20         /* over all contacts of a substep, at most: then what is left waits for the next one */
 #define DM_BACK 0.1          /* of an error that contact has left, is taken back in a substep: all of it would make facets rock,
                               * what sticks shake, and a ball that comes to rest swing */
-#define DM_SLACK 1e-3        /* the error of a place that nobody sees */
 #define DM_SEATED 1e-4       /* the error with which a sphere lies on the surface; of its size, a pin in its place */
 #define DM_HELD (2 * DM_SEATED)   /* what is as near to a sphere, or to the ground, holds it; */
 #define DM_SAME_WAY (1 - DM_HELD) /* so cosine: the planes of a surface turned by less hold it at one place */
@@ -58,15 +59,13 @@
 #define DM_REST_TIME 0.25       /* [s] of that: what only turns round in a swing is slow for less, and a dent has come back */
 
 /* What meets: how far a query looks, and what may go how far until the next. */
-#define DM_QUERY_REACH 2.5   /* times the distance at which surfaces touch, a query looks; as many times that, a search, of
-                              * which several queries live: pairs grow with its square, searches with its inverse */
+#define DM_QUERY_REACH 2.5   /* times the distance at which surfaces touch, a query looks: pairs grow with its square,
+                              * queries with its inverse */
 #define DM_BOUND 0.9         /* of half the distance: what two primitives may go towards each other; rounding has the rest */
 #define DM_ROAM 0.99         /* of half the reach: what is near nothing may go */
 #define DM_STALE 0.8         /* of the way after which something unknown might touch: a substep comes on top */
-#define DM_LEAST_SHARE 0.1   /* of the distance, that a side gets at least; more the faster it comes; */
-#define DM_SOFT_SHARE 0.3    /* where both are soft: they come and go, and a side that is slow now is soon fast */
-#define DM_QUICK 0.05        /* of its way: what goes farther in a substep gets its planes by all it has gone */
-#define DM_TRIES 8           /* projections of a vertex on its planes, or halvings of the way of a prop, down to half a percent */
+#define DM_TRIES 8           /* projections of a vertex on its planes */
+#define DM_LEAST_WAY 0.005   /* of its way: what is rigid and may not go so far waits; eight halvings */
 
 /* What touches. */
 #define DM_SHARP 0.05        /* slope of the faces beside an edge above which it is one; */

@@ -65,7 +65,7 @@ static void dm_scene_state_find(dm_scene_state *s, dm_crossings *found) {
     for (int64_t i = 0; i < s->surface_count; i++)
         for (int64_t j = i; j < s->surface_count; j++) {
             const dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
-            if (dm_may_touch(f, g)) dm_visit_pairs(s, f, g, 0, dm_note_crossing);
+            if (dm_may_touch(s, f, g)) dm_visit_pairs(s, f, g, 0, dm_note_crossing);
         }
     s->due = 1;
 }

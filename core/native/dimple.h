@@ -268,7 +268,6 @@ typedef struct {
     int64_t touching;   /* the most that touched */
     int64_t truncated;  /* times that a vertex was held back from passing through something */
     double taken;       /* momentum that this took [N s] */
-    double held_back;   /* the farthest that a collider was behind its way [m] */
     double gap;         /* the least distance at a query [m], infinite where nothing was near */
 } dm_scene_frame;
 
@@ -291,9 +290,10 @@ DM_API int32_t dm_scene_find_crossings(dm_scene *scene, dm_crossings *found);
 DM_API int32_t dm_scene_set_collider(dm_scene *scene, int64_t collider, const double *positions);
 DM_API int32_t dm_scene_get_collider(const dm_scene *scene, int64_t collider, double *positions);
 /* Run the ticks of motions (bodies,), equal in ticks, substeps and tick; colliders (colliders,) are at the share
- * `first` of their way at the end of the first tick and at `last` of the last. passed (bodies + colliders, 6) is set to
- * the impulse that each got from others [N s] and its moment about the origin [N m s], and given (vertices of all bodies,
- * 3) to what each vertex got of it. If memory runs out, the tick under way is the last. */
+ * `first` of their way at the end of the first tick and at `last` of the last. passed (bodies + colliders, DM_PASSED) is
+ * set to the impulse that each got from others [N s] and its moment about the origin [N m s], how far it is behind its way
+ * [m], 1 where skin that it pulled too far was let go, and the place (3,) of either; given (vertices of all bodies, 3) to
+ * the impulse of each vertex [N s]. If memory runs out, the tick under way is the last. */
 DM_API int32_t dm_scene_step(dm_scene *scene, const dm_motion *motions, const dm_collider_motion *colliders,
                              double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed,
                              double *given);

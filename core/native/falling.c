@@ -42,6 +42,13 @@ void dm_let_fall(dm_falling *f, double h) {
     dm_times(f->turned, l, f->spin);
 }
 
+void dm_answer_prop(dm_falling *f, const double *point, const double *impulse, double sign) {
+    double arm[3], moment[3];
+    for (int c = 0; c < 3; c++) arm[c] = point[c] - f->now.centre[c];
+    dm_cross3(arm, impulse, moment);
+    dm_add3(f->answer, sign, impulse), dm_add3(f->answer + 3, sign, moment);
+}
+
 double dm_speed_of_prop(const dm_falling *f) { return dm_length3(f->now.velocity) + dm_length3(f->spin) * f->radius; }
 
 /* List what of a prop may touch the ground in a substep. */

@@ -11,7 +11,6 @@ typedef struct { /* a prop */
     double mass, damping, skin, radius, inverse[9]; /* skin: from what does not give it keeps so far [m] */
     int64_t count;
     double (*arms)[3], (*seen)[3];   /* of its vertices from the centre, as it lies at the start [m]: of what touches; as seen */
-    double (*since)[3];              /* where they were when their planes were set last [m] */
     dm_prop now;
     double turned[9], spin[3];       /* inverse inertia [1/kg m2], and rate [1/s], as it lies now */
     double answer[6];                /* impulse [N s], and moment about the centre, that soft bodies gave it in a substep */
@@ -33,6 +32,8 @@ typedef struct { /* a prop and the ground, a collider, or another prop, that may
 static inline int dm_is_awake(const dm_support *c) { return c->of[0] || c->of[1]; }
 
 void dm_let_fall(dm_falling *f, double h);
+/* Note an impulse [N s] that a soft body gives a prop at a point [m]. */
+void dm_answer_prop(dm_falling *f, const double *point, const double *impulse, double sign);
 int dm_find_ground(dm_falling *f, dm_support *to, double h); /* return how many there are */
 /* ends: where the points of both are [m]. */
 void dm_begin_support(dm_support *c, const double (*ends)[3], double h);

@@ -148,11 +148,3 @@ static __attribute__((noinline)) dm_wide3 dm_wide_measure(const double (*x)[3], 
     return ones == 1 ? dm_wide_off_face(a, b, c, d, w) : dm_wide_off_edge(a, b, c, d, w, inside);
 }
 #endif
-
-/* The same of up to eight that are close. */
-static dm_wide3 dm_wide_between(const double (*x)[3], const dm_close *close, uint32_t count, uint32_t ones, dm_wide *w,
-                                dm_wide_mask *inside) {
-    const uint32_t *at[DM_LANES];
-    for (uint32_t l = 0; l < DM_LANES; l++) at[l] = close[l < count ? l : count - 1].at;
-    return dm_wide_measure(x, at, ones, w, inside);
-}

@@ -2,11 +2,16 @@
  * Source: studies/reference/islands.py. */
 #include "scene.h"
 
-DM_INLINE int dm_moves(const dm_surface *f) { return f->body || f->prop ? !dm_sleeps(f) : f->moving; }
+DM_INLINE int dm_moves(const dm_surface *f) { return f->body ? !dm_sleeps(f) : dm_goes(f); }
 
 /* Wake bodies that may touch something that moves before the next look, and what they may touch. */
 static void dm_wake_touched(dm_scene_state *s, const dm_motion *motions, int64_t t, dm_frame *frames) {
     s->wakes = 0;
+    for (int64_t k = 0; k < s->surface_count; k++) {
+        dm_surface *f = s->surfaces + k;
+        if (f->pressed && f->body->asleep) dm_wake(f->body), dm_enter_tick(f->body, motions + k, t, frames + k);
+        f->pressed = 0;
+    }
     for (int more = dm_any_sleeps(s); more;) {
         more = 0;
         for (uint32_t i = 0; i < dm_side_count(s); i++)

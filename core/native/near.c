@@ -2,30 +2,33 @@
  * in an order that does not depend on where anything lies in memory. */
 #include "scene.h"
 
-/* How much two edges stick out towards each other. */
-static double dm_weight_of_edges(const dm_scene_state *s, const dm_close *close, int rigid) {
-    const double *x[4];
-    double w[4], between[3], point[3], other[3], back[3];
-    for (int j = 0; j < 4; j++) x[j] = s->before[close->at[j]];
-    double gap = dm_measure_pair(x, 2, w, between);
+/* How much two edges stick out towards each other. What is rigid and sharp presses skin that is flat, or folded round it:
+ * that of the skin does not count. */
+static double dm_weight_of_edges(const dm_scene_state *s, const dm_pair *pair, const double *w, const double *between,
+                                 double gap) {
+    double point[2][3], normal[2][3], weight = 1;
     for (int c = 0; c < 3; c++) {
-        point[c] = w[0] * x[0][c] + w[1] * x[1][c], other[c] = -w[2] * x[2][c] - w[3] * x[3][c];
-        between[c] = gap > 0 ? between[c] / gap : 0, back[c] = -between[c];
+        point[0][c] = w[0] * s->before[pair->at[0]][c] + w[1] * s->before[pair->at[1]][c];
+        point[1][c] = -w[2] * s->before[pair->at[2]][c] - w[3] * s->before[pair->at[3]][c];
+        normal[1][c] = gap > 0 ? between[c] / gap : 0, normal[0][c] = -normal[1][c];
     }
-    double one = dm_sharpness(s, close->parts[0], point, back, rigid);
-    return one > 0 ? one * dm_sharpness(s, close->parts[1], other, between, rigid) : 0;
+    for (uint32_t k = 0; k < 2; k++)
+        if (!pair->rigid || pair->rigid >> k & 1)
+            weight *= dm_sharpness(s, pair->parts[k], point[k], normal[k], pair->rigid != 0);
+    return weight;
 }
 
 /* Note a pair as a candidate where it may touch before the next query. */
-static void dm_note_candidate(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t pair, double gap) {
-    const dm_pair *p = s->pairs + pair;
-    const dm_close *close = s->close[p->ones - 1] + p->close;
-    dm_candidate made = {pair, gap, dm_touch_of(f, g), p->ones == 1 ? 1 : dm_weight_of_edges(s, close, !f->body && !g->body)};
+static void dm_note_candidate(dm_scene_state *s, const dm_pair *pair, double gap, const double *w,
+                              const double *between) {
+    const dm_surface *f = s->both[0], *g = s->both[1];
+    dm_candidate made = {s->pair_count - 1, gap, dm_touch_of(f, g), 1};
+    if (pair->ones == 2) made.weight = dm_weight_of_edges(s, pair, w, between, gap);
     if (f == g) {
         const double *rest[4];
-        double w[4], between[3];
-        for (int j = 0; j < 4; j++) rest[j] = s->rest[close->at[j]];
-        double far = dm_measure_pair(rest, p->ones, w, between) / 2;
+        double weights[4], way[3];
+        for (int j = 0; j < 4; j++) rest[j] = s->rest[pair->at[j]];
+        double far = dm_measure_pair(rest, pair->ones, weights, way) / 2;
         made.touch = far < made.touch ? far : made.touch;
     }
     if (!(made.weight > 0) || gap > made.touch + DM_STALE * (s->reach - s->touch) * 1.5) return;
@@ -33,56 +36,36 @@ static void dm_note_candidate(dm_scene_state *s, const dm_surface *f, const dm_s
     if (dm_has_room(s)) s->candidates[s->candidate_count++] = made;
 }
 
-/* Note a pair that is near, for now with its vertices as they are numbered in the scene, and set its plane in the middle
- * between the two. w, between: of their nearest points, as dm_measure_pair finds them. */
-static void dm_note_pair(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t ones, uint32_t close,
-                         double gap, const double *w, const double *between) {
-    const uint32_t *at = s->close[ones - 1][close].at;
+/* Note a pair of the two surfaces that are searched, for now with its vertices as they are numbered in the scene.
+ * w, between: of its nearest points, as dm_measure_pair finds them. */
+static void dm_note_pair(dm_scene_state *s, const dm_pair *pair, double gap, const double *w, const double *between,
+                         int inside) {
+    const uint32_t *at = pair->at;
     s->pairs = dm_grown(s, s->pairs, s->pair_count, &s->pair_room, sizeof *s->pairs);
     s->planes = dm_grown(s, s->planes, s->pair_count, &s->plane_room, sizeof *s->planes);
     if (!dm_has_room(s)) return;
-    const double *x[4] = {s->before[at[0]], s->before[at[1]], s->before[at[2]], s->before[at[3]]};
-    dm_plane *plane = s->planes + s->pair_count;
-    dm_set_plane(plane, ones, x, w, between, gap, dm_closest_of(f, g), 0.5);
-    plane->way = gap / 2 - plane->keep[0], plane->renewed = 0;
-    plane->ones = (uint16_t)ones, plane->stiff = !(f->body && g->body);
-    s->pairs[s->pair_count++] = (dm_pair){{at[0], at[1], at[2], at[3]}, close, ones};
-    for (uint32_t k = 0; k < 4; k++) s->place[at[k]] = 0;
-}
-
-/* Note the faces, or the edges, of a run that are near, and add up the normals between them, towards f. */
-static void dm_note_run(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t ones, uint32_t from,
-                        uint32_t end, double *normal) {
-    const dm_close *close = s->close[ones - 1];
-    for (uint32_t k = from; k < end && dm_has_room(s); k += DM_LANES) {
-        uint32_t many = end - k < DM_LANES ? end - k : DM_LANES;
-        dm_wide_mask inside;
-        dm_wide w[4];
-        dm_wide3 way = dm_wide_between((const double(*)[3])s->before, close + k, many, ones, w, &inside);
-        dm_wide gap = dm_wide_root(dm_wide_dot(way, way));
-        for (uint32_t l = 0; l < many && dm_has_room(s); l++) {
-            if (!(gap[l] < s->reach)) continue;
-            double by = gap[l] > 0 && f != g ? (close[k + l].at[0] < g->first ? 1 : -1) / gap[l] : 0;
-            normal[0] += by * way.x[l], normal[1] += by * way.y[l], normal[2] += by * way.z[l];
-            s->gap = gap[l] < s->gap ? gap[l] : s->gap;
-            dm_note_pair(s, f, g, ones, k + l, gap[l], (double[]){w[0][l], w[1][l], w[2][l], w[3][l]},
-                         (double[]){way.x[l], way.y[l], way.z[l]});
-            if (inside[l] && dm_has_room(s)) dm_note_candidate(s, f, g, s->pair_count - 1, gap[l]);
-        }
+    dm_pair *made = s->pairs + s->pair_count;
+    *made = *pair;
+    for (uint32_t k = 0; k < 2; k++) {
+        uint32_t vertex = at[k ? 3 : 0];
+        const dm_surface *f = s->both[0], *g = s->both[1];
+        const dm_surface *own = vertex - f->first < f->count ? f : g;
+        made->rigid |= (uint32_t)!own->body << k;
     }
+    const double *x[4] = {s->before[at[0]], s->before[at[1]], s->before[at[2]], s->before[at[3]]};
+    dm_set_plane(s->planes + s->pair_count++, made, x, w, between, gap, dm_closest_of(s->both[0], s->both[1]));
+    for (uint32_t k = 0; k < 4; k++) s->place[at[k]] = 0;
+    s->gap = gap < s->gap ? gap : s->gap;
+    if (inside) dm_note_candidate(s, made, gap, w, between);
 }
 
-/* List the vertices of the pairs that are near, in the order in which they lie in memory, and what each pair asks of them. */
+/* List the vertices of the pairs that are near, in the order in which they lie in memory, and how many pairs each has. */
 static void dm_number_near(dm_scene_state *s) {
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
         for (uint32_t i = f->first; i < f->first + f->count && dm_has_room(s); i++)
             if (s->place[i] != DM_NO_VERTEX) dm_note_near(s, f, i);
     for (uint32_t i = 0; i < s->pair_count && dm_has_room(s); i++)
-        for (int k = 0; k < 4; k++) {
-            double way = s->planes[i].way;
-            dm_tally *t = s->tally + (s->pairs[i].at[k] = s->place[s->pairs[i].at[k]]);
-            t->count++, t->way = way < t->way ? way : t->way;
-        }
+        for (int k = 0; k < 4; k++) s->tally[s->pairs[i].at[k] = s->place[s->pairs[i].at[k]]].count++;
 }
 
 /* A candidate with its vertices in the order of the caller, each side from the lowest. */

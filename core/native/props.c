@@ -9,8 +9,7 @@ static int32_t dm_lay_prop(dm_surface *f, const dm_collider_def *d) {
     p->mass = d->mass, p->damping = d->damping, p->skin = d->skin, p->count = d->vertices;
     memcpy(p->inverse, d->inverse_inertia, sizeof p->inverse);
     p->arms = dm_alloc(p->count, sizeof *p->arms), p->seen = dm_alloc(p->count, sizeof *p->seen);
-    p->since = dm_alloc(p->count, sizeof *p->since);
-    if (!p->arms || !p->seen || !p->since) return DM_MEMORY;
+    if (!p->arms || !p->seen) return DM_MEMORY;
     for (int64_t k = 0; k < p->count; k++) {
         for (int64_t c = 0; c < 3; c++)
             p->arms[k][c] = d->arms[c * p->count + k], p->seen[k][c] = d->seen[c * p->count + k];
@@ -21,7 +20,7 @@ static int32_t dm_lay_prop(dm_surface *f, const dm_collider_def *d) {
 }
 
 static void dm_free_prop(dm_falling *p) {
-    if (p) dm_free(p->arms), dm_free(p->seen), dm_free(p->since), dm_free(p);
+    if (p) dm_free(p->arms), dm_free(p->seen), dm_free(p);
 }
 
 /* Take how a prop moves, where that is not as it was left. */
@@ -85,51 +84,19 @@ static void dm_begin_props(dm_scene_state *s) {
     dm_begin_supports(s);
 }
 
-/* Where a prop may go in a substep: so much of its way that none of its vertices passes its bounds. */
-static double dm_free_share(dm_scene_state *s, const dm_surface *f, double *pose) {
-    double least = 0, most = 1;
-    for (int k = 0; k <= DM_TRIES; k++) {
-        double share = k == 0 ? 1 : k < DM_TRIES ? (least + most) / 2 : least;
-        int allowed = 1;
-        if (share == 0) return 0;
-        dm_find_pose(f->prop, s->dt, share, pose), dm_find_places(f->prop, pose, s->aim + f->first);
-        for (uint32_t i = f->first; i < f->first + f->count && (allowed || k == 0); i++)
-            if (!dm_is_allowed(s, i, s->aim[i])) {
-                allowed = 0;
-                if (k == 0) dm_note_held(s, i);
-            }
-        if (allowed) least = share;
-        else most = share;
-        if (share == 1 && allowed) return 1;
-    }
-    return least;
-}
-
-static void dm_move_prop(dm_scene_state *s, const dm_surface *f) {
+/* Leave a prop where its way has ended; where that was before it should, it has lost as much of its speed. */
+static void dm_leave_prop(dm_scene_state *s, dm_surface *f) {
+    double pose[12];
     dm_falling *p = f->prop;
-    double pose[12], share = dm_free_share(s, f, pose);
-    if (share < 1) {
-        s->out->truncated++, s->out->taken += (1 - share) * p->mass * sqrt(dm_inner3(p->now.velocity, p->now.velocity));
-        for (int c = 0; c < 3; c++) {
-            p->now.velocity[c] = share > 0 ? share * p->now.velocity[c] : 0;
-            p->now.momentum[c] = share > 0 ? share * p->now.momentum[c] : 0, p->spin[c] = share > 0 ? share * p->spin[c] : 0;
-        }
-    }
-    if (share > 0) memcpy(p->now.centre, pose, 3 * sizeof(double)), memcpy(p->now.turn, pose + 3, 9 * sizeof(double));
-    for (uint32_t i = f->first; i < f->first + f->count; i++) {
-        double gone = 0, since = 0;
-        for (int c = 0; c < 3; c++) {
-            double x = share > 0 ? s->aim[i][c] : s->here[i][c], to = x - p->since[i - f->first][c];
-            s->rate[i][c] = (x - s->here[i][c]) / s->dt, s->here[i][c] = x;
-            gone += (x - s->before[i][c]) * (x - s->before[i][c]), since += to * to;
-        }
-        if (gone > s->stale[i] * s->stale[i]) s->due = 1;
-        double roam = s->roam[i] > 0 ? s->roam[i] / 2 : -1;
-        if (share == 1 && s->place[i] != DM_NO_VERTEX && !(roam > 0 && since <= roam * roam)) dm_note_held(s, i);
-    }
+    dm_find_pose(p, s->dt, f->share, pose);
+    if (f->share > 0) memcpy(p->now.centre, pose, 3 * sizeof(double)), memcpy(p->now.turn, pose + 3, 9 * sizeof(double));
+    if (f->share == 1) return;
+    s->out->truncated++, s->out->taken += (1 - f->share) * p->mass * sqrt(dm_inner3(p->now.velocity, p->now.velocity));
+    for (int c = 0; c < 3; c++)
+        p->now.velocity[c] *= f->share, p->now.momentum[c] *= f->share, p->spin[c] *= f->share;
 }
 
-/* Where colliders have moved: resolve what props touch but soft bodies, and move them. */
+/* Where colliders have moved: resolve what props touch but soft bodies, and let them go their way. */
 static void dm_move_props(dm_scene_state *s) {
     if (!s->prop_count) return;
     for (dm_support *c = s->supports; c < s->supports + s->standing; c++) {
@@ -153,7 +120,7 @@ static void dm_move_props(dm_scene_state *s) {
     }
     s->out->touching = touching > s->out->touching ? touching : s->out->touching;
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
-        if (f->prop && !f->prop->asleep) dm_move_prop(s, f);
+        if (f->prop && !f->prop->asleep) f->share = f->tried = 1, dm_go(s, f);
 }
 
 /* After a substep: note what soft bodies answered props. */
@@ -164,16 +131,14 @@ static void dm_note_answers(dm_scene_state *s) {
         const dm_batch *b = s->batches + i / DM_LANES;
         const dm_batch_sides *of = s->sides + i / DM_LANES;
         uint32_t l = i % DM_LANES;
-        double push = (double)b->push[l], arm[3], moment[3];
+        double push = (double)b->push[l];
         if (!(push > 0)) continue;
         double j[3] = {push * (double)b->normal.x[l] + (double)b->drag.x[l], push * (double)b->normal.y[l] + (double)b->drag.y[l],
                        push * (double)b->normal.z[l] + (double)b->drag.z[l]};
+        double at[3] = {of->point[0][l], of->point[1][l], of->point[2][l]};
         for (int side = 0; side < 2; side++) {
             dm_falling *p = s->surfaces[of->surface[l][side]].prop;
-            if (!p || p->asleep) continue;
-            for (int c = 0; c < 3; c++) arm[c] = of->point[c][l] - p->now.centre[c];
-            dm_cross3(arm, j, moment);
-            for (int c = 0; c < 3; c++) p->answer[c] += side ? -j[c] : j[c], p->answer[3 + c] += side ? -moment[c] : moment[c];
+            if (p && !p->asleep) dm_answer_prop(p, at, j, side ? -1 : 1);
         }
     }
 }

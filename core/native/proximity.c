@@ -6,7 +6,7 @@ static void dm_note_near(dm_scene_state *s, const dm_surface *f, uint32_t vertex
     s->near = dm_grown(s, s->near, s->near_count, &s->near_room, sizeof *s->near);
     s->tally = dm_grown(s, s->tally, s->near_count, &s->tally_room, sizeof *s->tally);
     if (!dm_has_room(s)) return;
-    s->tally[s->near_count] = (dm_tally){.way = INFINITY};
+    s->tally[s->near_count] = (dm_tally){0, 0};
     dm_neighbour *n = s->near + s->near_count;
     *n = (dm_neighbour){.vertex = vertex, .surface = (uint32_t)(f - s->surfaces)};
     if (f->body) n->body = f->body->records + (vertex - f->first);
@@ -54,23 +54,27 @@ DM_INLINE int dm_share_a_vertex(const uint32_t *a, int m, const uint32_t *b, int
     return 0;
 }
 
-/* Keep what of the waiting pairs is close. */
-static void dm_keep_waiting(dm_scene_state *s, uint32_t ones) {
-    uint32_t k = ones - 1, count = s->waiting_count[k];
-    const dm_close *waiting = s->waiting[k];
+static void dm_note_pair(dm_scene_state *s, const dm_pair *pair, double gap, const double *w, const double *between,
+                         int inside);
+
+/* Note what of the waiting pairs is near. */
+static void dm_note_waiting(dm_scene_state *s, uint32_t ones) {
+    uint32_t count = s->waiting_count[ones - 1];
+    const dm_pair *waiting = s->waiting[ones - 1];
     for (uint32_t i = 0; i < count && dm_has_room(s); i += DM_LANES) {
         uint32_t many = count - i < DM_LANES ? count - i : DM_LANES;
+        const uint32_t *at[DM_LANES];
+        for (uint32_t l = 0; l < DM_LANES; l++) at[l] = waiting[i + (l < many ? l : many - 1)].at;
         dm_wide_mask inside;
         dm_wide w[4];
-        dm_wide3 way = dm_wide_between((const double(*)[3])s->before, waiting + i, many, ones, w, &inside);
-        dm_wide square = dm_wide_dot(way, way);
-        for (uint32_t l = 0; l < many && dm_has_room(s); l++) {
-            if (!(square[l] < s->wide * s->wide)) continue;
-            s->close[k] = dm_grown(s, s->close[k], s->close_count[k], &s->close_room[k], sizeof *waiting);
-            if (dm_has_room(s)) s->close[k][s->close_count[k]++] = waiting[i + l];
-        }
+        dm_wide3 way = dm_wide_measure((const double(*)[3])s->before, at, ones, w, &inside);
+        dm_wide gap = dm_wide_root(dm_wide_dot(way, way));
+        for (uint32_t l = 0; l < many && dm_has_room(s); l++)
+            if (gap[l] < s->reach)
+                dm_note_pair(s, waiting + i + l, gap[l], (double[]){w[0][l], w[1][l], w[2][l], w[3][l]},
+                             (double[]){way.x[l], way.y[l], way.z[l]}, inside[l] != 0);
     }
-    s->waiting_count[k] = 0;
+    s->waiting_count[ones - 1] = 0;
 }
 
 DM_INLINE int dm_is_left_out(const dm_scene_state *s, const uint32_t *at, int count) {
@@ -79,43 +83,53 @@ DM_INLINE int dm_is_left_out(const dm_scene_state *s, const uint32_t *at, int co
     return found;
 }
 
-DM_INLINE void dm_keep_close(dm_scene_state *s, uint32_t ones, dm_close close) {
-    uint32_t k = ones - 1;
-    if (s->within && dm_is_left_out(s, close.at, 4)) return;
-    s->waiting[k][s->waiting_count[k]++] = close;
-    if (s->waiting_count[k] == DM_WAITING) dm_keep_waiting(s, ones);
+DM_INLINE void dm_let_wait(dm_scene_state *s, dm_pair pair) {
+    uint32_t k = pair.ones - 1;
+    if (s->both[0] == s->both[1] && dm_is_left_out(s, pair.at, 4)) return;
+    s->waiting[k][s->waiting_count[k]++] = pair;
+    if (s->waiting_count[k] == DM_WAITING) dm_note_waiting(s, pair.ones);
 }
 
-/* Is a point, or the ball round a triangle, farther than a search looks from the ball round another? */
-DM_INLINE int dm_balls_apart(const dm_scene_state *s, const double *a, double r, const double *b, double q) {
-    double way[3], most = s->wide + r + q;
-    dm_minus(a, b, way);
-    return dm_inner3(way, way) >= most * most;
+/* Are some vertices farther from others along an axis than a query looks? */
+DM_INLINE int dm_are_apart(const dm_scene_state *s, const uint32_t *a, int m, const uint32_t *b, int n) {
+    for (int c = 0; c < 3; c++) {
+        double low = s->before[a[0]][c], high = low, lower = s->before[b[0]][c], higher = lower;
+        for (int i = 1; i < m; i++) {
+            double x = s->before[a[i]][c];
+            low = x < low ? x : low, high = x > high ? x : high;
+        }
+        for (int i = 1; i < n; i++) {
+            double x = s->before[b[i]][c];
+            lower = x < lower ? x : lower, higher = x > higher ? x : higher;
+        }
+        if (lower - high > s->reach || low - higher > s->reach) return 1;
+    }
+    return 0;
 }
 
-static void dm_keep_edges(dm_scene_state *s, uint32_t i, uint32_t j) {
+static void dm_pair_edges(dm_scene_state *s, uint32_t i, uint32_t j) {
     for (int k = 0; k < 3; k++) {
         if (!(s->owns[i] >> (3 + k) & 1)) continue;
         uint32_t edge = s->edges_of[i][k], a = s->edges[edge][0], b = s->edges[edge][1];
         for (int l = 0; l < 3; l++) {
             if (!(s->owns[j] >> (3 + l) & 1)) continue;
             uint32_t other = s->edges_of[j][l], c = s->edges[other][0], d = s->edges[other][1];
-            if (a != c && a != d && b != c && b != d) dm_keep_close(s, 2, (dm_close){{a, b, c, d}, {edge, other}});
+            if (a != c && a != d && b != c && b != d && !dm_are_apart(s, s->edges[edge], 2, s->edges[other], 2))
+                dm_let_wait(s, (dm_pair){{a, b, c, d}, {edge, other}, 2, 0});
         }
     }
 }
 
-/* Keep what of triangle i, and of what it stands for, is close to triangle j. */
-static void dm_keep_triangles(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
+/* Find what of triangle i, and of what it stands for, may be near triangle j. */
+static void dm_pair_triangles(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
     (void)f, (void)g;
     const uint32_t *a = s->corners[i], *b = s->corners[j];
-    const double *p = s->balls[i], *q = s->balls[j];
-    if (dm_balls_apart(s, p, p[3], q, q[3])) return;
+    if (dm_are_apart(s, a, 3, b, 3)) return;
     for (int k = 0; k < 3; k++) {
-        if (s->owns[i] >> k & 1 && !dm_share_a_vertex(a + k, 1, b, 3) && !dm_balls_apart(s, s->before[a[k]], 0, q, q[3]))
-            dm_keep_close(s, 1, (dm_close){{a[k], b[0], b[1], b[2]}, {j, 0}});
-        if (s->owns[j] >> k & 1 && !dm_share_a_vertex(b + k, 1, a, 3) && !dm_balls_apart(s, s->before[b[k]], 0, p, p[3]))
-            dm_keep_close(s, 1, (dm_close){{b[k], a[0], a[1], a[2]}, {i, 0}});
+        if (s->owns[i] >> k & 1 && !dm_share_a_vertex(a + k, 1, b, 3) && !dm_are_apart(s, a + k, 1, b, 3))
+            dm_let_wait(s, (dm_pair){{a[k], b[0], b[1], b[2]}, {j, 0}, 1, 0});
+        if (s->owns[j] >> k & 1 && !dm_share_a_vertex(b + k, 1, a, 3) && !dm_are_apart(s, b + k, 1, a, 3))
+            dm_let_wait(s, (dm_pair){{b[k], a[0], a[1], a[2]}, {i, 0}, 1, 0});
     }
-    dm_keep_edges(s, i, j);
+    dm_pair_edges(s, i, j);
 }

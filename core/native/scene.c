@@ -3,15 +3,14 @@
 
 static void dm_scene_state_destroy(dm_scene_state *s) {
     for (int64_t k = 0; s->surfaces && k < s->surface_count; k++)
-        dm_free(s->surfaces[k].before), dm_free(s->surfaces[k].bound), dm_free(s->surfaces[k].due),
-            dm_free(s->surfaces[k].near_groups), dm_free_prop(s->surfaces[k].prop);
-    void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->roam, s->corners, s->edges_of,
-                           s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->searched,
-                           s->given, s->balls, s->number, s->bins, s->slack, s->stale, s->left_out};
+        dm_free_prop(s->surfaces[k].prop);
+    void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->was, s->corners, s->edges_of,
+                           s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes,
+                           s->number, s->bins, s->left_out, s->given};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     void *const lists[] = {s->near, s->pairs, s->pairs_of, s->batches, s->moving, s->candidates, s->sorted, s->held,
-                           s->close[0], s->close[1], s->runs, s->planes, s->tally, s->sides,
-                           s->there, s->met, s->supports};
+                           s->spent, s->runs, s->planes, s->tally, s->sides, s->there, s->met, s->supports,
+                           s->released};
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) dm_free(lists[k]);
     dm_free(s);
 }
@@ -20,29 +19,24 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
     int64_t n = s->vertex_count, t = s->triangle_count;
     int whole = (s->before = dm_alloc(n, sizeof *s->before)) && (s->rest = dm_alloc(n, sizeof *s->rest));
     whole = whole && (s->here = dm_alloc(n, sizeof *s->here)) && (s->aim = dm_alloc(n, sizeof *s->aim));
-    whole = whole && (s->rate = dm_alloc(n, sizeof *s->rate)) && (s->roam = dm_alloc(n, sizeof(double)));
+    whole = whole && (s->rate = dm_alloc(n, sizeof *s->rate)) && (s->was = dm_alloc(n, sizeof *s->was));
     whole = whole && (s->corners = dm_alloc(t, sizeof *s->corners)) && (s->edges_of = dm_alloc(t, sizeof *s->edges_of));
     whole = whole && (s->edges = dm_alloc(3 * t, sizeof *s->edges)) && (s->across = dm_alloc(3 * t, sizeof *s->across));
     whole = whole && (s->owns = dm_alloc(t, 1)) && (s->place = dm_alloc(n, sizeof(uint32_t)));
     whole = whole && (s->nodes = dm_alloc(2 * t + s->surface_count, sizeof *s->nodes));
-    whole = whole && (s->slack = dm_alloc(n, sizeof(double))) && (s->stale = dm_alloc(n, sizeof(double)));
-    whole = whole && (s->searched = dm_alloc(n, sizeof *s->searched)) && (s->left_out = dm_alloc(n, 1));
-    whole = whole && (s->balls = dm_alloc(t, sizeof *s->balls)) && (s->given = dm_alloc(n, sizeof *s->given));
+    whole = whole && (s->left_out = dm_alloc(n, 1)) && (s->given = dm_alloc(n, sizeof *s->given));
     whole = whole && (s->number = dm_alloc(n, sizeof(uint32_t))) && (s->bins = dm_alloc(2 * n + 1, sizeof(uint32_t)));
     for (int64_t i = 0; whole && i < n; i++) s->place[i] = DM_NO_VERTEX;
     return whole ? DM_OK : DM_MEMORY;
 }
 
-static int32_t dm_lay_body(dm_scene_state *s, dm_surface *f) {
+static void dm_lay_body(dm_scene_state *s, dm_surface *f) {
     const dm_state *b = f->body;
     dm_note_rest(s, f);
     for (uint32_t k = 0; k < b->n; k++) s->number[f->first + b->place[k]] = f->first + k;
     for (int64_t k = 0; k < 3 * b->triangle_count; k++)
         s->corners[f->first_triangle + k / 3][k % 3] = f->first + b->triangles[k / 3][k % 3];
-    f->before = dm_alloc(b->groups, sizeof *f->before), f->bound = dm_alloc(b->groups, sizeof *f->bound);
-    f->due = dm_alloc(b->groups, sizeof *f->due), f->closest = DM_TOO_NEAR * b->size;
-    f->near_groups = dm_alloc(b->groups, sizeof *f->near_groups);
-    return f->before && f->bound && f->due && f->near_groups ? DM_OK : DM_MEMORY;
+    f->closest = DM_TOO_NEAR * b->size;
 }
 
 static void dm_place_collider(dm_scene_state *s, int64_t which, const double *positions) {
@@ -52,6 +46,7 @@ static void dm_place_collider(dm_scene_state *s, int64_t which, const double *po
             s->here[f->first + k][c] = s->aim[f->first + k][c] = positions[(uint32_t)c * f->count + k];
             s->rate[f->first + k][c] = 0;
         }
+    s->surfaces[which].fitted = 0;
 }
 
 static int32_t dm_lay_collider(dm_scene_state *s, dm_surface *f, const dm_collider_def *d) {
@@ -71,7 +66,7 @@ static int32_t dm_lay_surfaces(dm_scene_state *s, int64_t bodies, const dm_colli
     uint32_t node = 0;
     for (int64_t k = 0; k < s->surface_count && code == DM_OK; k++) {
         dm_surface *f = s->surfaces + k;
-        if (f->body) code = dm_lay_body(s, f);
+        if (f->body) dm_lay_body(s, f);
         else code = dm_lay_collider(s, f, colliders + (k - bodies));
         if (code == DM_OK) code = dm_order_triangles(s, f);
         if (code == DM_OK) code = dm_lay_edges(s, f);
@@ -95,7 +90,7 @@ static int32_t dm_lay_surfaces(dm_scene_state *s, int64_t bodies, const dm_colli
             double most = dm_touch_of(s->surfaces + j, s->surfaces + k);
             s->touch = most > s->touch ? most : s->touch;
         }
-    s->reach = DM_QUERY_REACH * fmax(s->touch, 2 * DM_OFFSET * s->edge);
+    s->least_reach = DM_QUERY_REACH * fmax(s->touch, 2 * DM_OFFSET * s->edge);
     return code == DM_OK ? dm_lay_neighbours(s) : code;
 }
 
@@ -118,7 +113,8 @@ static int32_t dm_scene_state_create(dm_scene_state **made, int64_t bodies, dm_s
         f->first_triangle = (uint32_t)s->triangle_count, f->triangle_count = (uint32_t)triangles;
         s->vertex_count += count, s->triangle_count += triangles;
     }
-    s->due = 1, s->renewal = 1;
+    s->due = 1;
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->share = 1;
     int32_t code = dm_allocate_scene(s);
     if (code == DM_OK) code = dm_lay_surfaces(s, bodies, collider);
     if (code == DM_OK) dm_leave_out(s, left_out);
@@ -144,23 +140,40 @@ static void dm_scene_state_read(const dm_scene_state *s, int64_t collider, doubl
         for (uint32_t c = 0; c < 3; c++) positions[c * f->count + k] = s->here[f->first + k][c];
 }
 
-/* Set where the colliders are to be at the end of a tick. */
+/* Set where the colliders are to be at the end of a tick. One that was held back catches up in the time of a press, on top
+ * of the way that it is led. */
 static void dm_aim_colliders(dm_scene_state *s, const dm_collider_motion *to, double share) {
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         if (f->body) continue;
-        if (f->prop) {
-            to++;
-            continue;
-        }
-        f->moving = 0;
-        for (uint32_t k = 0; to->to && k < f->count; k++)
+        double led = 0, late = 0, left = 0, way[3];
+        for (uint32_t k = 0; !f->prop && to->to && k < f->count; k++) {
+            double before[3], *aim = s->aim[f->first + k], *here = s->here[f->first + k];
+            memcpy(before, aim, sizeof before);
             for (uint32_t c = 0; c < 3; c++) {
-                double from = to->from[c * f->count + k], way = to->to[c * f->count + k] - from;
-                s->aim[f->first + k][c] = share >= 1 ? to->to[c * f->count + k] : from + share * way;
-                f->moving |= s->aim[f->first + k][c] != s->here[f->first + k][c];
+                double from = to->from[c * f->count + k], end = to->to[c * f->count + k];
+                aim[c] = share >= 1 ? end : from + share * (end - from);
             }
-        if (!f->moving) memset(s->rate[f->first], 0, f->count * sizeof *s->rate);
+            dm_minus(aim, before, way), led = fmax(led, dm_inner3(way, way));
+            dm_minus(before, here, way), late = fmax(late, dm_inner3(way, way));
+            dm_minus(aim, here, way), left = fmax(left, dm_inner3(way, way));
+        }
         to++;
+        if (f->prop) continue;
+        f->moving = left > 0;
+        f->pace = late > 0 && left > 0 ? fmin(1, (sqrt(led) + sqrt(late) * s->tick / DM_PUSH_TIME) / sqrt(left)) : 1;
+        if (!f->moving) memset(s->rate[f->first], 0, f->count * sizeof *s->rate);
+    }
+}
+
+/* Let colliders go on their way in a substep, one of so many left in the tick. What was held back tries twice as much. */
+static void dm_lead_colliders(dm_scene_state *s, double left) {
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+        if (f->body || !dm_goes(f)) continue;
+        memcpy(s->was[f->first], s->here[f->first], f->count * sizeof *s->was);
+        if (f->prop) continue;
+        f->share = f->tried = fmin(1, 2 * fmax(f->share, DM_LEAST_WAY));
+        f->pace_now = f->pace / (s->substeps - f->pace * (s->substeps - left));
+        dm_go(s, f);
     }
 }
 
@@ -183,20 +196,28 @@ static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, in
         int64_t k = s->backwards ? bodies - 1 - i : i;
         dm_surface *f = s->surfaces + k;
         if (f->body->asleep) continue;
-        f->body->near_groups = f->near_groups, f->body->near_group_count = f->near_group_count;
         dm_run_substep(f->body, left, frames + k);
-        f->body->near_group_count = 0;
     }
     s->backwards = !s->backwards;
-    for (dm_surface *f = s->surfaces + bodies; f < s->surfaces + s->surface_count; f++)
-        if (f->moving) dm_move_collider(s, f, 1 / (double)(left + 1));
+    dm_lead_colliders(s, (double)left + 1);
     dm_move_props(s);
     dm_resolve_touching(s);
     dm_note_answers(s);
     dm_resist_rolling(s);
-    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
-        if (f->body && !f->body->asleep) dm_bound_body(s, f);
-    dm_renew_planes(s);
+    dm_keep_apart(s);
+    for (dm_surface *f = s->surfaces + bodies; f < s->surfaces + s->surface_count; f++)
+        if (f->prop && !f->prop->asleep) dm_leave_prop(s, f);
+}
+
+/* After a tick: note how far colliders are behind their way. */
+static void dm_note_late(dm_scene_state *s) {
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+        f->late = 0;
+        for (uint32_t i = f->first; !f->body && !f->prop && f->moving && i < f->first + f->count; i++) {
+            double way[3];
+            dm_minus(s->aim[i], s->here[i], way), f->late = fmax(f->late, sqrt(dm_inner3(way, way)));
+        }
+    }
 }
 
 static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, const dm_collider_motion *colliders,
@@ -204,12 +225,13 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     int64_t bodies = 0, substeps = motions->substeps, ticks = motions->ticks;
     memset(out, 0, sizeof *out), memset(s->given, 0, (size_t)s->vertex_count * sizeof *s->given);
     out->gap = INFINITY;
-    s->out = out, s->code = DM_OK, s->tick = motions->tick, s->dt = s->tick / (double)substeps;
+    s->out = out, s->code = DM_OK, s->tick = motions->tick, s->substeps = (double)substeps, s->dt = s->tick / (double)substeps;
     for (; bodies < s->surface_count && s->surfaces[bodies].body; bodies++)
         dm_begin_motion(s->surfaces[bodies].body, motions + bodies, frames + bodies), s->surfaces[bodies].body->meets = 1;
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         memset(f->impulse, 0, sizeof f->impulse), memset(f->moment, 0, sizeof f->moment);
-        if (f->body) f->left -= f->body->jumped, f->near_left -= f->body->jumped, f->body->jumped = 0;
+        f->torn = 0;
+        if (f->body) f->jumped += f->body->jumped, f->body->jumped = 0;
     }
     for (int64_t k = bodies; k < s->surface_count; k++)
         if (s->surfaces[k].prop && colliders[k - bodies].prop) dm_take_prop(s, s->surfaces + k, colliders[k - bodies].prop);
@@ -225,7 +247,7 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
         if (dm_is_changed(s)) s->due = 1;
         for (int64_t i = 0; i < substeps && awake && s->code == DM_OK; i++)
             dm_run_scene_substep(s, motions, t, frames, substeps - 1 - i);
-        dm_note_sag(s);
+        dm_note_sag(s), dm_note_late(s);
         for (int64_t k = 0; k < bodies; k++) {
             dm_end_tick(s->surfaces[k].body, motions + k, t, frames + k);
             finite = finite && frames[k].finite;
@@ -240,8 +262,9 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
         if (s->surfaces[k].prop && colliders[k - bodies].prop) *colliders[k - bodies].prop = s->surfaces[k].prop->now;
     for (int64_t k = 0; k < bodies; k++) dm_end_motion(s->surfaces[k].body, motions + k, frames + k);
     for (int64_t k = 0; k < s->surface_count; k++)
-        for (int c = 0; c < 3; c++)
-            passed[6 * k + c] = s->surfaces[k].impulse[c], passed[6 * k + 3 + c] = s->surfaces[k].moment[c];
+        memcpy(passed, s->surfaces[k].impulse, 3 * sizeof *passed), memcpy(passed + 3, s->surfaces[k].moment, 3 * sizeof *passed),
+            passed[6] = s->surfaces[k].late, passed[7] = s->surfaces[k].torn,
+            memcpy(passed + 8, s->surfaces[k].place, 3 * sizeof *passed), passed += DM_PASSED;
     for (const dm_surface *f = s->surfaces; f < s->surfaces + bodies; f++)
         for (uint32_t k = 0; k < f->body->n; k++, given += 3)
             memcpy(given, s->given[f->first + f->body->place[k]], sizeof *s->given);

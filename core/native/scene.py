@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base import Floats, Ints
+from ..base import Bools, Floats, Ints
 from ..body.rigid import RigidShape, RigidState
+from ..constants import PASSED
 from .body import Body, CFrame, CMotion, NativeError
 from .definition import Arrays, fields
 from .motion import Frame, Motion
@@ -79,11 +80,13 @@ class SceneFrame(NamedTuple):
     touching: the most that touched.
     truncated: times that a vertex was held back from passing through something.
     taken: momentum that this took [N s].
-    held_back: the farthest that a collider was behind its way [m].
     gap: the least distance at a query [m], infinite where nothing was near.
     impulses: that each surface got from others [N s], (k, 3): bodies, then colliders.
     moments: of those about the origin [N m s], (k, 3).
     given: to each vertex of the bodies [N s], (n, 3) of all of them.
+    late: how far each is behind its way at the end [m], (k,).
+    torn: (k,) whether each pulled skin so far that it was let go of.
+    places: of what held it back, or was let go [m], (k, 3).
     """
 
     frames: tuple[Frame, ...]
@@ -93,11 +96,13 @@ class SceneFrame(NamedTuple):
     touching: int
     truncated: int
     taken: float
-    held_back: float
     gap: float
     impulses: Floats
     moments: Floats
     given: Floats
+    late: Floats
+    torn: Bools
+    places: Floats
 
 
 class Crossings(NamedTuple):
@@ -133,7 +138,7 @@ class CSceneFrame(Structure):
     """What a call came to: dm_scene_frame."""
 
     _fields_ = fields(
-        ticks="n", queries="n", pairs="n", touching="n", truncated="n", taken="d", held_back="d", gap="d"
+        ticks="n", queries="n", pairs="n", touching="n", truncated="n", taken="d", gap="d"
     )
 
 
@@ -186,7 +191,7 @@ class Scene:
         self._props = (CProp * max(len(colliders), 1))()
         self._frames, self._out = (CFrame * len(bodies))(), CSceneFrame()
         self._vertices = sum(len(body.model.mass) for body in bodies)
-        self._passed = np.zeros((len(bodies) + len(colliders), 2, 3))
+        self._passed = np.zeros((len(bodies) + len(colliders), PASSED))
 
     def step(
         self, motions: Sequence[Motion], ways: Sequence[Way], first: float, last: float
@@ -222,10 +227,10 @@ class Scene:
                 _unpack(_rows_of(prop), way.state)
         out = self._out
         frames = [b.unpack(m, f) for b, m, f in zip(self.bodies, motions, self._frames, strict=True)]
-        impulses, moments = self._passed.transpose(1, 0, 2).copy()
+        passed = self._passed.copy()
         return SceneFrame(
-            tuple(frames), out.ticks, out.queries, out.pairs, out.touching, out.truncated, out.taken, out.held_back,
-            out.gap, impulses, moments, given,
+            tuple(frames), out.ticks, out.queries, out.pairs, out.touching, out.truncated, out.taken, out.gap,
+            passed[:, :3], passed[:, 3:6], given, passed[:, 6], passed[:, 7] > 0, passed[:, 8:],
         )  # fmt: skip
 
     def crossings(self) -> Crossings:

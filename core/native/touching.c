@@ -31,7 +31,7 @@ static int dm_is_nearest(const dm_scene_state *s, const dm_pair *p, const double
     if (!zero) return 1;
     dm_minus(s->there[p->at[0]], between, point);
     if (zero == 1) { /* on the edge opposite corner `off`, which begins at the next corner */
-        uint32_t triangle = s->close[0][p->close].parts[0];
+        uint32_t triangle = p->parts[0];
         uint32_t edge = s->edges_of[triangle][(off + 1) % 3], own = s->near[p->at[1 + off]].vertex;
         uint32_t other = s->across[edge][0] == own ? s->across[edge][1] : s->across[edge][0];
         return other == DM_NO_VERTEX || !dm_nearer_towards(s, g, other, point, between);

@@ -96,19 +96,6 @@ static void dm_bound_points(const double (*x)[3], const uint32_t *at, int count,
     }
 }
 
-/* Set the bounding sphere of a triangle, about the middle of its corners. */
-static void dm_fit_ball(dm_scene_state *s, uint32_t triangle) {
-    double *ball = s->balls[triangle], most = 0;
-    const uint32_t *at = s->corners[triangle];
-    for (int c = 0; c < 3; c++) ball[c] = (s->before[at[0]][c] + s->before[at[1]][c] + s->before[at[2]][c]) / 3;
-    for (int k = 0; k < 3; k++) {
-        double square = 0;
-        for (int c = 0; c < 3; c++) square += (s->before[at[k]][c] - ball[c]) * (s->before[at[k]][c] - ball[c]);
-        most = square > most ? square : most;
-    }
-    ball[3] = sqrt(most) * (1 + 1e-12);
-}
-
 /* Fit the boxes of a surface to its vertices at the query; children come after their parent. */
 static void dm_fit_boxes(dm_scene_state *s, const dm_surface *f) {
     for (uint32_t k = f->first_node + f->node_count; k-- > f->first_node;) {
@@ -121,7 +108,6 @@ static void dm_fit_boxes(dm_scene_state *s, const dm_surface *f) {
             }
             continue;
         }
-        for (uint32_t t = n->start; t < n->end; t++) dm_fit_ball(s, t);
         dm_bound_points((const double(*)[3])s->before, s->corners[n->start], 3 * (int)(n->end - n->start), n->low,
                         n->high);
     }

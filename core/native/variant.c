@@ -31,9 +31,6 @@ DM_SMALL
 DM_FAST
 #include "gaps.c"
 #include "proximity.c"
-DM_SMALL
-#include "planes.c"
-DM_FAST
 #include "bounds.c"
 #include "batch.c"
 DM_SMALL

@@ -41,6 +41,7 @@ class Session:
     body: what moves, and owns its state.
     backend: "native" (single precision) or "native64".
     contact_note: "" or what is left out of its self contact, for the artist.
+    held_note: "" or which colliders could not go their way in the last step, for the artist.
     frame: what the last step showed.
     most: ticks in a motion of the step under way.
     clock: which the fingertips go by.
@@ -51,7 +52,7 @@ class Session:
         self, model: Model, *, tick: float = TICK, backend: str = "native", proxy: Proxy | None = None
     ) -> None:
         self.clock = Clock(tick)
-        self.backend, self.contact_note = backend, ""
+        self.backend, self.contact_note, self.held_note = backend, "", ""
         self.substeps: int  # in a tick
         self.body = self._create(self._define(model, Rest(model, proxy), proxy), model)
         self.reset()

@@ -5,15 +5,15 @@ A session alone, with nothing to meet, needs none of this and pays nothing for i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from .. import native
 from ..base import DimpleError, Floats
-from ..constants import MAX_STEPS
-from ..messages import Message
+from ..constants import MAX_STEPS, SLACK
+from ..messages import Message, in_a_row
 from ..native import motion
 from ..native.scene import Collider as Collider
 from ..native.scene import ColliderMotion, Crossings, SceneFrame, Way
@@ -28,7 +28,7 @@ class Meeting(NamedTuple):
     touching: the most pairs that touched.
     truncated: times that a vertex was held back from passing through something.
     taken: momentum that this took [N s].
-    held_back: the farthest that a collider was behind its way [m].
+    held_back: how far the collider that is behind its way the farthest is so at the end [m].
     forces: on each surface, mean over the step (k, 3) [N]: bodies, then colliders; 0 from what sleeps.
     queries: of who is near whom.
     moments: of the forces about the origin (k, 3) [N m].
@@ -43,9 +43,23 @@ class Meeting(NamedTuple):
     moments: Floats = np.zeros((0, 3))
 
 
+class Held(NamedTuple):
+    """A collider that could not go its way in a step.
+
+    late: how far it is behind [m].
+    torn: whether it pulled skin so far that it was let go.
+    """
+
+    name: str
+    late: float
+    torn: bool
+    said: Message
+
+
 class World:
     """Step sessions together.
 
+    held: the colliders that could not go their way in the last step.
     notes: for each session, "" or what is left out of its self contact, for the artist.
     props: the colliders that fall, by their number.
     gravity: (3,) that pulls props [m/s2]; may be changed between steps, as may
@@ -85,7 +99,7 @@ class World:
             raise DimpleError("Bodies that meet must be stepped by the same backend, with the same tick.")
         self._at = [np.array(collider.positions, np.float64) for collider in self.colliders]
         self._ends: list[Floats | None] = [None] * len(self.colliders)
-        self.meeting = Meeting()
+        self.meeting, self.held = Meeting(), list[Held]()
         self._make()
         self.check()
 
@@ -94,7 +108,7 @@ class World:
         found = self._scene.crossings()
         if found.pairs:
             first, second = (self._names[i] for i in found.surfaces)
-            where = _where(found)
+            where = _where(found.place)
             if min(found.surfaces) >= len(self.sessions):
                 raise DimpleError(
                     'A falling object must not touch other colliders: "{first}" and "{second}" intersect at ({where}) '
@@ -146,7 +160,32 @@ class World:
         done, left = sum(part.ticks for part in self._parts), min(session.due for session in self.sessions)
         self._arrive(done / (done + left) if left else 1.0)
         self.meeting = _sum(self._parts, max(done, 1) * self.sessions[0].clock.tick)
+        self.held = self._find_held() if self._parts else self.held
+        note = in_a_row([held.said for held in self.held])
+        for session in self.sessions:
+            session.held_note = note
         return self.meeting
+
+    def _find_held(self) -> list[Held]:
+        """Return the colliders that are visibly behind their way, or were let go."""
+        found, seen = [], SLACK * min(session.body.model.mesh.size for session in self.sessions)
+        for i, name in enumerate(self._names):
+            torn, late = any(part.torn[i] for part in self._parts), float(self._parts[-1].late[i])
+            where = _where(self._parts[-1].places[i])
+            if torn:
+                said = Message(
+                    'Collider "{name}" pulled the skin at ({where}) mm farther than the body is large, and was let go. '
+                    "It passes through the body until they are apart.",
+                    name=name, where=where
+                )  # fmt: skip
+            else:
+                said = Message(
+                    'Collider "{name}" is held back by {late} mm: the skin at ({where}) mm has no room.',
+                    name=name, late=f"{1e3 * late:.1f}", where=where
+                )  # fmt: skip
+            if torn or late > seen:
+                found.append(Held(name, late, torn, said))
+        return found
 
     def _make(self) -> None:
         """Make what steps, of the bodies that the sessions have now; what slept may rest on something else."""
@@ -219,15 +258,15 @@ def drop_proxies(
     return notes
 
 
-def _where(found: Crossings) -> str:
-    return ", ".join(f"{1e3 * c:.1f}" for c in found.place)
+def _where(place: Iterable[float]) -> str:
+    return ", ".join(f"{1e3 * c:.1f}" for c in place)
 
 
 def _left_out(found: Crossings) -> str:
     return Message(
         "The mesh passes through itself at ({where}) mm: {pairs} pairs of faces, and those beside them, are left out "
         "of Self Contact.",
-        where=_where(found), pairs=found.pairs
+        where=_where(found.place), pairs=found.pairs
     )  # fmt: skip
 
 
@@ -239,6 +278,6 @@ def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:
         impulses, moments = impulses + part.impulses, moments + part.moments
     return Meeting(
         max(part.touching for part in parts), sum(part.truncated for part in parts),
-        sum(part.taken for part in parts), max(part.held_back for part in parts),
+        sum(part.taken for part in parts), float(parts[-1].late.max(initial=0.0)),
         impulses / seconds, sum(part.queries for part in parts), moments / seconds,
     )  # fmt: skip

@@ -27,6 +27,7 @@ from ..press.progress import READY
 from . import shape_keys  # fmt: skip
 
 if TYPE_CHECKING:
+    from ...core.world.world import Held
     from ..bridge.scene_objects import Singles
 
 
@@ -104,17 +105,22 @@ def simulate(
             if note := body.session.contact_note:
                 messages.append(about(body.name, note))
         poses: props.Poses = {}
+        held: dict[tuple[str, bool], tuple[float, Message]] = {}
         files.callback(props.put_back)
         _write(plan, bodies, plan.first)
         _show_props(worlds, plan.first, poses)
         for frame in range(plan.first + 1, plan.last + 1):
-            _step(context, bodies, worlds, frame)
+            for each in _step(context, bodies, worlds, frame):
+                if each.late >= held.get((each.name, each.torn), (0.0,))[0]:
+                    said = Message("Frame {frame}: {said}", frame=frame, said=each.said)
+                    held[each.name, each.torn] = each.late, said
             _show_props(worlds, frame, poses)
             _write(plan, bodies, frame)
             share = (frame - plan.first) / (plan.last - plan.first)
             yield READY + (0.99 - READY) * share  # the rest is for the files
         for file in [file for body in bodies for file in (body.cache, body.table) if file]:
             file.close()
+        messages += [said for _, said in held.values()]
         props.fallen.clear()
         props.keyframe(poses)
         for body in bodies:
@@ -196,8 +202,9 @@ def _opening(
 
 def _step(
     context: bpy.types.Context, bodies: Sequence[Baked], worlds: Sequence[colliders.LiveWorld], frame: int
-) -> None:
-    scene = context.scene
+) -> list[Held]:
+    """Step to a frame; return the colliders that could not go their way."""
+    scene, held = context.scene, []
     for look_s in timeline.looks(scene, frame):
         for body in bodies:
             obj = body.obj
@@ -207,6 +214,7 @@ def _step(
         for world in worlds:
             colliders.lead_colliders(context, world)
             world.world.step(look_s)
+            held += world.world.held
         met = {uid for world in worlds for uid in world.uids}
         alone = [body.session for body in bodies if body.link.uid not in met]
         step_all(alone, [look_s] * len(alone))
@@ -215,6 +223,7 @@ def _step(
                 raise DimpleError(
                     '"{name}", frame {frame}: {note}', name=body.link.name, frame=frame, note=body.session.frame.note
                 )
+    return held
 
 
 def _show_props(worlds: Sequence[colliders.LiveWorld], frame: int, poses: props.Poses) -> None:

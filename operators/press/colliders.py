@@ -55,7 +55,7 @@ def worlds_of(
         DimpleError: something passes through something else.
     """
     for _, session, _ in bodies.values():
-        session.contact_note = ""
+        session.contact_note = session.held_note = ""
     if not is_on(context.scene):
         return []
     graph = context.evaluated_depsgraph_get()

@@ -2,8 +2,8 @@
 
 A query finds every pair nearer than a reach. Until the next one each of a pair stays on its side of the plane between
 their nearest points, and no vertex goes farther than half the reach: so nothing passes through anything, whatever the
-forces. Source: the displacement bounds of offset geometric contact (Chen et al. 2025), with planes in place of spheres,
-so that what slides along or goes away is not stopped.
+forces. The plane beside a collider or a prop moves with it. Source: the displacement bounds of offset geometric contact
+(Chen et al. 2025), with planes in place of spheres, so that what slides along or goes away is not stopped.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from core.base import Bools, Floats, Ints
 
-from .constants import BOUND, FLAT, LEAST_SHARE, REST_TIME, ROUNDING, SHARP, SOFT_SHARE
+from .constants import BOUND, FLAT, ROUNDING, SHARP
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,10 +51,10 @@ class Pairs:
     at: (m, 4) a vertex and the corners of a face, or the ends of two edges.
     ones: (m,) how many of them lie on the side of the normal: 1 or 2.
     part: (m, 2) the triangle of the face, or both edges.
+    rigid: (m, 2) which of the two is of a collider or a prop.
     normal: (m, 3) unit, towards the first.
     level: (m,) they keep apart by normal . x = level,
-    keep: (m, 2) each side by at least this [m].
-    way: (m, 2) that each side may go towards the other [m].
+    keep: (m,) each soft one by at least this [m].
     gap: (m,) their distance [m].
     weight: (m,) of what they do: fades where edges are flat.
     """
@@ -62,10 +62,10 @@ class Pairs:
     at: Ints
     ones: Ints
     part: Ints
+    rigid: Bools
     normal: Floats
     level: Floats
     keep: Floats
-    way: Floats
     gap: Floats
     weight: Floats
 
@@ -128,15 +128,13 @@ def measure(x: Floats, ones: Ints) -> tuple[Floats, Floats, Floats]:
 
 
 def find_pairs(
-    s: Surfaces, x: Floats, first: int, second: int, *, reach: float, closest: float, rigid: bool = False
+    s: Surfaces, x: Floats, first: int, second: int, *, reach: float, closest: float, bodies: int | None = None
 ) -> Pairs:
     """Find what of two surfaces, or of one, is nearer than a reach [m] at positions x (n, 3) [m].
 
-    Their planes stand in the middle between the two, so that native code needs to set none before a vertex comes to it.
-
     Args:
         closest: nearer than this [m], nothing goes nearer still.
-        rigid: neither of the two gives.
+        bodies: how many of the surfaces are soft, None where all are.
     """
     low = np.maximum(_box(x, s, first)[0], _box(x, s, second)[0]) - reach
     high = np.minimum(_box(x, s, first)[1], _box(x, s, second)[1]) + reach
@@ -163,7 +161,7 @@ def find_pairs(
     at.append(np.column_stack([s.edges[i], s.edges[j]]))
     part.append(np.column_stack([i, j]))
     ones.append(np.full(len(i), 2))
-    return _with_planes(s, x, np.concatenate(at), np.concatenate(ones), np.concatenate(part), reach, closest, rigid)
+    return _with_planes(s, x, np.concatenate(at), np.concatenate(ones), np.concatenate(part), reach, closest, bodies)
 
 
 def touching_distance(s: Surfaces, pairs: Pairs, offsets: Floats, skins: Floats, bodies: int) -> Floats:
@@ -186,59 +184,56 @@ class Planes(NamedTuple):
     normal: Floats
     level: Floats
     keep: Floats
-    way: Floats
     gap: Floats
     weights: Floats
     first: Floats
     second: Floats
 
 
-def planes_between(x: Floats, v: Floats, at: Ints, ones: Ints, closest: Floats, soft: Bools) -> Planes:
-    """Return the planes between pairs at (m, 4): the faster a side comes towards the other, the larger its part.
+def planes_between(x: Floats, at: Ints, ones: Ints, closest: Floats, rigid: Bools) -> Planes:
+    """Return the planes between pairs at (m, 4).
+
+    Two that are soft have half of their distance each; beside what is rigid, one has all of it.
 
     Args:
-        x, v: (n, 3) positions [m] and velocities [m/s].
+        x: (n, 3) positions [m].
         ones: (m,) how many of the vertices lie on the side of the normal.
         closest: (m,) nearer than this [m], nothing goes nearer still.
-        soft: (m, 4) which of the vertices are of bodies.
+        rigid: (m, 2) which of the two is rigid.
     """
     w, between, gap = measure(x[at], ones)
     normal = between / np.maximum(gap, 1e-300)[:, None]
     side = np.arange(4) < ones[:, None]
     point = np.einsum("mk,mkc->mc", np.where(side, w, 0), x[at])
     other = point - between
-    along = -np.einsum("mkc,mc->mk", v[at], normal) * w
-    u, back = (np.maximum((along * here).sum(axis=1), 0) + gap / REST_TIME for here in (side, ~side))
-    least = np.where(soft.all(axis=1), SOFT_SHARE, LEAST_SHARE)
-    one = np.where(gap > closest, np.clip(u / (u + back), least, 1 - least), 0.5)
-    whole = np.stack([one, 1 - one], axis=1) * gap[:, None]
-    least = np.minimum(whole, closest[:, None]) / 2
-    keep = np.where((gap > closest)[:, None], least + (1 - BOUND) * (whole - least), whole * (1 - ROUNDING))
-    level = _dot(normal, other + (1 - one)[:, None] * between)
-    return Planes(normal, level, keep, whole - keep, gap, w, point, other)
+    whole = np.where(rigid.any(axis=1), gap, gap / 2)
+    least = np.minimum(whole, closest) / 2
+    keep = np.where(gap > closest, least + (1 - BOUND) * (whole - least), whole * (1 - ROUNDING))
+    return Planes(normal, _dot(normal, other + between / 2), keep, gap, w, point, other)
 
 
 def _with_planes(
-    s: Surfaces, x: Floats, at: Ints, ones: Ints, part: Ints, reach: float, closest: float, rigid: bool
+    s: Surfaces, x: Floats, at: Ints, ones: Ints, part: Ints, reach: float, closest: float, bodies: int | None
 ) -> Pairs:
     near = measure(x[at], ones)[2] < reach
     at, ones, part = at[near], ones[near], part[near]
-    planes = planes_between(x, np.zeros_like(x), at, ones, np.full(len(at), closest), np.ones(at.shape, bool))
+    rigid = np.asarray(s.of_vertex[at[:, [0, 3]]] >= (len(s.edge) if bodies is None else bodies))
+    planes = planes_between(x, at, ones, np.full(len(at), closest), rigid)
     weight = np.ones(len(at))
     edge = np.flatnonzero(ones == 2)
-    inside = (np.abs(planes.weights[edge]) > 0).all(axis=1)
-    weight[edge] = (
-        inside
-        * _sharpness(s, x, part[edge, 0], planes.first[edge], -planes.normal[edge], rigid)
-        * _sharpness(s, x, part[edge, 1], planes.second[edge], planes.normal[edge], rigid)
-    )
+    weight[edge] = (np.abs(planes.weights[edge]) > 0).all(axis=1)
+    stiff = np.asarray(rigid[edge].any(axis=1))
+    for k, points, sign in ((0, planes.first, -1), (1, planes.second, 1)):
+        sharp = _sharpness(s, x, part[edge, k], points[edge], sign * planes.normal[edge], stiff)
+        # what is rigid and sharp presses skin that is flat, or folded round it
+        weight[edge] *= np.where(stiff & ~rigid[edge, k], 1.0, sharp)
     return Pairs(
-        at=at, ones=ones, part=part, normal=planes.normal, level=planes.level, keep=planes.keep, way=planes.way,
+        at=at, ones=ones, part=part, rigid=rigid, normal=planes.normal, level=planes.level, keep=planes.keep,
         gap=planes.gap, weight=weight,
     )  # fmt: skip
 
 
-def _sharpness(s: Surfaces, x: Floats, edges: Ints, points: Floats, normals: Floats, rigid: bool) -> Floats:
+def _sharpness(s: Surfaces, x: Floats, edges: Ints, points: Floats, normals: Floats, rigid: Bools) -> Floats:
     """Return how much edges stick out in a direction: 1 where the faces beside fall away, 0 where they are flat.
 
     Of what is rigid and coarse, one of them may be flat: two bars that lie crosswise touch nowhere else.
@@ -253,7 +248,7 @@ def _sharpness(s: Surfaces, x: Floats, edges: Ints, points: Floats, normals: Flo
         least = np.where(across < 0, least, np.minimum(least, sharp))
         flat = np.where(across < 0, flat, np.minimum(flat, rises))
         most = np.where(across < 0, 1.0, np.maximum(most, sharp))
-    return most * flat if rigid else least
+    return np.where(rigid, most * flat, least)
 
 
 def near_boxes(a: Floats, b: Floats, reach: float) -> tuple[Ints, Ints]:

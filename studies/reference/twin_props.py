@@ -9,8 +9,6 @@ import numpy as np
 from core.base import Floats, Ints
 from core.native.scene import Collider, ColliderMotion, Fall, Way
 
-from .bounds import Bounds, is_allowed
-from .constants import TRIES
 from .falling import NOBODY, Prop, Support, ground_supports, resolve_supports
 from .proximity import Surfaces
 from .touching import Meetings
@@ -125,36 +123,13 @@ class Props:
                 prop.answer += sign * np.concatenate([passed[mine].sum(axis=0), moments.sum(axis=0)])
 
 
-def move(prop: Prop, bounds: Bounds, part: slice, dt: float) -> tuple[float, Floats, list[int]]:
-    """Move a prop as far as its bounds let all of it go.
-
-    Returns:
-        the share of its way, where its vertices (m, 3) [m] are then, and those that were held back.
-    """
-    least, most, held = 0.0, 1.0, list[int]()
-    centre, turn = prop.state.centre, prop.state.turn
-    for k in range(TRIES + 1):
-        share = 1.0 if k == 0 else (least + most) / 2 if k < TRIES else least
-        if share:
-            centre, turn = prop.pose(dt, share)
-        else:
-            centre, turn = prop.state.centre, prop.state.turn
-        x = prop.what.shape.arms @ turn.T + centre
-        late = [v for v, at in zip(range(part.start, part.stop), x, strict=True) if not is_allowed(bounds, v, at)]
-        if k == 0:
-            held = late
-        if not late:
-            least = share
-        else:
-            most = share
-        if share in (0, 1) and not late:
-            break
-    share = least
+def leave(prop: Prop, share: float, dt: float) -> None:
+    """Leave a prop where a share of its way ends; where that was not all, it has lost as much of its speed."""
+    if share > 0:
+        prop.state.centre, prop.state.turn = prop.pose(dt, share)
     if share < 1:
         prop.state.velocity, prop.state.momentum = share * prop.state.velocity, share * prop.state.momentum
         prop.spin = share * prop.spin
-    prop.state.centre, prop.state.turn = centre, turn
-    return share, x, held
 
 
 def _copy(fall: Fall | Way) -> tuple[Floats, ...]:

@@ -11,21 +11,22 @@ from core.native.motion import Motion
 from core.native.scene import Collider, ColliderMotion, Crossings, SceneFrame, Way
 
 from . import touching
-from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed
-from .constants import OFFSET, QUERY_REACH, ROAM, STALE, TOO_NEAR
+from .bounds import Bounds, beyond, bounds_of, is_allowed, left_of, moved, renewed, settle, way_of
+from .constants import LEAST_WAY, OFFSET, PUSH_TIME, QUERY_REACH, ROAM, ROUNDING, STALE, TOO_NEAR
 from .crossing import crossing_vertices, find_crossings
 from .islands import let_sleep, woken
 from .proximity import Pairs, find_pairs, join_surfaces, touching_distance
 from .rolling import Turning, resist
 from .twin import Call, Twin
-from .twin_props import Props, move
+from .twin_props import Props, leave
 
 
 class TwinScene:
     """Bodies and colliders that numpy steps; what it does is said in `native.Scene`.
 
-    A vertex that is held back by several planes is put onto them in another order than there, so that it ends elsewhere
-    within its bounds: from the first such tick on the two differ visibly.
+    A vertex that is beyond several planes is put onto them in another order than there, so that it ends elsewhere
+    within its bounds: from the first such tick on the two differ visibly. No collider is let go of that pulls skin too
+    far.
     """
 
     def __init__(
@@ -60,6 +61,8 @@ class TwinScene:
         self._turning: list[Turning | None] = [Turning(b.model.mesh.size) if b.model.free else None for b in bodies]
         self._turning += [None] * len(colliders)
         self._touched = np.zeros(len(self._part), bool)  # of the surfaces, in the last substep
+        self._share, self._late = np.ones(len(self._part)), np.zeros(len(self._part))
+        self._ends = [x.copy() for x in self._here]  # where colliders were to be at the end of the last tick
         self._due, self._wakes, self._approach = True, True, 0.0
         self._looks, self._looked, self._near = True, self._positions(), np.zeros(0, np.int64)
         self._known = [(body.model, body.positions()) for body in bodies]
@@ -79,6 +82,7 @@ class TwinScene:
         """Put a collider at positions (3, m) [m] at once."""
         self._here[index], self._due = np.array(positions, np.float64), True
         self._rates[index][:] = 0
+        self._ends[index] = self._here[index].copy()
         self._props.wake(len(self._bodies) + index)
 
     def collider(self, index: int) -> Floats:
@@ -96,7 +100,7 @@ class TwinScene:
             if changed and turning:
                 turning.kept, turning.moment = np.zeros(3), np.zeros(3)
         self._queries = self._most_pairs = self._most_touching = self._truncated = 0
-        self._taken = self._held_back = 0.0
+        self._taken = 0.0
         self._gap, self._impulses = np.inf, np.zeros((len(self._part), 6))
         self._given = np.zeros((len(self._surfaces.of_vertex), 3))
         self._due |= self._props.take(ways, self._here, self._rates)
@@ -113,8 +117,9 @@ class TwinScene:
         frames = tuple(body.end(call) for body, call in zip(self._bodies, calls, strict=True))
         return SceneFrame(
             frames, done, self._queries, self._most_pairs, self._most_touching, self._truncated, self._taken,
-            self._held_back, self._gap, self._impulses[:, :3], self._impulses[:, 3:],
-            self._given[: self._part[len(self._bodies) - 1].stop],
+            self._gap, self._impulses[:, :3], self._impulses[:, 3:],
+            self._given[: self._part[len(self._bodies) - 1].stop], self._late, np.zeros(len(self._part), bool),
+            np.zeros((len(self._part), 3)),
         )  # fmt: skip
 
     def _run_tick(self, calls: Sequence[Call], ways: Sequence[Way], share: float) -> None:
@@ -123,9 +128,15 @@ class TwinScene:
         self._aims = [
             way.start + share * (way.end - way.start) if isinstance(way, ColliderMotion) else None for way in ways
         ]
+        self._pace, self._part_of_way = [1.0] * len(ways), [1.0] * len(ways)
         for i, aim in enumerate(self._aims):
             if not self._props.of[len(self._bodies) + i] and (aim is None or np.array_equal(aim, self._here[i])):
                 self._aims[i], self._rates[i][:] = None, 0
+            elif aim is not None:
+                pairs = ((aim, self._ends[i]), (self._ends[i], self._here[i]), (aim, self._here[i]))
+                led, late, left = (float(np.linalg.norm(a - b, axis=0).max()) for a, b in pairs)
+                self._pace[i] = min(1.0, (led + late * self._tick / PUSH_TIME) / left) if late > 0 else 1.0
+                self._ends[i] = aim
         awake = bool(self._moving().any())
         if awake:
             self._set_approach()
@@ -146,10 +157,14 @@ class TwinScene:
                 if not body.rest.asleep:
                     body.substep(call, near, substeps - 1 - step, turning)
             with np.errstate(all="ignore"):  # the frame says when it has blown up
-                self._move_colliders(1 / (substeps - step))
+                self._was = [x.copy() for x in self._here]
+                self._lead_colliders(step, substeps)
                 self._move_props()
                 self._resolve()
-                self._bound_bodies()
+                self._keep_apart()
+        for i, aim in enumerate(self._aims, len(self._bodies)):
+            late = 0.0 if aim is None else np.linalg.norm(aim - self._here[i - len(self._bodies)], axis=0).max()
+            self._late[i] = late
         for i, (body, call) in enumerate(zip(self._bodies, calls, strict=True)):
             body.sag = float(np.linalg.norm(body.model.gravity)) * self._dt if self._touched[i] else 0.0
             body.end_tick(call)
@@ -192,44 +207,42 @@ class TwinScene:
 
     def _set_approach(self) -> None:
         """Set how much farther than they touch things are looked at [m]: they come nearer before the next look."""
-        fastest = [float(np.sqrt((body.state.velocities**2).sum(axis=0).max())) for body in self._bodies]
+        soft, fastest = [float(np.sqrt((b.state.velocities**2).sum(axis=0).max())) for b in self._bodies], [0.0]
         for here, aim in zip(self._here, self._aims, strict=True):
             if aim is not None:
                 fastest.append(float(np.sqrt(((aim - here) ** 2).sum(axis=0).max())) / self._tick)
         for _, prop in self._props.awake:
             assert prop.fall
             fastest.append(prop.speed() + float(np.linalg.norm(prop.fall.gravity)) * self._tick)
-        self._fastest = max(fastest)
+        self._fastest_rigid, self._fastest = max(fastest), max(*soft, *fastest)
         least = self._touch + 3 * self._fastest * self._dt
         if not least <= self._approach <= 4 * least:
             self._approach, self._looks = self._touch + 6 * self._fastest * self._dt, True
 
     def _query(self) -> None:
-        s, x, count = self._surfaces, self._positions(), len(self._part)
-        reach, bodies = QUERY_REACH * max(self._touch, 2 * OFFSET * self._edge), len(self._bodies)
+        s, x, count, bodies = self._surfaces, self._positions(), len(self._part), len(self._bodies)
+        least = QUERY_REACH * max(self._touch, 2 * OFFSET * self._edge)
+        reach = max(least, self._touch + 3 * self._fastest_rigid * self._dt)
         lows, highs = (np.array([pick(x[part], axis=0) for part in self._part]) for pick in (np.min, np.max))
-        slack, stale, found = np.full(len(x), np.inf), np.full(len(x), np.inf), []
+        slack, stale, found = np.full(count, np.inf), np.full(count, np.inf), []
         for i in range(count):
             for j in range(i, count):
                 if not (i < bodies and self._itself[i] if i == j else self._free[i] or self._free[j]):
                     continue
                 apart = -1.0 if i == j else float(np.maximum(lows[j] - highs[i], lows[i] - highs[j]).max())
+                far = apart if apart > reach else reach
+                way = apart / 4 if apart > reach else STALE * (reach - self._touch) / 2
+                for k in (i, j):
+                    slack[k], stale[k] = min(slack[k], ROAM * far / 2), min(stale[k], way)
                 if apart > reach:
-                    for part in (self._part[i], self._part[j]):
-                        slack[part] = np.minimum(slack[part], ROAM * apart / 2)
-                        stale[part] = np.minimum(stale[part], apart / 4)
-                else:
-                    closest = float(max(self._sizes[i], self._sizes[j]))
-                    rigid = min(i, j) >= bodies
-                    found.append(find_pairs(s, x, i, j, reach=reach, closest=closest, rigid=rigid))
-                    if i == j:
-                        out = self._left_out[found[-1].at].sum(axis=1)
-                        found[-1] = _picked(found[-1], np.flatnonzero(out == 0))
-                    way = free_behind(s, x, i, j, found[-1], reach)
-                    slack = np.minimum(slack, ROAM * way / 2)
-                    stale = np.minimum(stale, STALE * (way - self._touch) / 2)
+                    continue
+                closest = float(max(self._sizes[i], self._sizes[j]))
+                found.append(find_pairs(s, x, i, j, reach=reach, closest=closest, bodies=bodies))
+                if i == j:
+                    out = self._left_out[found[-1].at].sum(axis=1)
+                    found[-1] = _picked(found[-1], np.flatnonzero(out == 0))
         pairs = _joined(found)
-        self._bounds: Bounds = bounds_of(x, slack, pairs)
+        self._bounds: Bounds = bounds_of(x, slack[s.of_vertex], pairs)
         self._stale = stale
         self._touches = touching_distance(s, pairs, self._offsets, self._props.skins, bodies)
         may = (pairs.weight > 0) & (pairs.gap <= self._touches + STALE * (reach - self._touch) * 1.5)
@@ -241,48 +254,40 @@ class TwinScene:
         self._most_pairs = max(self._most_pairs, len(pairs.gap))
         self._gap = min(self._gap, float(pairs.gap.min(initial=np.inf)))
 
-    def _move_colliders(self, share: float) -> None:
-        """Move colliders on their way; where something that one presses cannot get away, it waits."""
+    def _lead_colliders(self, step: int, substeps: int) -> None:
+        """Let colliders go on their way in a substep; what was held back tries twice as much."""
+        self._tried = np.ones(len(self._part))
         for i, aim in enumerate(self._aims):
-            if aim is None:
-                continue
-            part, here = self._part[len(self._bodies) + i], self._here[i]
-            x = (here + share * (aim - here)).T
-            wanted = x.copy()
-            for own, vertex in enumerate(range(part.start, part.stop)):
-                if not is_allowed(self._bounds, vertex, x[own]):
-                    x[own] = hold_back(self._bounds, vertex, x[own], here[:, own])
-                    self._held += [vertex] if is_near(self._bounds, vertex) else []
-            self._held_back = max(self._held_back, float(np.linalg.norm(wanted - x, axis=1).max()))
-            self._rates[i], self._here[i] = (x.T - here) / self._dt, np.ascontiguousarray(x.T)
-            self._note_way(len(self._bodies) + i, x)
+            if aim is not None:
+                self._share[len(self._bodies) + i] = min(1.0, 2 * max(self._share[len(self._bodies) + i], LEAST_WAY))
+                self._tried[len(self._bodies) + i] = self._share[len(self._bodies) + i]
+                self._part_of_way[i] = self._pace[i] / (substeps - self._pace[i] * step)
+                self._go(len(self._bodies) + i)
 
     def _move_props(self) -> None:
-        """Resolve what props touch but soft bodies, and move them as far as all of each may go."""
+        """Resolve what props touch but soft bodies, and let them go their way."""
         touching = self._props.resolve(self._velocities(), self._dt, self._impulses)
         self._most_touching = max(self._most_touching, touching)
-        for i, prop in self._props.awake:
-            part, own = self._part[i], i - len(self._bodies)
-            speed = float(np.linalg.norm(prop.state.velocity))
-            share, x, held = move(prop, self._bounds, part, self._dt)
-            if share < 1:
-                self._truncated += 1
-                self._taken += (1 - share) * prop.what.shape.mass * speed
-            whole = self._bounds.before.copy()
-            whole[part] = x
-            far = part.start + np.flatnonzero(beyond(self._bounds, whole)[part]) if share == 1 else held
-            for vertex in far:
-                if is_near(self._bounds, vertex):
-                    self._held.append(int(vertex))
-                elif share < 1:
-                    self._due = True
-            self._rates[own], self._here[own] = (x.T - self._here[own]) / self._dt, np.ascontiguousarray(x.T)
-            self._note_way(i, x)
+        for i, _ in self._props.awake:
+            self._share[i] = 1.0
+            self._go(i)
+
+    def _go(self, i: int) -> None:
+        """Put a collider or a prop where its share of its way ends."""
+        own, share = i - len(self._bodies), float(self._share[i])
+        was, aim, prop = self._was[own], self._aims[own], self._props.of[i]
+        if share == 0:
+            self._here[own] = was.copy()
+        elif prop:
+            centre, turn = prop.pose(self._dt, share)
+            self._here[own] = np.ascontiguousarray((prop.what.shape.arms @ turn.T + centre).T)
+        elif aim is not None:
+            self._here[own] = was + share * self._part_of_way[own] * (aim - was)
+        self._rates[own] = (self._here[own] - was) / self._dt
 
     def _begin_contact(self) -> None:
         """Before a substep: note where everything is, and look again where that has moved."""
         self._last = self._positions()
-        self._held: list[int] = []
         self._looks = self._looks or bool(
             ((self._last[self._near] - self._looked[self._near]) ** 2).sum(axis=1).max(initial=0)
             > (self._touch / 2) ** 2
@@ -332,52 +337,78 @@ class TwinScene:
         self._touched = np.isin(np.arange(len(self._part)), sides[active])
         self._most_touching = max(self._most_touching, int((passed != 0).any(axis=1).sum()))
 
-    def _bound_bodies(self) -> None:
-        """Keep every vertex of the bodies to its bounds; what of momentum that takes is counted."""
+    def _keep_apart(self) -> None:
+        """Keep skin ahead of all that has moved; where it cannot get away, what is rigid goes half of its way."""
+        bodies, stuck = len(self._bodies), {-1}  # of surfaces that skin cannot get away from
+        while stuck:
+            stuck = self._watch_ways()
+            b = self._bounds = moved(self._bounds, self._positions(), self._last)
+            left = left_of(b, self._positions())
+            rigid = np.asarray(b.pairs.rigid.all(axis=1))
+            for row in np.flatnonzero((left < 0).any(axis=1) & rigid).tolist():
+                stuck |= set(self._surfaces.of_vertex[b.pairs.at[row]].tolist())
+            for vertex in np.unique(b.pairs.at[(left < 0) & ~rigid[:, None]]).tolist():
+                stuck |= self._settle(vertex)
+            stuck = {i for i in stuck if i >= bodies and self._share[i] > 0 and self._is_moving(i)}
+            for i in stuck:
+                self._share[i] = self._share[i] / 2 if self._share[i] > LEAST_WAY * self._tried[i] else 0.0
+                self._go(i)
+        for i, prop in self._props.awake:
+            self._truncated += self._share[i] < 1
+            self._taken += (1 - self._share[i]) * prop.what.shape.mass * float(np.linalg.norm(prop.state.velocity))
+            leave(prop, float(self._share[i]), self._dt)
         x = self._positions()
-        far = beyond(self._bounds, x)
-        for index, (body, part) in enumerate(zip(self._bodies, self._part, strict=False)):
-            if body.rest.asleep:
-                continue
-            for vertex in (part.start + np.flatnonzero(far[part])).tolist():
-                if is_near(self._bounds, vertex):
-                    self._held.append(vertex)
-                else:
-                    self._due = True  # it wants to go farther than anybody has looked
-                if not is_allowed(self._bounds, vertex, x[vertex]):
-                    self._bound(body, vertex, vertex - part.start, x[vertex])
-            self._note_way(index, body.state.positions.T)
-        if self._held and not self._due:
-            closest, soft = self._sizes[self._surfaces.of_vertex], self._surfaces.of_vertex < len(self._bodies)
-            x, v = self._positions(), self._velocities()
-            self._bounds = renewed(self._bounds, self._held, x, v, closest, soft, self._dt)
+        spent = np.flatnonzero(left_of(self._bounds, x).min(axis=1, initial=np.inf) < self._bounds.pairs.keep)
+        if len(spent) and not self._due:
+            self._bounds = renewed(self._bounds, spent, x, self._sizes[self._surfaces.of_vertex])
 
-    def _bound(self, body: Twin, vertex: int, own: int, x: Floats) -> None:
-        at = hold_back(self._bounds, vertex, x, self._last[vertex])
-        back = at - x
+    def _is_moving(self, i: int) -> bool:
+        prop = self._props.of[i]
+        return not prop.asleep if prop else self._aims[i - len(self._bodies)] is not None
+
+    def _watch_ways(self) -> set[int]:
+        """Note how far all have gone since the query; return the rigid surfaces that would go too far."""
+        stuck, x, b = set[int](), self._positions(), self._bounds
+        for i, part in enumerate(self._part):
+            ways = np.linalg.norm(x[part] - b.before[part], axis=1)
+            self._due |= bool(ways.max() > self._stale[i])
+            for vertex in (part.start + np.flatnonzero(~(ways <= b.slack[part]))).tolist():
+                stuck |= self._settle(vertex) if i < len(self._bodies) else {i}
+        return stuck
+
+    def _settle(self, vertex: int) -> set[int]:
+        """Bring a vertex of a body to where it may be; return the surfaces that it cannot get away from."""
+        index = int(self._surfaces.of_vertex[vertex])
+        body, x, b = self._bodies[index], self._positions(), self._bounds
+        was = np.concatenate([self._last[: self._part[len(self._bodies) - 1].stop], *(w.T for w in self._was)])
+        planes = [row for row in beyond(b, vertex, x[vertex]) if b.pairs.rigid[row].any()]
+        way = way_of(b, planes[0], x, was) if planes else None
+        own, last = vertex - self._part[index].start, self._last[vertex]
+        pinned = not body.model.inverse_mass[own] > 0
+        margin = ROUNDING * body.model.mesh.size
+        at, allowed = settle(b, vertex, x[vertex], last, None if pinned else way, margin)
+        if pinned and np.linalg.norm(at - last) > np.linalg.norm(x[vertex] - last):  # it is not pushed
+            at, allowed = last, is_allowed(b, vertex, last)
+        back = at - x[vertex]
         back = back / max(float(np.linalg.norm(back)), 1e-300)
         velocity = body.state.velocities[:, own]
-        against = float(velocity @ back)
-        if against < 0:
-            body.state.velocities[:, own] = velocity - against * back
-            if body.model.inverse_mass[own] > 0:
-                self._taken -= against / float(body.model.inverse_mass[own])
+        change = max(0.0 if way is None else float(way @ back) / self._dt, 0.0) - float(velocity @ back)
+        if change > 0:
+            body.state.velocities[:, own] = velocity + change * back
+            self._taken += 0.0 if pinned else change / float(body.model.inverse_mass[own])
         body.state.positions[:, own] = at
         self._truncated += 1
-
-    def _note_way(self, index: int, x: Floats) -> None:
-        part = self._part[index]
-        way = x - self._bounds.before[part]
-        if (np.einsum("nc,nc->n", way, way) > self._stale[part] ** 2).any():
-            self._due = True
+        self._due |= body.rest.asleep
+        rows = np.zeros(0, np.int64) if allowed else beyond(b, vertex, at)
+        return set(self._surfaces.of_vertex[b.pairs.at[rows][:, [0, 3]]].ravel().tolist())
 
 
 def _joined(found: Sequence[Pairs]) -> Pairs:
     if not found:
         none, whole = np.zeros(0), np.zeros(0, np.int64)
         return Pairs(
-            at=whole.reshape(0, 4), ones=whole, part=whole.reshape(0, 2), normal=none.reshape(0, 3), level=none,
-            keep=none.reshape(0, 2), way=none.reshape(0, 2), gap=none, weight=none,
+            at=whole.reshape(0, 4), ones=whole, part=whole.reshape(0, 2), rigid=np.zeros((0, 2), bool),
+            normal=none.reshape(0, 3), level=none, keep=none, gap=none, weight=none,
         )  # fmt: skip
     return Pairs(**{name: np.concatenate([getattr(p, name) for p in found]) for name in Pairs.__slots__})
 

@@ -62,7 +62,7 @@ def entry(bpy: ModuleType) -> Any:
         link=SimpleNamespace(slots=(0,)), frame=frame, refused="", recorder=None,
         fingers=(Finger((0.0, 0.0, 0.05), 0.01), None, None),
         session=SimpleNamespace(
-            clock=SimpleNamespace(tick=1e-3), contact_note="", fingers=(Finger((0.0, 0.0, 0.05), 0.02),),
+            clock=SimpleNamespace(tick=1e-3), contact_note="", held_note="", fingers=(Finger((0.0, 0.0, 0.05), 0.02),),
             law=lambda index, depths: [1.5 * material.law(depth) for depth in depths],
             model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))
         ),

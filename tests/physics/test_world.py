@@ -90,7 +90,7 @@ def test_a_plate_that_would_press_a_body_to_nothing_waits_and_passes_neither_bod
     start = sheet(2, 0.5)[0] + (0, 0, 2 * RADIUS + 2e-3)
     world, most = World([body], [table(), Collider(start.T.copy(), sheet(2, 0.5)[1])]), 0.0
     for tick in range(1, 201):
-        world.set_colliders([None, start - (0, 0, min(speed * tick * 1e-3, 2 * RADIUS + 1.8e-3))])
+        world.set_colliders([None, start - (0, 0, min(speed * tick * 1e-3, 2 * RADIUS + 4e-3))])
         most = max(most, world.step(1e-3).held_back)
         world.check()
     assert body.frame.finite and most > 0

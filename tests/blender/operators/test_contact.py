@@ -1,7 +1,7 @@
 """Objects with Dimple Collider ticked are met by running bodies, in play and in a bake alike."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -273,3 +273,46 @@ def test_what_meets_something_is_planned_for_twice_the_work_and_with_every_verte
     live_step.start_all(bpy.context)
     assert after(0.1) == (False, reason)
     sessions.stop_all()
+
+
+@pytest.fixture
+def led_down(bpy: ModuleType, scene: Any, add: Add) -> Callable[[Sequence[float], float], Any]:
+    """Return a function that leads a cube of a size and eight vertices down into a soft one, and bakes."""
+
+    def bake(size: Sequence[float], lowest: float) -> Any:
+        soft, led = add(name="Soft"), add(name="Led")
+        cuts = soft.modifiers.new("Cuts", "SUBSURF")
+        cuts.subdivision_type, cuts.levels, cuts.render_levels = "SIMPLE", 3, 3
+        led.scale = size
+        for frame, height in ((1, 1.02), (20, lowest)):  # of its lowest face; the soft cube reaches from -1 to 1
+            led.location = (0, 0, height + size[2])
+            led.keyframe_insert("location", frame=frame)
+        led.dimple.collider = True
+        led.select_set(False)
+        soft.select_set(True)
+        bpy.context.view_layer.objects.active = soft
+        soft.dimple.pinned = "BASE"
+        scene.dimple.use_gravity = scene.dimple.use_ground = False
+        scene.frame_set(1)
+        assert bpy.ops.dimple.bake(frame_start=1, frame_end=24) == {"FINISHED"}
+        (path,) = Path(scene.dimple.cache_dir).glob("*.pc2")
+        return read_point_cache(path)[2][-1]
+
+    return bake
+
+
+@pytest.mark.parametrize("size", [(0.3, 0.3, 0.3), (0.6, 0.6, 0.1)], ids=["box", "plate"])
+def test_a_led_cube_of_eight_vertices_goes_into_a_soft_cube_as_deep_as_its_keyframes_say(
+    led_down: Callable[..., Any], size: Sequence[float], caplog: pytest.LogCaptureFixture
+) -> None:
+    deepest = led_down(size, 0.4)[:, 2].min()
+    assert deepest == pytest.approx(-0.6, abs=0.08)  # edges of 0.25 touch at 0.025, and fold deeper at its rim
+    assert "Collider" not in caplog.text
+
+
+def test_a_bake_says_which_collider_could_not_go_its_way_when_and_where(
+    led_down: Callable[..., Any], caplog: pytest.LogCaptureFixture
+) -> None:
+    led_down((0.6, 0.6, 0.1), -1.5)
+    print(caplog.text)
+    assert re.search(r'Frame \d+: Collider "Led" .+ at \(.+\) mm', caplog.text)
