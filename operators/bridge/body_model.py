@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import bpy
 
-from ...core.base import DimpleError
+from ...core.errors import DimpleError
 from ...core.messages import about
-from ...core.steps import Parts
 from ..messages import Note
 from ..names import MAPS
 from . import advice, final_mesh
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from ...core.body.model import Model
     from ...core.material import Material
     from ...core.mesh.surface import Mesh
+    from ...core.steps import Parts
     from .object_link import Floats, ObjectLink
 
 

@@ -12,7 +12,6 @@ from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import DimpleError
 from ...core.messages import Message
-from ..bridge import body_model
 from ..device.connect_device import is_ready
 from ..messages import say
 from ..names import Op
@@ -36,6 +35,8 @@ def is_blind() -> bool:
 @bpy.app.handlers.persistent
 def close(*_: object) -> None:
     """End the experiment under way; its answers are kept."""
+    from ..bridge import body_model
+
     while experiments:
         sessions.stop_all()
         experiments.pop().log.file.close()
@@ -121,10 +122,11 @@ class DIMPLE_OT_open_experiment(polls.Declared, bpy.types.Operator):
             raise DimpleError("Type the participant's code, one of {codes}.", codes=tuple(plan.participants))
         materials = {label: material_of(source) for label, source in plan.objects.items()}
         check_levels(context.scene, plan, materials)
+        connection = haptic_fingertips.get()
         stated = {
             "dimple": version(), "blender": bpy.app.version_string, "object": context.object.name,
-            "fingertip_mm": settings.finger_radius_mm, "port": settings.device_port, "scale": settings.device_scale,
-            "device": settings.device_file, "cap_n_m": haptic_fingertips.get().report.cap,
+            "fingertip_mm": settings.finger_radius_mm, "port": connection.device.port, "scale": settings.device_scale,
+            "cap_n_m": connection.report.cap, "peak_n": connection.report.peak,
         }  # fmt: skip
         close()
         answers = path.with_name(f"{path.stem}_{participant}.csv")
@@ -156,6 +158,7 @@ class DIMPLE_OT_continue_experiment(polls.Declared, bpy.types.Operator):
     def _present(self, context: bpy.types.Context, experiment: "Experiment") -> None:
         """Begin the next interval: of the virtual object, with a session of its constants and an armed device."""
         from ...core.device.limits import QUIET_FORCE
+        from ..bridge import body_model
         from ..press import live_step
 
         haptic_fingertips.get().device.samples()  # what was felt until now does not belong to this interval

@@ -11,7 +11,6 @@ from core.material import Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from core.world import Collider, World
-from core.world.props import PropWorld
 from studies.reference.facets import nearest_on_triangles
 from studies.scenes import cube
 from tests.bodies import ball
@@ -133,8 +132,8 @@ def test_a_falling_box_rests_as_deep_whole_as_cut(mass: float) -> None:
     depths = []
     for cuts in (0, 1, 2):
         start, faces = shape("plate", cuts)
-        world = PropWorld([soft_cube(16)], [Collider(np.ascontiguousarray(start.T), faces)], masses=[mass])
+        world = World([soft_cube(16)], [Collider(np.ascontiguousarray(start.T), faces)], masses=[mass])
         world.step(3.0)
-        depths.append(-float(world.states[0].centre[2]) + 0.005)
+        depths.append(-float(world.props[0].state.centre[2]) + 0.005)
     print(f"{mass} kg: {depths} m")
     assert max(depths) < 1.05 * min(depths)
