@@ -1,5 +1,5 @@
-"""What Blender shows and stores: properties and panels, materials in pictures, the tool and its gizmo, the overlay with
-its charts and colors, preferences, and translations.
+"""The interface and the stored settings: properties and panels, pictures of materials, the tool and its gizmo, the
+overlay with its charts and colours, preferences, and translations.
 """
 
 from .. import operators
@@ -17,7 +17,7 @@ from . import (
     translations,
 )
 
-# in order of dependence: operators read the properties, panels name the operators and the presets' popover
+# in order of dependency: operators read the properties; panels refer to the operators and to the popover of presets
 PARTS = (
     translations, material_choice, properties, operators, my_materials, panels, preferences, surface_colours,
     overlay, fingertip_gizmo, tool, still_warning,

@@ -1,4 +1,4 @@
-"""The panels of calibration: from a file to a result, from there to a material; and a virtual press."""
+"""The calibration panels: fit the law to a file, apply the result to a material, and press virtually."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ from .readout import iface_
 
 
 def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | None]:
-    """Return the calibration to show, and the settings of its material, None while it has not been applied."""
+    """Return the calibration to show, and the settings of the material that has it, None if it is not applied yet."""
     if record := results.load(context.scene.dimple.calibration):
         return record, None
     material = context.object.active_material if context.object else None
@@ -22,7 +22,7 @@ def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | N
 
 
 def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return (label, value with unit) of a calibration; ± is half of the 95 % interval."""
+    """Return the rows (label, value with unit) of a calibration; ± gives half the width of the 95 % interval."""
     two = record["model"] == "two"
     lines = [(iface_("Slopes"), iface_("Two") if two else iface_("One"))]
     lines.append(("K1", f"{_with_error(record, 'K1')} N/mm"))
@@ -50,12 +50,12 @@ def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def headlines(record: dict[str, Any]) -> list[str]:
-    """Return what the warnings say is wrong; what they mean is among the sentences."""
+    """Return the first line of each warning, which states the problem; `sentences` has the explanations."""
     return [translated(warning, iface_).partition("\n")[0] for warning in record["warnings"]]
 
 
 def sentences(record: dict[str, Any]) -> list[str]:
-    """Return the warnings that have more to say, what the values of k assume, then the notes of the core."""
+    """Return the warnings that have an explanation, the assumptions behind k, then the notes of the core."""
     warnings = [translated(each, iface_).replace("\n", " ") for each in record["warnings"] if "\n" in each]
     return [*warnings, *([record["k"]["assumes"]] if record["k"] else []), *record["notes"]]
 
@@ -66,13 +66,13 @@ def _with_error(record: dict[str, Any], name: str) -> str:
 
 
 def _plus_minus(value: float, half_width: float) -> str:
-    from ..core.calibration.fit import plus_minus  # with numpy: not before there is something to show
+    from ..core.calibration.fit import plus_minus  # imports numpy, so only if there is something to show
 
     return plus_minus(value, half_width)
 
 
 class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
-    """Calibrating from a file, and applying the result to a material."""
+    """Calibrate from a file, and apply the result to a material."""
 
     bl_label = "Calibration"
     bl_options = {"DEFAULT_CLOSED"}
@@ -100,7 +100,7 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_calibration_notes(SidebarPanel, bpy.types.Panel):
-    """What the numbers mean, and how the file was read."""
+    """The meaning of the numbers, and how the file was read."""
 
     bl_label = "Notes"
     bl_parent_id = "DIMPLE_PT_calibration"
@@ -113,7 +113,7 @@ class DIMPLE_PT_calibration_notes(SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_virtual_press(SidebarPanel, bpy.types.Panel):
-    """Measuring the active object."""
+    """Measure the active object by a virtual press."""
 
     bl_label = "Virtual Press"
     bl_parent_id = "DIMPLE_PT_calibration"

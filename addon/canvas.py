@@ -1,6 +1,6 @@
-"""What is drawn with over the viewport: colours, sizes, lines, filled boxes and text.
+"""Drawing over the viewport: colours, sizes, lines, filled boxes and text.
 
-`gpu` is imported only when there is something to draw, so the extension also registers where nothing can be drawn.
+`gpu` is imported only to draw, so the extension also registers in a Blender that cannot draw (background mode).
 """
 
 from collections.abc import Callable, Sequence
@@ -12,17 +12,17 @@ from .shapes import Point, Segment
 
 FINGERTIP = (1.0, 0.62, 0.15, 1.0)
 FORCE = (0.95, 0.2, 0.15, 1.0)
-FAINT, BACK = 0.35, 0.6  # how opaque they are
+FAINT, BACK = 0.35, 0.6  # opacity of thin lines, and of the background of numbers
 
-LINE_WIDTH = 2.0  # in units of Blender's own line width
-# all sizes below in pixels at a resolution scale of 1
+LINE_WIDTH = 2.0  # in multiples of the line width of Blender's interface
+# [px] the sizes below, at a resolution scale of 1
 TEXT_SIZE = 12.0
 LINE_HEIGHT = 17.0
 MARGIN = 16.0
 
 
 def drawing(in_scene: Callable[[], None], on_top: Callable[[], None]) -> tuple[Callable[[], None], Callable[[], None]]:
-    """Return what begins to draw in the scene of each viewport and on top of its picture, and what ends it."""
+    """Return functions that start and stop drawing in the scene of each viewport and on top of its image."""
     view, handlers = bpy.types.SpaceView3D, list[object]()
 
     def register() -> None:
@@ -37,7 +37,7 @@ def drawing(in_scene: Callable[[], None], on_top: Callable[[], None]) -> tuple[C
 
 
 class Screen(NamedTuple):
-    """The region that is drawn in."""
+    """The region to draw in."""
 
     width: float  # [px]
     height: float  # [px]
@@ -52,7 +52,7 @@ def screen_of(context: bpy.types.Context) -> Screen:
 
 
 def ink() -> Point:
-    """Return the colour in which the theme writes over a viewport."""
+    """Return the theme's text colour over a viewport."""
     return *bpy.context.preferences.themes[0].view_3d.space.text_hi, 1.0
 
 
@@ -62,7 +62,7 @@ def faint() -> Point:
 
 
 def paper() -> Point:
-    """Return the colour behind numbers: black where the text is light, white where it is dark."""
+    """Return the background colour of numbers: black behind light text, white behind dark text."""
     return *_opposite(ink()), BACK
 
 
@@ -87,8 +87,8 @@ def draw(
     """Draw "LINES", "TRIS" or a "TRI_STRIP" through points, in one colour or with a colour for each point.
 
     Args:
-        screen: where lines are drawn, for their width.
-        behind: draw also what surfaces of the scene hide.
+        screen: the region, for lines with the width `screen.line`.
+        behind: also draw the parts that surfaces of the scene hide.
     """
     import gpu
     from gpu_extras.batch import batch_for_shader
@@ -109,7 +109,7 @@ def draw(
 
 
 def draw_lines(segments: Sequence[Segment], colour: Point, screen: Screen) -> None:
-    """Draw straight lines, each from point to point, in the scene or in pixels."""
+    """Draw straight segments between points in the scene or on the screen [px]."""
     if segments:
         points = [(*point, 0.0)[:3] for segment in segments for point in segment]
         draw("LINES", points, colour=colour, screen=screen)
@@ -122,7 +122,7 @@ def draw_filled(low: Point, high: Point, colour: Point) -> None:
 
 
 def write(text: str, at: Point, scale: float, colour: Point | None = None) -> float:
-    """Write a line, in the colour of the theme where none is given, and return how wide it is [px]."""
+    """Write a line of text, by default in the colour of the theme, and return its width [px]."""
     import blf
 
     font, colour = 0, colour or ink()
@@ -137,7 +137,7 @@ def write(text: str, at: Point, scale: float, colour: Point | None = None) -> fl
 
 
 def width(text: str, scale: float) -> float:
-    """Return how wide a line is [px]."""
+    """Return the width of a line of text [px]."""
     import blf
 
     blf.size(0, TEXT_SIZE * scale)

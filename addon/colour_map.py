@@ -1,6 +1,6 @@
-"""Colours for numbers: as far apart to the eye as the numbers are, and lighter the higher, so that grey says it too.
+"""Two perceptually uniform colour maps: RISING gets lighter, so that it also reads in grey; SIGNED is lightest at 0.
 
-They run evenly through the space OKLab (Ottosson 2020), in which equal steps look equal.
+Their steps are equal in the colour space OKLab (Ottosson 2020), in which equal distances look equal.
 """
 
 from typing import TYPE_CHECKING
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 STEPS = 256
-# sRGB of evenly spaced colours, from the low end to the high one; of the second the middle is 0, and both ends are dark
+# sRGB colours at even steps from the low end to the high end; the middle of SIGNED is 0, and both of its ends are dark
 RISING = (
     "444d84 40598e 3a6597 2f71a1 1c7eab 198ba8 1797a4 16a4a0 18b09b "
     "4aba90 6ac383 85cc73 9ed55f b8dd5e d0e55d e8ed5c fff45a"
@@ -21,7 +21,7 @@ SIGNED = (
 
 
 def table(signed: bool = False) -> "np.ndarray":
-    """Return the colours (STEPS, 3) of a scale as sRGB, from its low end to its high one."""
+    """Return the colours (STEPS, 3) of a scale as sRGB, from its low end to its high end."""
     import numpy as np
 
     colours = np.array([list(bytes.fromhex(each)) for each in (SIGNED if signed else RISING).split()]) / 255

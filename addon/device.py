@@ -1,4 +1,4 @@
-"""The haptic device in the sidebar: where it is, its state, and what of a material it can render."""
+"""The haptic device in the sidebar: its port and workspace, its state, and how much of a material it can render."""
 
 
 import bpy
@@ -10,12 +10,12 @@ from .drawing import SidebarPanel, draw_notes, draw_rows
 from .readout import iface_
 
 _FIXED = {"options": set()}
-FULL = 0.95  # of the peak force: shown as all of it
-LATE_S = 0.001  # [s] a tick: a later answer acts one tick later, or more
+FULL = 0.95  # fraction of the peak force: a larger force is shown as full
+LATE_S = 0.001  # [s] one tick: an answer that takes longer acts at least one tick late
 
 
 class DeviceChoice:
-    """The settings of this computer that name its device: not a scene's, for a file may come from anybody."""
+    """The settings of this computer that choose its device; no scene has them, because a file may come from anybody."""
 
     device_port: StringProperty(
         name="Port", description="Where the device is plugged in: a serial port, a path, udp:HOST:PORT, "
@@ -98,7 +98,7 @@ def state(report: object) -> str:
 
 
 def rows(report: object, material: bpy.types.PropertyGroup | None) -> list[tuple[str, str]]:
-    """Return (label, number with unit) of what the device measures and renders."""
+    """Return rows (label, number with unit) of what the device measures and renders."""
     lines = [(iface_("State"), state(report))]
     if report.link.name != "READY":
         return lines
@@ -141,7 +141,7 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
 
 def knee_force(material: bpy.types.PropertyGroup) -> float:
     """Return the force [N] of a material at its knee."""
-    from ..core.material import law_force  # not at import: enabling must be quick
+    from ..core.material import law_force  # imported late, so that enabling is quick
 
     return law_force(material.x0, material.K1, material.K2, material.x0, _power(material))
 
@@ -158,7 +158,7 @@ def _power(material: bpy.types.PropertyGroup) -> float:
 
 
 def slow() -> list[str]:
-    """Return a sentence while Blender is too slow for the dead-man key."""
+    """Return a sentence if Blender is too slow for the dead-man key, else nothing."""
     connection = haptic_fingertips.get()
     if not (connection and connection.slow):
         return []

@@ -1,4 +1,4 @@
-"""What the panels share: their places in the interface, notes in boxes, and tables."""
+"""Shared parts of the panels: base classes, notes in boxes, and tables."""
 
 from collections.abc import Callable
 
@@ -9,12 +9,12 @@ from ..operators.messages import wrapped
 from ..operators.translation import translated
 from . import readout
 
-CHARACTER = 6.5  # [px] mean width of a character of a note, at most, at a resolution scale of 1
-FRAME = 80.0  # [px] width of the icon and borders beside it
+CHARACTER = 6.5  # [px] upper bound on the mean width of a character in a note, at a resolution scale of 1
+FRAME = 80.0  # [px] width of a note's icon and borders, at a resolution scale of 1
 
 
 def shown_if(is_met: Callable[[bpy.types.Context], object]) -> classmethod:
-    """Return the poll of a panel that is shown where a condition is met, and no participant judges blind."""
+    """Return the poll of a panel that is shown if a condition is met and no blind trial is under way."""
     return classmethod(lambda _cls, context: not is_blind() and bool(is_met(context)))
 
 
@@ -52,7 +52,7 @@ def draw_notes(
 def draw_prop(
     layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, name: str, *, active: bool, slider: bool = False
 ) -> None:
-    """Draw a setting, greyed out where it does nothing now."""
+    """Draw a setting, greyed out if it has no effect now."""
     row = layout.row()
     row.active = active
     row.prop(settings, name, slider=slider)
@@ -61,7 +61,7 @@ def draw_prop(
 def draw_linked(
     layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, name: str, link: str, **options: str
 ) -> None:
-    """Draw a setting of the fingertip, and the link that lets it follow the size of the body."""
+    """Draw a setting of the fingertip, and the button that links it to the size of the body."""
     row = layout.row(align=True)
     row.prop(settings, name, **options)
     row.prop(settings, link, text="", icon="LINKED")

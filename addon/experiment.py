@@ -1,4 +1,4 @@
-"""The sensory comparison in the sidebar: the text to agree to, the trial, and the answers."""
+"""The sensory comparison in the sidebar: the consent, the trial, and the answers."""
 
 import bpy
 
@@ -15,10 +15,10 @@ class DIMPLE_PT_experiment(SidebarPanel, bpy.types.Panel):
     bl_label = "Sensory Comparison"
     bl_options = {"DEFAULT_CLOSED"}
 
-    poll = classmethod(lambda _cls, _context: True)  # in a blind trial too
+    poll = classmethod(lambda _cls, _context: True)  # also shown in a blind trial
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the next step, without a hint at what is presented."""
+        """Draw the next step, without revealing the stimuli."""
         layout = self.layout
         if not experiments:
             layout.operator(Op.OPEN_EXPERIMENT, icon="FILE_FOLDER")

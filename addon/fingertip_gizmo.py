@@ -1,4 +1,4 @@
-"""The gizmo of a fingertip object: an arrow along its press, a ring that moves it, and a circle that is its radius."""
+"""The gizmo of a fingertip object: an arrow to move it along its axis, a ring to move it, a circle for its radius."""
 
 import bpy
 from mathutils import Matrix
@@ -7,7 +7,7 @@ from ..operators.press.modal_runs import runs
 from ..operators.press.sessions import fingertip_objects
 
 COLOR, LIT = (0.2, 0.6, 1.0), (1.0, 1.0, 1.0)
-HANDLE = 0.15  # size of the ring, of a gizmo of size 1
+HANDLE = 0.15  # size of the ring, relative to Blender's default gizmo
 
 
 class DIMPLE_GGT_fingertip(bpy.types.GizmoGroup):
@@ -21,7 +21,7 @@ class DIMPLE_GGT_fingertip(bpy.types.GizmoGroup):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Show on a fingertip that is selected, while no poke takes the mouse."""
+        """Show the gizmo on a selected fingertip, unless a poke uses the mouse."""
         tip = context.object
         return bool(
             tip and context.mode == "OBJECT" and tip.select_get() and tip in fingertip_objects(context.scene)
@@ -29,7 +29,7 @@ class DIMPLE_GGT_fingertip(bpy.types.GizmoGroup):
         )  # fmt: skip
 
     def setup(self, context: bpy.types.Context) -> None:
-        """Make the parts; each starts an operator of Blender's own, so undo, typed numbers and snapping are its too."""
+        """Make the parts; each starts one of Blender's own operators, so undo, typed numbers and snapping work."""
         self._arrow = self._part("GIZMO_GT_arrow_3d", "transform.translate", constraint_axis=(False, False, True),
                                  orient_type="LOCAL")  # fmt: skip
         self._ring = self._part("GIZMO_GT_move_3d", "transform.translate")
@@ -47,7 +47,7 @@ class DIMPLE_GGT_fingertip(bpy.types.GizmoGroup):
         return part
 
     def draw_prepare(self, context: bpy.types.Context) -> None:
-        """Put the parts where the fingertip is: the arrow on its outer side, the circle facing the viewer."""
+        """Place the parts at the fingertip: the arrow on its outer side, the circle facing the viewer."""
         tip, view = context.object, context.region_data
         if tip is None or view is None:
             return

@@ -1,4 +1,4 @@
-"""The chart of force against depth: the law of a material, its measurement, and where a fingertip is on it."""
+"""The chart of force against depth: the law of a material, its measured points, and the point of a fingertip."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -16,43 +16,43 @@ LAW = (0.55, 0.75, 1.0, 0.9)
 HERE = (0.75, 1.0, 0.6, 0.9)
 BAND = (0.55, 0.75, 1.0, 0.35)
 MEASURED = (1.0, 1.0, 0.55, 0.9)
-# sizes in pixels at a resolution scale of 1
+# [px] the sizes below, at a resolution scale of 1
 SIZE = (230.0, 130.0)
 CROSS = 2.5  # half the width of a measured point
-DOT = 4.0  # radius of the point where a fingertip is
-LINES = 32  # of a curve that is bent
+DOT = 4.0  # radius of a fingertip's point
+LINES = 32  # segments of a curve that is not piecewise linear
 
 
 class Curves(NamedTuple):
     """The curves of a chart, as points (depth [m], force [N])."""
 
-    law: Law  # what `shapes.law_curve` draws
-    band: tuple[list[Point], list[Point]] = ([], [])  # the lower and upper end of the law's 95 % interval
-    measured: list[Point] = []  # of the instrument
-    fingertip: Point | None = None  # where the deepest is, None where none presses
-    here: list[Point] = []  # what acts on it where that is not the law as it was measured, and
-    name: str = ""  # what that is called
-    begins: str = ""  # the touch and the tare that were used: what is 0 here
+    law: Law  # drawn by `shapes.law_curve`
+    band: tuple[list[Point], list[Point]] = ([], [])  # the lower and upper bound of the law's 95 % interval
+    measured: list[Point] = []  # points of the instrument
+    fingertip: Point | None = None  # point of the deepest fingertip, None if none presses
+    here: list[Point] = []  # the law that acts on this fingertip, if it is not the measured one
+    name: str = ""  # label of `here`
+    begins: str = ""  # the touch and the tare of the measurement, which are the zeros of the axes
 
     @property
     def seen(self) -> list[Point]:
-        """Return the points that the axes must reach."""
+        """Return the points that the axes must include."""
         return [*self.measured, *([self.fingertip] if self.fingertip else [])]
 
     @property
     def deepest(self) -> float:
-        """Return the depth that the axis must reach [m]: the knee too, to show how far the press has come."""
+        """Return the depth that the axis must reach [m]; it includes the knee, to relate the press to it."""
         return max([self.law[2] * 1.1, *(depth for depth, _ in self.seen)])
 
 
 def fits(free: Room, scale: float, lines: int) -> bool:
-    """Tell whether a chart with its key has room, and some lines of text above it."""
+    """Return whether there is room for a chart with its key and some lines of text above it."""
     high = SIZE[1] + LINE_HEIGHT + (MARGIN + lines * LINE_HEIGHT if lines else 0.0)
     return free.right - free.left > SIZE[0] * scale and free.top - free.bottom > high * scale
 
 
 def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
-    """Return the curves of a session's chart: force against depth, and the law of the material that is pressed."""
+    """Return the curves of a session's chart: the law of the pressed material, and the point of the fingertip."""
     frame, slots, model = entry.frame, entry.link.slots, entry.session.model
     down = [index for index, material in enumerate(frame.materials) if material >= 0]
     deepest = max(down, key=lambda index: frame.depths[index], default=None)
@@ -71,7 +71,7 @@ def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
 
 
 def _acting(session: Any, index: int, material: Any, curves: Curves) -> dict[str, Any]:
-    """Return the curve that acts on a fingertip, and its name: nothing where that is the law as it was measured."""
+    """Return the law that acts on a fingertip and its label, as fields of Curves; {} if it is the measured law."""
     from ..core.material import Indenter
 
     depths = [curves.deepest * line / LINES for line in range(LINES + 1)]
@@ -86,7 +86,7 @@ def _acting(session: Any, index: int, material: Any, curves: Curves) -> dict[str
 
 
 def calibrated_curves(context: bpy.types.Context) -> Curves | None:
-    """Return the curves while nothing is pressed: of the last calibration, else of the active material's."""
+    """Return the curves to show while nothing is pressed: of the last calibration, else of the active material."""
     settings, body = context.scene.dimple, context.object
     if not settings.show_overlay or not settings.show_chart:
         return None
@@ -98,7 +98,7 @@ def calibrated_curves(context: bpy.types.Context) -> Curves | None:
 
 
 def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
-    """Return the curves of a material, None where nothing was measured."""
+    """Return the curves of a material, None if it was not measured."""
     from ..core.material import law_power
 
     record = results.load(settings.calibration)
@@ -107,7 +107,7 @@ def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
         return None
     power = law_power(settings.K1, settings.K2, settings.fill.lower(), settings.tip.lower())
     law = (settings.K1 * 1e3, settings.K2 * 1e3, settings.x0 / 1e3, power)
-    band = ([], []) if settings.edited or power > 1 else _band(record)  # it is that of two slopes
+    band = ([], []) if settings.edited or power > 1 else _band(record)  # the band is that of the two-slope law
     return Curves(law, band, _metres(measured), begins=_begins(record))
 
 
@@ -125,7 +125,7 @@ def _metres(rows: Sequence[Sequence[float]]) -> list[Point]:
 
 
 def draw_key(curves: Curves, corner: Point, scale: float) -> float:
-    """Write the names of the curves in their colours, from a corner [px]; return where the line ends [px]."""
+    """Write the names of the curves in their colours, from the lower left corner [px]; return the upper edge [px]."""
     law = iface_("Law") + (" ± 95 %" if curves.band[0] else "")
     words = [
         (law, LAW, curves.law), (iface_("Measured"), MEASURED, curves.measured), (curves.name, HERE, curves.here),
@@ -141,7 +141,7 @@ def draw_key(curves: Curves, corner: Point, scale: float) -> float:
 
 
 def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:
-    """Draw a chart and its key upwards from a corner [px] and return where they end [px]."""
+    """Draw a chart and its key upwards from the lower left corner [px]; return the upper edge [px]."""
     scale = screen.scale
     size = (SIZE[0] * scale, SIZE[1] * scale)
     law = shapes.law_curve(curves.law, curves.deepest)

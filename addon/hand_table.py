@@ -1,4 +1,4 @@
-"""The table of a press that is noted by hand: what the scene keeps of it, and its panel."""
+"""The table of a press measured by hand: its properties in the scene, and its panel."""
 
 import bpy
 from bpy.props import FloatProperty, FloatVectorProperty
@@ -7,12 +7,12 @@ from ..operators.names import Op
 from .drawing import SidebarPanel, draw_notes
 from .object_settings import FIXED
 
-ROWS = 32  # the most that a property of Blender holds
-SHOWN = 8  # rows of an empty table
+ROWS = 32  # largest size of a vector property in Blender
+SHOWN = 8  # rows that an empty table shows
 
 
 class HandTable:
-    """What a scene keeps of the table: rows without grams are empty, but for the touch at depth 0."""
+    """The properties of the table in a scene; rows without grams are empty, except the touch at depth 0."""
 
     hand_step_mm: FloatProperty(
         name="One Step (mm)",
@@ -30,7 +30,7 @@ class HandTable:
 
 
 class DIMPLE_PT_hand_table(SidebarPanel, bpy.types.Panel):
-    """Measuring with a kitchen scale."""
+    """Measure with a kitchen scale."""
 
     bl_label = "Measure by Hand"
     bl_parent_id = "DIMPLE_PT_calibration"

@@ -1,4 +1,4 @@
-"""The material of an object as a choice among pictures: one ball of each, pressed with the same 5 N, the softest first.
+"""The choice of an object's material among pictures, softest first: a ball of each, pressed with the same 5 N.
 
 `dev.py samples` makes the pictures.
 """
@@ -17,12 +17,12 @@ from .readout import iface_
 PICTURES = Path(__file__).parent / "pictures"
 Item = tuple[str, str, str, int | str, int]
 
-_items: dict[str, list[Item]] = {}  # in each language: Blender does not keep the strings that a function returns
+_items: dict[str, list[Item]] = {}  # by language; kept, because Blender does not copy the strings of dynamic items
 _pictures: list[previews.ImagePreviewCollection] = []
 
 
 def choices(_settings: bpy.types.PropertyGroup | None, _context: bpy.types.Context | None) -> list[Item]:
-    """Return the known materials: identifier, name, source, picture and number; 0 is a custom material."""
+    """Return the known materials as enum items: identifier, name, source, picture, number; 0 is a custom material."""
     from ..core.everyday_presets import OBJECTS  # not at import: it needs numpy, and enabling must be quick
 
     if not _pictures:
@@ -30,7 +30,7 @@ def choices(_settings: bpy.types.PropertyGroup | None, _context: bpy.types.Conte
         for preset in OBJECTS:
             _pictures[0].load(preset.name, str(PICTURES / f"{preset.name}.webp"), "IMAGE")
     language = bpy.app.translations.locale
-    if language not in _items:  # the grid of pictures does not look up its words
+    if language not in _items:  # Blender does not translate the items of a grid of pictures
         _items[language] = [
             (each.name, iface_(each.label), iface_(each.provenance), _pictures[0][each.name].icon_id, number)
             for number, each in enumerate(OBJECTS, start=1)
@@ -60,7 +60,7 @@ def _use(settings: bpy.types.PropertyGroup, number: int) -> None:
 
 
 class MaterialChoice:
-    """The property of an object that says which known material it has."""
+    """The property of an object that chooses one of the known materials."""
 
     material: EnumProperty(
         name="Material", description="Choose what the object is made of, from soft to hard. Each picture shows a press"
@@ -70,7 +70,7 @@ class MaterialChoice:
 
 
 def draw_choice(layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
-    """Draw the picture of the material, which opens all of them, and its name, which opens the list."""
+    """Draw the material's picture, which opens the grid of pictures, and its name, which opens the list."""
     column = layout.column(align=True)
     material = body.active_material
     column.enabled = material is None or material.library is None
@@ -79,7 +79,7 @@ def draw_choice(layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
 
 
 def register() -> None:
-    """Nothing is loaded before it is shown."""
+    """Do nothing: the pictures are loaded when they are first shown."""
 
 
 def unregister() -> None:

@@ -1,4 +1,4 @@
-"""The settings of a material: its constants, as they were measured."""
+"""The settings of a material: its measured constants."""
 
 import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
@@ -16,7 +16,7 @@ _FILLS = [(name.upper(), fill.label, fill.description, fill.number) for name, fi
 
 
 def _mark_edited(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    # constants that are changed are no longer what the source measured
+    # changed constants are no longer those that the source measured
     settings.edited = bool(settings.provenance)
 
 
@@ -25,7 +25,7 @@ def _mark_measured(settings: bpy.types.PropertyGroup, _context: bpy.types.Contex
     settings.edited = False
 
 
-LEAST_MM = 0.01  # of softness: 0.5 kN/mm, as hard as what nobody presses
+LEAST_MM = 0.01  # [mm] smallest softness: 5 N at this depth are 0.5 kN/mm, too hard to be worth pressing
 
 
 def _softness(settings: bpy.types.PropertyGroup) -> float:

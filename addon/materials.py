@@ -1,4 +1,4 @@
-"""What something is made of: Material > Dimple, and at hand in the sidebar while one pokes."""
+"""The panels of a material: in Material > Dimple, and in the sidebar, at hand during a poke."""
 
 import bpy
 
@@ -12,7 +12,7 @@ from .my_materials import DIMPLE_PT_material_presets
 
 
 def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
-    """Return the message of the core on why the constants of a material cannot be used, if so."""
+    """Return the core's error message if the constants of a material cannot be used, else nothing."""
     from ..core.material import Material  # not at import: it needs numpy, and enabling must be quick
 
     try:
@@ -26,21 +26,21 @@ def draw_softness(context: bpy.types.Context, layout: bpy.types.UILayout, materi
     """Draw the pictures of the materials, the softness, and errors in the constants."""
     layout.use_property_split = True
     body = context.object
-    if body and body.type == "MESH" and body.active_material == material:  # its tab may be pinned to another
+    if body and body.type == "MESH" and body.active_material == material:  # the tab may be pinned to another one
         draw_choice(layout, body)
     layout.prop(material.dimple, "softness_mm")
     draw_notes(context, layout, wrong_with(material.dimple), "ERROR")
 
 
 def draw_constants(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draw the constants, then their source: no field moves away under the mouse."""
+    """Draw the constants, and their source last: it may come and go without moving a field under the mouse."""
     layout.use_property_split = True
     column = layout.column(align=True)
     for name in ("K1", "K2", "x0"):
         column.prop(settings, name)
     column = layout.column(align=True)
     row = column.row(align=True)
-    row.active = not settings.spread_mm  # a spread that is typed takes its place
+    row.active = not settings.spread_mm  # a typed spread replaces k
     row.prop(settings, "k")
     column.prop(settings, "spread_mm", text="Spread (mm)" if settings.spread_mm else "Spread from k (mm)")
     column = layout.column(align=True)
@@ -58,7 +58,7 @@ def draw_constants(context: bpy.types.Context, layout: bpy.types.UILayout, setti
 
 
 def draw_sway(context: bpy.types.Context, layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
-    """Draw how a body sways."""
+    """Draw the sway settings of a body."""
     settings, live = body.dimple, sessions.get(body.session_uid)
     column = layout.column(align=True)
     column.enabled = settings.enabled
@@ -90,7 +90,7 @@ class DIMPLE_PT_material(WithPresets, MaterialPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_object_material(WithPresets, SidebarPanel, bpy.types.Panel):
-    """What the active object is made of."""
+    """The material of the active object."""
 
     bl_label = "Material"
 
@@ -106,7 +106,7 @@ class DIMPLE_PT_object_material(WithPresets, SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_object_constants(SidebarPanel, bpy.types.Panel):
-    """The constants of the active object's material, as they are measured."""
+    """The measured constants of the active object's material."""
 
     bl_label = "Constants"
     bl_parent_id = "DIMPLE_PT_object_material"

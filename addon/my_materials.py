@@ -1,4 +1,4 @@
-"""The user's own materials, as Blender keeps presets."""
+"""The user's own materials, stored as Blender presets."""
 
 import bpy
 from bl_operators.presets import AddPresetBase
@@ -20,7 +20,7 @@ class DIMPLE_PT_material_presets(PresetPanel, bpy.types.Panel):
         own = DIMPLE_PT_material_presets
         if bpy.utils.preset_paths(own.preset_subdir):
             PresetPanel.draw(self, context)
-        else:  # Blender would complain of missing paths
+        else:  # PresetPanel would report missing paths
             row = self.layout.row()
             row.prop(context.window_manager, "preset_name", text="")
             row.operator(own.preset_add_operator, text="", icon="ADD").name = context.window_manager.preset_name

@@ -1,11 +1,11 @@
-"""The settings of the simulation and the contact of an object, and helpers for all stored properties."""
+"""The simulation and contact settings of an object, and helpers for all stored properties."""
 
 from decimal import Decimal
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 FIXED = {"options": set()}
-KEYED = {"options": {"ANIMATABLE"}}  # a bake and a simulation follow its keyframes
+KEYED = {"options": {"ANIMATABLE"}}  # bakes and live sessions follow the keyframes of such a property
 
 _SIMULATED = (
     ("AUTO", "Automatic", "Simulate the full mesh if it runs live, else the finest proxy that does. A coarse mesh is "
@@ -21,17 +21,17 @@ def exact(value: float, thousands: int = 0) -> float:
 
 
 def switch(name: str, description: str, *, on: bool = False, options: dict[str, set[str]] = FIXED) -> BoolProperty:
-    """Return a property that is on or off."""
+    """Return a boolean property."""
     return BoolProperty(name=name, description=description, default=on, **options)
 
 
 def kept_text(name: str, description: str) -> StringProperty:
-    """Return a text property for what operators keep with an object, a material or a scene."""
+    """Return a text property for data that operators store with an object, a material or a scene."""
     return StringProperty(name=name, description=description, **FIXED)
 
 
 class ReductionSettings:
-    """The choice of what to simulate for an object, and the planner's answer."""
+    """The choice between mesh and proxy for an object, and the planner's decision."""
 
     simulated: EnumProperty(
         name="Simulate", description="Choose between accuracy and speed: simulate the full mesh, or a coarser proxy "
@@ -45,14 +45,14 @@ class ReductionSettings:
     plan_reason: kept_text("Plan", "What is simulated, and why")
 
     def to_plan(self) -> dict[str, int | str | bool]:
-        """Return simulated, "auto", "mesh" or "proxy", and vertices, of the proxy; and self_contact."""
+        """Return simulated ("auto", "mesh" or "proxy"), vertices (of the proxy) and self_contact."""
         return {
             "simulated": self.simulated.lower(), "vertices": self.proxy_vertices, "self_contact": self.self_contact
         }  # fmt: skip
 
 
 class ContactSettings:
-    """The contact of an object."""
+    """The contact settings of an object."""
 
     collider: switch(
         "Dimple Collider", "Let soft bodies collide with this object, and with each other. Nothing passes through them"

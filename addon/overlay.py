@@ -1,6 +1,6 @@
-"""What is drawn over the viewport: fingertips, forces, numbers, and a chart of force against depth.
+"""The overlay of the viewport: fingertips, forces, numbers, and a chart of force against depth.
 
-It shows the last Frame of each running session, or without one the calibration, and changes nothing.
+It shows the last Frame of each running session, or the calibration if no session runs, and changes nothing.
 """
 
 from typing import Any
@@ -18,7 +18,7 @@ from .readout import iface_
 from .room import Room
 from .shapes import Point
 
-FEWEST = 3  # lines that numbers have at least, or there is no chart: the name, the force, the depth
+FEWEST = 3  # lines of text that must fit above a chart, or it is left out: the name, the force, the depth
 
 
 def draw_bodies() -> None:
@@ -55,7 +55,7 @@ def draw_numbers() -> None:
 
 
 def draw_fingers(entry: Any, screen: Screen) -> None:
-    """Draw each fingertip that is down, and the force on it where that may be known."""
+    """Draw each fingertip in use, and the force on it unless a blind trial is under way."""
     for finger, force in _fingers(entry):
         centre, radius = _in_scene(entry, finger)
         canvas.draw_lines(shapes.sphere(centre, radius), FINGERTIP, screen)
@@ -64,7 +64,7 @@ def draw_fingers(entry: Any, screen: Screen) -> None:
 
 
 def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float) -> float:
-    """Write the numbers of a session upwards from the corner of what is free and return where they end [px]."""
+    """Write the numbers of a session upwards from the lower left corner of the free area; return their top [px]."""
     lines = [(body.name, canvas.ink())]
     if entry.recorder:
         lines.append((f"● {iface_('Recording')} {entry.recorder.frames}", FORCE))
@@ -76,7 +76,7 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float) -> f
     lines += [(f"{label}: {value}", canvas.ink()) for label, value in readout.rows(entry.frame)]
     notes = readout.warnings(entry)
     lines += [(line, canvas.ink()) for sentence in notes for line in wrapped(translated(sentence, iface_), 60)]
-    # what finds no room is left out, the last first
+    # lines that do not fit are left out, the last ones first
     lines = lines[: max(int((free.top - free.bottom) / (LINE_HEIGHT * scale)), 0)]
     if not lines:
         return free.bottom
@@ -99,7 +99,7 @@ def shown_bodies(context: bpy.types.Context) -> list[tuple[bpy.types.Object, Any
 
 
 def _fingers(entry: Any) -> list[tuple[Any, Point]]:
-    """Return each fingertip that is down with the force on it [N]."""
+    """Return each fingertip in use with the force on it [N]."""
     forces = [tuple(map(float, force)) for force in entry.frame.finger_forces]
     forces += [(0.0, 0.0, 0.0)] * len(entry.fingers)
     return [(finger, force) for finger, force in zip(entry.fingers, forces, strict=False) if finger]

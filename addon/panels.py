@@ -1,6 +1,6 @@
-"""The tab in the sidebar, in the order of work.
+"""The sidebar tab, with its panels in the order of work.
 
-What cannot be used now is greyed out, not hidden; a tooltip from the operator's poll says why.
+Controls that cannot be used now are greyed out, not hidden; the operator's poll gives the reason in the tooltip.
 """
 
 import bpy
@@ -71,7 +71,7 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         draw_amount(layout, settings)
         if settings.press_by == "FORCE":
             layout.prop(settings, "press_force_g")
-        # a force goes straight into the surface
+        # a press by force always goes straight into the surface
         draw_prop(layout, settings, "poke_along", active=settings.press_by == "DEPTH")
         layout.prop(settings, "active_finger")
         column = layout.column(align=True)
@@ -90,7 +90,7 @@ def _bake_button(layout: bpy.types.UILayout, scene: bpy.types.Scene, target: str
 
 
 class DIMPLE_PT_animate(SidebarPanel, bpy.types.Panel):
-    """From a press to an animation, and out."""
+    """Bake a press to an animation, and export it."""
 
     bl_label = "Animate"
 
@@ -108,7 +108,7 @@ class DIMPLE_PT_animate(SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
-    """What a bake makes, and where."""
+    """The output of a bake, and its folder."""
 
     bl_label = "Bake Options"
     bl_parent_id = "DIMPLE_PT_animate"
@@ -140,7 +140,7 @@ class DIMPLE_PT_display(SidebarPanel, bpy.types.Panel):
             column.prop(settings, name)
 
 
-# in the order of work, then the laboratory
+# in the order of work; calibration, device and experiment come last
 _SIDEBAR = (
     DIMPLE_PT_session, DIMPLE_PT_readout, *materials.SIDEBAR, DIMPLE_PT_fingertips, DIMPLE_PT_animate,
     DIMPLE_PT_bake, DIMPLE_PT_display, *calibration.SIDEBAR, *device.SIDEBAR, *experiment.SIDEBAR,

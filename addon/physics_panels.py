@@ -14,7 +14,7 @@ class PhysicsPanel:
     bl_region_type = "WINDOW"
     bl_context = "physics"
 
-    poll = shown_if(lambda context: context.object)  # only a mesh can be switched on
+    poll = shown_if(lambda context: context.object)  # any object has the panels, but only a mesh can be enabled
 
 
 class DIMPLE_PT_body(PhysicsPanel, bpy.types.Panel):
@@ -47,7 +47,7 @@ class DIMPLE_PT_body(PhysicsPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_contact(PhysicsPanel, bpy.types.Panel):
-    """Contact of the object."""
+    """The contact settings of the object."""
 
     bl_label = "Contact"
     bl_parent_id = "DIMPLE_PT_body"
@@ -65,7 +65,7 @@ class DIMPLE_PT_contact(PhysicsPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_reduction(PhysicsPanel, bpy.types.Panel):
-    """What is simulated in place of the mesh, and why."""
+    """The choice between mesh and proxy, and its reason."""
 
     bl_label = "Speed and Accuracy"
     bl_parent_id = "DIMPLE_PT_body"

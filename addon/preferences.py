@@ -1,4 +1,4 @@
-"""The preferences of the extension: the folder for recordings, its share of the cores, and the haptic device."""
+"""The preferences of the extension: the folder for recordings, the share of CPU cores, and the haptic device."""
 
 import bpy
 from bpy.props import IntProperty, StringProperty
@@ -8,7 +8,7 @@ from .device import DeviceChoice
 
 
 class DIMPLE_AP_preferences(DeviceChoice, bpy.types.AddonPreferences):
-    """The settings that are the same in every file."""
+    """The settings that apply to every file."""
 
     bl_idname = __package__.rpartition(".")[0]  # the extension itself: bl_ext.<repository>.dimple
 

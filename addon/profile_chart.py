@@ -1,4 +1,4 @@
-"""The chart of a dent's profile: a cut through it at the deepest fingertip, the shape at rest as a level line."""
+"""The chart of a dent's profile: a section at the deepest fingertip, with the surface at rest as a level line."""
 
 from typing import Any
 
@@ -10,12 +10,12 @@ from .readout import iface_
 from .room import Room
 
 SIZE = (230.0, 100.0)  # [px] at a resolution scale of 1
-TOP = 0.2  # of the height: room for what bulges
-LEAST = 1e-3  # [m] of depth that the chart shows
+TOP = 0.2  # fraction of the height above the level line, for bulges
+LEAST = 1e-3  # [m] smallest depth range of the chart
 
 
 def deepest(entry: Any) -> int | None:
-    """Return the fingertip that is deepest in a body, None where none is in it."""
+    """Return the index of the deepest fingertip in a body, None if none presses it."""
     depths = entry.frame.depths
     return int(depths.argmax()) if len(depths) and depths.max() > 0 else None
 
@@ -47,7 +47,7 @@ def draw(shown: list[tuple[bpy.types.Object, Any]], free: Room, screen: Screen) 
 def placed(
     distance: list[float], depth: list[float], corner: shapes.Point, size: shapes.Point
 ) -> tuple[list[shapes.Point], tuple[float, float]]:
-    """Return the curve on the screen [px], and half the width [m] and the depth [m] that its box shows."""
+    """Return the curve on the screen [px], and the ranges of its box: half the width [m] and the depth [m]."""
     reach, low = max(map(abs, distance)), shapes.round_up(max(LEAST, *depth))
     (left, bottom), (wide, high) = corner, size
     curve = [

@@ -1,8 +1,8 @@
-"""What Blender stores: the settings of a body and a scene, and the state of the running session.
+"""The properties that Blender stores: settings of objects, materials and scenes, and unsaved state of the interface.
 
 Operators read these through RNA only (`obj.dimple.to_params()`), so names and units here are the contract.
-Panels show the units of the paper (mm, N/mm); `to_params` returns SI units. What runs takes a changed setting
-at its next step, and follows the keyframes of those that can be animated: constants, pins and gravity.
+Panels show the units of the paper (mm, N/mm); `to_params` returns SI units. A running session adopts a changed setting
+at its next step, and follows the keyframes of the animatable ones: constants, pins and gravity.
 """
 
 import bpy
@@ -43,7 +43,7 @@ _POKE_ALONG = (
     ("NORMAL", "Surface", "The fingertip moves straight into the surface it touches"),
 )
 
-_WEIGHT_N = 9.80665e-3  # of a gram
+_WEIGHT_N = 9.80665e-3  # [N] weight of a gram
 _PRESS_BY = (
     ("DEPTH", "Depth", "Press to a set depth, and read the force"),
     (
@@ -121,8 +121,8 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
     )  # fmt: skip
 
     def to_params(self) -> dict[str, float | str | tuple[float, float, float] | None]:
-        """Return pinned, pin_group, the groups of the maps, size: the longest side [m], None as modelled; and sway:
-        amount, frequency [Hz] and damping, None of an object that does not sway.
+        """Return pinned, pin_group, the group of each map, sway (amount, frequency [Hz] and damping; None if the object
+        does not sway) and size (longest side [m]; None for the modelled size).
         """
         return {
             "pinned": self.pinned.lower(),
@@ -158,7 +158,7 @@ def _set_grams(self: bpy.types.PropertyGroup, grams: float) -> None:
 
 
 class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
-    """The fingertips and the surroundings of all sessions in a scene."""
+    """The settings of a scene: fingertips, surroundings, animation and display of all its sessions."""
 
     finger_radius_mm: FloatProperty(
         name="Fingertip Radius (mm)",
@@ -232,7 +232,7 @@ class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
 
 
 class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
-    """The state of the interface, which is never saved."""
+    """The state of the interface, which is not saved."""
 
     radius_zoom: FloatVectorProperty(
         name="Zoom", description="Pixels in a millimetre of the fingertip's radius", size=2, get=tool.radius_zoom,

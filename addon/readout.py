@@ -9,7 +9,7 @@ from ..operators.translation import CONTEXT
 
 
 def iface_(text: str) -> str:
-    """Translate a text of ours into the language of the interface."""
+    """Translate one of our texts into the language of the interface."""
     return pgettext_iface(text, CONTEXT)
 
 
@@ -19,13 +19,13 @@ def volume_change(frame: Any) -> float:
 
 
 def rate_hz(frame: Any) -> float:
-    """Return the ticks per second that this computer manages [Hz]; 0 when none was timed."""
+    """Return the ticks that this computer simulates in a second [Hz]; 0 if none was timed."""
     return frame.steps / frame.cost if frame.cost > 0 else 0.0
 
 
 def rows(frame: Any) -> list[tuple[str, str]]:
-    """Return (label, number with unit) of each press; zeros where nothing presses."""
-    # every value has a row of its own, so that a narrow sidebar does not cut off its unit
+    """Return rows (label, number with unit) of the force and depth of each press; zeros if nothing presses."""
+    # one value per row, so that a narrow sidebar does not cut off its unit
     lines = []
     touches = enumerate(zip(frame.pushes, frame.depths, strict=True), start=1)
     for number, (force, depth) in [each for each in touches if each[1][1] > 0] or [(1, (0.0, 0.0))]:
@@ -35,7 +35,7 @@ def rows(frame: Any) -> list[tuple[str, str]]:
 
 
 def real_time(frame: Any, tick: float) -> tuple[str, str]:
-    """Return (label, share) of how much of real time the simulation keeps up with.
+    """Return (label, percentage): the speed of the simulation relative to real time, 100 % at most.
 
     Args:
         tick: control step of the session [s].
@@ -44,7 +44,7 @@ def real_time(frame: Any, tick: float) -> tuple[str, str]:
 
 
 def more_rows(frame: Any, tick: float) -> list[tuple[str, str]]:
-    """Return (label, number with unit) of everything else in a frame."""
+    """Return rows (label, number with unit) of the other quantities of a frame."""
     volume = f"{frame.volume * 1e6:.1f} cm³" if frame.volume < 0.1 else f"{frame.volume:.4f} m³"
     return [  # + 0.0 turns -0 into 0
         (iface_("Pressure"), f"{round(frame.pressure / 1e3, 3) + 0.0:.3f} kPa"),

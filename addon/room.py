@@ -1,4 +1,4 @@
-"""What of a viewport is free for numbers: beside its toolbar, sidebar and headers, and in one of its four views."""
+"""The area of a viewport for numbers: clear of toolbar, sidebar and headers, and in only one view of a quad view."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ import bpy
 
 from .canvas import LINE_HEIGHT, MARGIN
 
-BLENDERS_LINES = 3  # of text in the upper left corner: the view, the object, the unit
+BLENDERS_LINES = 3  # lines of Blender's own text in the upper left corner: the view, the object, the unit
 
 
 class Room(NamedTuple):
@@ -19,7 +19,7 @@ class Room(NamedTuple):
 
 
 def free_room(context: bpy.types.Context, scale: float) -> Room | None:
-    """Return the free area of the region that is being drawn, None where another of the four views has the numbers.
+    """Return the free area of the region that is being drawn, None if another view of a quad view has the numbers.
 
     Args:
         scale: the resolution scale of the interface.
@@ -31,7 +31,7 @@ def free_room(context: bpy.types.Context, scale: float) -> Room | None:
             return None
     left, bottom, right, top = 0.0, 0.0, float(region.width), float(region.height)
     for other in area.regions:
-        x, y = other.x - region.x, other.y - region.y  # it may lie over the region
+        x, y = other.x - region.x, other.y - region.y  # with region overlap, `other` lies over the region
         over = x < region.width and y < region.height and x + other.width > 0 and y + other.height > 0
         if other.type == "WINDOW" or min(other.width, other.height) <= 1 or not over:
             continue

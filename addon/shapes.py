@@ -5,12 +5,12 @@ from collections.abc import Sequence
 
 Point = tuple[float, ...]
 Segment = tuple[Point, Point]
-Law = tuple[float, float, float, float]  # K1, K2 [N/m], x0 [m] and the power with which the force begins
+Law = tuple[float, float, float, float]  # K1, K2 [N/m], x0 [m], and the exponent of the depth in its first part
 
 CIRCLE_SIDES = 32
-BENT_LINES = 32  # of a law that is bent
-ARROW_PER_NEWTON = 1.0  # [fingertip radii]: long enough to compare two fingers by eye
-ARROW_LONGEST = 6.0  # [fingertip radii]: the number beside it says more
+BENT_LINES = 32  # segments of a law that begins as a curve
+ARROW_PER_NEWTON = 1.0  # [fingertip radii/N] long enough to compare two fingers by eye
+ARROW_LONGEST = 6.0  # [fingertip radii] the limit; larger forces are read from the numbers
 
 
 def circle(centre: Point, across: Point, up: Point) -> list[Segment]:
@@ -21,19 +21,19 @@ def circle(centre: Point, across: Point, up: Point) -> list[Segment]:
 
 
 def sphere(centre: Point, radius: float) -> list[Segment]:
-    """Return three great circles round the axes."""
+    """Return the three great circles of a sphere in the coordinate planes."""
     x, y, z = (radius, 0.0, 0.0), (0.0, radius, 0.0), (0.0, 0.0, radius)
     return [*circle(centre, x, y), *circle(centre, y, z), *circle(centre, z, x)]
 
 
 def arrow(start: Point, force: Point, radius: float) -> list[Segment]:
-    """Return an arrow along a force [N] from a fingertip of a radius in scene units; nothing below 1 mN."""
+    """Return an arrow along a force [N] from a fingertip of a radius [scene units]; nothing below 1 mN."""
     newtons = math.hypot(*force)
     if newtons < 1e-3:
         return []
     along = _scaled(force, 1 / newtons)
     tip = _add(start, _scaled(along, radius * min(1 + ARROW_PER_NEWTON * newtons, ARROW_LONGEST)))
-    # the two barbs may lie in any direction across
+    # the two barbs may lie in any plane through the arrow
     least = min(range(3), key=lambda axis: abs(along[axis]))
     across = _cross(along, tuple(float(axis == least) for axis in range(3)))
     across = _scaled(across, 1 / math.hypot(*across))
@@ -42,7 +42,7 @@ def arrow(start: Point, force: Point, radius: float) -> list[Segment]:
 
 
 def law_curve(law: Law, deepest: float) -> list[Point]:
-    """Return points (depth [m], force [N]) of a law up to a depth [m]: its corners, or many where it is bent."""
+    """Return points (depth [m], force [N]) of a law up to a depth [m]: its corners, or many if it is curved."""
     from ..core.material import law_force
 
     depths = [0.0, min(law[2], deepest), deepest]
@@ -52,13 +52,13 @@ def law_curve(law: Law, deepest: float) -> list[Point]:
 
 
 def round_up(value: float) -> float:
-    """Return the end of an axis for a positive value: the next of 1, 2, 3, 4, 5, 6, 8, 10, 20... not below it."""
+    """Return the end of an axis for a positive value: the first of 1, 2, 3, 4, 5, 6, 8, 10, 20... not below it."""
     decade = 10.0 ** math.floor(math.log10(value))
     return next(step * decade for step in (1, 2, 3, 4, 5, 6, 8, 10) if step * decade >= value * (1 - 1e-9))
 
 
 def into_box(points: Sequence[Point], ends: tuple[float, float], corner: Point, size: Point) -> list[Point]:
-    """Map (depth, force) from 0..ends into a box on the screen; points outside are moved to its edge."""
+    """Map (depth, force) from 0..ends into a box on the screen; points outside are clamped to its edge."""
     return [
         tuple(c + s * min(max(value / end, 0.0), 1.0) for value, end, c, s in zip(p, ends, corner, size, strict=True))
         for p in points

@@ -1,6 +1,6 @@
-"""A warning in the dialogs of Blender's own exporters that would silently write a still of a baked body.
+"""A warning in the dialogs of Blender's own glTF and FBX exporters, which would silently export a bake as a still.
 
-glTF and FBX write no Mesh Cache, and FBX no shape keys where it has NLA Strips on and All Actions off.
+Neither exports a Mesh Cache; FBX does not animate shape keys either with NLA Strips on and All Actions off.
 """
 
 import bpy
@@ -13,7 +13,7 @@ EXPORTERS = ("EXPORT_SCENE_OT_gltf", "EXPORT_SCENE_OT_fbx")
 
 
 def stills(context: bpy.types.Context, exporter: bpy.types.Operator) -> list[str]:
-    """Return the names of the objects that play a bake, of which an exporter would write one pose."""
+    """Return the names of the objects whose bake an exporter would write as a single pose."""
     if exporter.bl_idname not in EXPORTERS:
         return []
     keys_too = getattr(exporter, "bake_anim_use_nla_strips", False) and not exporter.bake_anim_use_all_actions
@@ -31,7 +31,7 @@ def _plays_keys(obj: bpy.types.Object) -> bool:
 
 
 class DIMPLE_PT_still_warning(bpy.types.Panel):
-    """What a glTF or FBX file would lack, and what writes it."""
+    """The objects whose motion a glTF or FBX file would lack, and how to export it."""
 
     bl_label = "Dimple"
     bl_space_type = "FILE_BROWSER"

@@ -1,6 +1,6 @@
 """Colours on the surface of running bodies, with their scale, and the undeformed shape above a dent.
 
-They are drawn over the picture and change neither mesh nor material.
+They are drawn over the viewport and change neither mesh nor material.
 """
 
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -16,18 +16,18 @@ from .room import Room
 if TYPE_CHECKING:
     import numpy as np
 
-LEGEND = (14.0, 150.0)  # [px] of the bar, at a resolution scale of 1
-LEAST = 0.3  # of the scale: where nothing reaches that, it ends lower
+LEGEND = (14.0, 150.0)  # [px] width and height of the colour bar, at a resolution scale of 1
+LEAST = 0.3  # fraction of the scale: if no value reaches it, the scale shrinks
 NOTHING = {"pressure": 0.1, "depth": 0.1, "stretch": 0.1, "slope": 0.01, "knee": 0.1}
-NOTHING |= {"spread": 0.1, "thickness": 1.0}  # the shortest scales
+NOTHING |= {"spread": 0.1, "thickness": 1.0}  # smallest ends of the scales
 SIGNED = {"stretch"}
-LIFT = 2e-4  # towards the viewer, as a share of the depth that is seen: the colours lie on the surface
-SHADE = 0.3  # darker where the surface turns away
-MOVED = 0.02  # of the deepest dent: nearer, an edge at rest says nothing
+LIFT = 2e-4  # shift towards the viewer in normalized depth, so that the mesh does not hide the colours on it
+SHADE = 0.3  # fraction by which colours darken where the surface is seen edge-on
+MOVED = 0.02  # fraction of the largest displacement: edges at rest are drawn where the body has moved farther
 
 
 class Coloured(NamedTuple):
-    """What a body shows: the frame it was made from, positions (n, 3) in the scene, normals, triangles, values."""
+    """The coloured surface of a body: frame, field, positions (n, 3) in the scene, normals, triangles and values."""
 
     frame: Any
     name: str
@@ -38,7 +38,7 @@ class Coloured(NamedTuple):
 
 
 _made: dict[int, Coloured] = {}
-_scales: dict[str, float] = {}  # where the scale of each quantity ends
+_scales: dict[str, float] = {}  # upper end of the scale of each quantity
 
 
 def draw_surfaces() -> None:
@@ -80,7 +80,7 @@ def draw_scales() -> None:
 
 
 def made(uid: int, entry: Any, name: str) -> Coloured:
-    """Return what a body shows now; it is computed once a frame."""
+    """Return the coloured surface of a body now; it is computed once per frame."""
     import numpy as np
 
     from ..core import fields
@@ -91,7 +91,7 @@ def made(uid: int, entry: Any, name: str) -> Coloured:
     if last and last.frame is entry.frame and last.name == name:
         return last
     skin, triangles = session.skin(), session.model.mesh.triangles
-    # Blender reads the memory of an array, whatever its strides are
+    # contiguous, because Blender ignores the strides of an array
     _made[uid] = Coloured(
         entry.frame, name, np.ascontiguousarray(skin / entry.link.scale, np.float32),
         vertex_normals(triangles, skin).astype(np.float32), np.ascontiguousarray(triangles, np.int32),
@@ -101,12 +101,12 @@ def made(uid: int, entry: Any, name: str) -> Coloured:
 
 
 def bottom_of(name: str) -> float:
-    """Return where the scale of a quantity begins."""
+    """Return the lower end of the scale of a quantity."""
     return -_scales[name] if name in SIGNED else 0.0
 
 
 def scale_of(name: str, bodies: list[Coloured]) -> tuple[float, float]:
-    """Return the ends of a scale that all bodies share; it holds still as long as it fits."""
+    """Return the ends of the scale that all bodies share; they stay constant as long as the values fit."""
     highest = max([NOTHING[name], *(float(abs(each.values).max(initial=0.0)) for each in bodies)])
     before = _scales.get(name, 0.0)
     if not LEAST * before <= highest <= before:
@@ -131,7 +131,7 @@ def draw_coloured(each: Coloured, ends: tuple[float, float], view: bpy.types.Reg
 
 
 def draw_rest(entry: Any, screen: Screen) -> None:
-    """Draw the edges of the shape at rest where the body has left it."""
+    """Draw the edges of the shape at rest where the body is displaced from it."""
     import numpy as np
 
     from ..core import fields
@@ -150,7 +150,7 @@ def draw_rest(entry: Any, screen: Screen) -> None:
 
 
 def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen) -> float:
-    """Draw the scale at the right of the free area; return the right end of the rest [px]."""
+    """Draw the scale at the right of the free area; return the right edge of the remaining area [px]."""
     from ..core.fields import UNITS
 
     scale = screen.scale
@@ -173,7 +173,7 @@ def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen)
 
 
 def draw_bar(corner: tuple[float, float], size: tuple[float, float], signed: bool) -> None:
-    """Draw the colours of a scale, the lowest below."""
+    """Draw the colour bar of a scale, with the lowest value at the bottom."""
     import numpy as np
 
     (left, bottom), (wide, high) = corner, size

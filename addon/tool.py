@@ -1,6 +1,6 @@
 """The poke as a tool in the toolbar of the viewport, and in the Object menu, where F3 finds it.
 
-The circle under the mouse is as large as the fingertip, on the body that a click would press.
+The circle under the mouse has the size of the fingertip and lies on the body that a click would press.
 """
 
 from pathlib import Path
@@ -18,12 +18,12 @@ from .drawing import draw_linked
 if TYPE_CHECKING:
     from ..operators.press.poke_input import View
 
-PIXELS_PER_NEWTON = 20.0  # while a force is changed: one of 5 N is drawn as a circle that is easily dragged
-_pixels = [5.0]  # in a millimetre, where the circle was drawn last
+PIXELS_PER_NEWTON = 20.0  # scale of the control that changes a force: 5 N give a circle that is easy to drag
+_pixels = [5.0]  # [px/mm] at the place where the circle was last drawn
 
 
 def draw_amount(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draw how deep or how hard a press is."""
+    """Draw the depth or the force of a press."""
     if settings.press_by == "DEPTH":
         draw_linked(layout, settings, "press_depth_mm", "depth_follows")
     else:
@@ -31,18 +31,18 @@ def draw_amount(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -
 
 
 def radius_zoom(_manager: bpy.types.PropertyGroup) -> tuple[float, float]:
-    """Return how many pixels a millimetre has, for Blender's control that sizes the circle round the mouse."""
+    """Return the scale [px/mm] of Blender's radial control for the fingertip's radius, in x and y."""
     return _pixels[0], _pixels[0]
 
 
 def amount_zoom(_manager: bpy.types.PropertyGroup) -> tuple[float, float]:
-    """Return how many pixels a millimetre of depth has, or a newton."""
+    """Return the scale of Blender's radial control for depth [px/mm] or force [px/N], in x and y."""
     each = PIXELS_PER_NEWTON if bpy.context.scene.dimple.by_force else _pixels[0]
     return each, each
 
 
 def draw_circle(context: bpy.types.Context, xy: tuple[int, int]) -> None:
-    """Draw the circle, where the mouse at xy [px of the window] is on a body."""
+    """Draw the circle if the mouse, at xy [px of the window], is on a body."""
     from ..operators.press.poke_input import View
 
     region, window = context.region, context.window
@@ -53,7 +53,7 @@ def draw_circle(context: bpy.types.Context, xy: tuple[int, int]) -> None:
 
 
 def circle(context: bpy.types.Context, view: "View") -> list[shapes.Segment]:
-    """Return the sides [px of the region] of the circle, none where there is no body."""
+    """Return the sides [px of the region] of the circle, none if the pointer is not on a body."""
     from ..operators.press import poke_input
 
     found = poke_input.touched(context, view)
@@ -76,7 +76,7 @@ def _seen(view: "View", place: shapes.Point) -> Vector | None:
 
 
 class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
-    """The tool that starts `dimple.poke` when the left mouse button goes down."""
+    """The tool that starts `dimple.poke` when the left mouse button is pressed."""
 
     bl_space_type = "VIEW_3D"
     bl_context_mode = "OBJECT"
@@ -102,7 +102,7 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
         draw_linked(layout, settings, "finger_radius_mm", "radius_follows", text="Radius (mm)")
         layout.prop(settings, "press_by", expand=True)
         draw_amount(layout, settings)
-        if settings.press_by == "DEPTH":  # a force goes straight into the surface
+        if settings.press_by == "DEPTH":  # a press by force always goes straight into the surface
             layout.prop(settings, "poke_along")
         recording = any(body.recording for body in sessions.values())
         layout.operator(Op.RECORD, text="", icon="REC", depress=recording)
@@ -114,7 +114,7 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
 
 
 class DIMPLE_MT_object(bpy.types.Menu):
-    """What Dimple does with the selected meshes; the search (F3) looks through menus."""
+    """Dimple's operators for the selected meshes, as a menu so that the search (F3) finds them."""
 
     bl_label = "Dimple"
 

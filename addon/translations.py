@@ -13,7 +13,7 @@ CONTEXTS = ("*", CONTEXT)  # descriptions are looked up without a context
 
 
 def dictionaries() -> dict[str, dict[tuple[str, str], str]]:
-    """Return the dictionary of every language, as Blender takes it; a text means the same in both contexts."""
+    """Return the dictionary of each language in Blender's form; a text has the same translation in both contexts."""
     paths = (Path(__file__).parent / "locale").glob("*.json")
     texts = {path.stem: json.loads(path.read_text("utf-8")) for path in paths}
     return {
@@ -23,19 +23,19 @@ def dictionaries() -> dict[str, dict[tuple[str, str], str]]:
 
 
 def register() -> None:
-    """Hand the dictionaries to Blender, and give the context to our classes and properties before it learns of them."""
+    """Register the dictionaries, and set the context of our classes and properties before these are registered."""
     kinds = bpy.types
     for cls in _ours(kinds.Operator, kinds.Panel, kinds.Menu, kinds.PropertyGroup, kinds.AddonPreferences):
         cls.bl_translation_context = CONTEXT
         for part in filter(_is_ours, cls.__mro__):
-            for each in inspect.get_annotations(part).values():  # of its own; from Python 3.14 on made when asked for
-                if hasattr(each, "keywords"):  # of a property
+            for each in inspect.get_annotations(part).values():  # its own ones; from Python 3.14 on evaluated lazily
+                if hasattr(each, "keywords"):  # a property
                     each.keywords.setdefault("translation_context", CONTEXT)
     bpy.app.translations.register(__name__, dictionaries())
 
 
 def _ours(*bases: type) -> Iterator[type]:
-    """Yield the classes of the extension that are made of others."""
+    """Yield the classes of the extension that derive from base classes of Blender, directly or not."""
     for base in bases:
         for cls in base.__subclasses__():
             if _is_ours(cls):

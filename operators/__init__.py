@@ -1,7 +1,8 @@
-"""The operators: short steps from Blender to the session of the core, and back, a folder for each job.
+"""The operators, which connect Blender to the sessions of the core; each job has a folder.
 
-Only `bridge` reads and writes mesh arrays. In `press`, `sessions` holds what runs, `showing` puts it on its objects and
-`live_step` steps it. Nothing heavy is imported here: numpy, trimesh and the core come with the first poke.
+Only `bridge` reads and writes mesh arrays. In `press`, `sessions` holds the live sessions, `showing` shows them on
+their objects and `live_step` steps them. Nothing heavy is imported here: numpy, trimesh and the core are imported with
+the first poke.
 """
 
 from collections.abc import Callable
@@ -29,13 +30,13 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """End what runs, then unregister the operators."""
+    """End everything that runs, then unregister the operators."""
     for part in reversed(PARTS):
         _registered(part)[1]()
 
 
 def _registered(part: ModuleType) -> tuple[Callable[[], None], Callable[[], None]]:
-    """Return what registers a module and takes it back: its own functions, else those of its operators."""
+    """Return the functions that register and unregister a module: its own, else made from its operators."""
     if hasattr(part, "register"):
         return part.register, part.unregister
     return bpy.utils.register_classes_factory(

@@ -1,4 +1,4 @@
-"""The front door for scripts: a body that is pressed, let go and baked without a window.
+"""The interface for scripts: a body that can be pressed, released and baked without a window.
 
     from bl_ext.user_default.dimple import Body
 
@@ -27,9 +27,9 @@ from .press.object_body import ObjectBody
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Body(ObjectBody):
-    """A soft body in the hands of a script; its object stays as it is until it is baked."""
+    """A soft body controlled by a script; its object does not change until it is baked."""
 
-    poke: PokeState | None = None  # the fingertips that `press` has put in
+    poke: PokeState | None = None  # the fingertips that `press` has added
 
     def press(
         self, at: Sequence[float] | None = None, depth: float = 0.015, *, force: float = 0.0,
@@ -38,16 +38,16 @@ class Body(ObjectBody):
         """Press with a fingertip, which stays in until `release`.
 
         Args:
-            at: where [scene units]; None is the top of the body.
-            depth: how deep [m].
-            force: [N] to press with in place of a depth; 0 presses to the depth.
-            direction: in which the fingertip moves; 0 is straight into the surface.
-            radius: of the fingertip [m]; 0 is the scene's.
-            seconds: that it takes to go in.
+            at: place of the press [scene units]; None: the top of the body.
+            depth: depth of the press [m].
+            force: force of the press [N], instead of a depth; 0: press to the depth.
+            direction: in which the fingertip moves; 0: straight into the surface.
+            radius: of the fingertip [m]; 0: that of the scene.
+            seconds: duration of the press until the depth or force is reached [s].
             finger: 1, 2 or 3.
 
         Raises:
-            DimpleError: no surface lies along the direction, or the body is thinner than the depth.
+            DimpleError: no surface lies along the direction, or the depth exceeds the size of the body.
         """
         if not 1 <= finger <= MAX_FINGERTIPS:
             raise DimpleError("There are at most {most} fingertips.", most=MAX_FINGERTIPS)
@@ -60,13 +60,13 @@ class Body(ObjectBody):
         self.step(seconds)
 
     def release(self, *, seconds: float = 0.25) -> None:
-        """Move the fingertip that pressed last out of the body."""
+        """Move the fingertip of the last press out of the body."""
         if self.poke:
             self.poke = on_event(replace(self.poke, release_s=seconds), PokeEvent(kind=Kind.RELEASE))
         self.step(seconds)
 
     def step(self, seconds: float) -> None:
-        """Let time pass [s], frame by frame of the scene.
+        """Simulate a time [s], in frames of the scene.
 
         Raises:
             DimpleError: the simulation blew up, or the object cannot be followed.
@@ -84,17 +84,17 @@ class Body(ObjectBody):
                 raise DimpleError(about(self.name, self.frame.note))
 
     def bake(self, first: int | None = None, last: int | None = None, *, target: str = "MESH_CACHE") -> list[str]:
-        """Bake the object over frames of the scene, pressed by its keyframed fingertip objects.
+        """Bake the object over frames of the scene, pressed by keyframed fingertip objects.
 
         Args:
-            first, last: frames; None are the scene's.
+            first, last: frames; None: those of the scene.
             target: "MESH_CACHE" or "SHAPE_KEYS".
 
         Returns:
             Sentences for the artist.
 
         Raises:
-            DimpleError: it cannot be baked; nothing has changed.
+            DimpleError: the object cannot be baked; nothing has changed.
         """
         messages = sessions.stop_all()  # a bake starts at rest
         plan = bake_frames.plan_of(bpy.context.scene, [self.obj], first, last, target)

@@ -1,4 +1,4 @@
-"""The log, and Copy Report: what a bug report should say, in the clipboard."""
+"""The log, and Copy Report, which copies the data for a bug report to the clipboard."""
 
 import logging
 import platform
@@ -12,7 +12,7 @@ from .messages import LOG, say
 from .names import Op
 from .press import polls
 
-KEPT = 40  # entries of the log in a report: some presses, and the last error with its traceback
+KEPT = 40  # log entries in a report: enough for some presses, and the last error with its traceback
 
 
 class Memory(logging.Handler):
@@ -21,7 +21,7 @@ class Memory(logging.Handler):
     entries: deque[str] = deque(maxlen=KEPT)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Take in an entry."""
+        """Add an entry."""
         self.entries.append(self.format(record))
 
 

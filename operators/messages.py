@@ -1,4 +1,4 @@
-"""Sentences for the artist, and how an operator says them."""
+"""Messages for the artist, and how an operator reports them."""
 
 import logging
 import re
@@ -10,34 +10,34 @@ from ..core.messages import ABOUT, Message, about, in_a_row
 from .translation import translated
 
 LOG = logging.getLogger("dimple")
-# what stays on one line in Japanese: a character or a Latin word, with what opens before it and closes after it
+# an unbreakable piece of Japanese text: a character or a Latin word, with opening marks before and closing ones after
 _PIECE = re.compile(r"[「『（]*(?:[!-~]+|.)[、。」』）！？：・ー〜々ぁぃぅぇぉっゃゅょァィゥェォッャュョ]* ?")
 
 
 class Note(Message):
-    """A message that warns of nothing."""
+    """A message that informs and does not warn."""
 
 
 def say(operator: bpy.types.Operator, kind: set[str], *messages: str) -> None:
-    """Log messages, and report them in a row in the language of the interface; kind: as `Operator.report` takes it."""
+    """Log messages and report them as one, in the language of the interface; kind: the type of `Operator.report`."""
     said = in_a_row(messages)
     LOG.log(logging.WARNING if kind & {"WARNING", "ERROR"} else logging.INFO, said)
     operator.report(kind, translated(said))
 
 
 def report(operator: bpy.types.Operator, messages: Iterable[str]) -> None:
-    """Say messages: those that are no notes are warnings."""
+    """Report messages: notes as information, all others as warnings."""
     for each in gathered(messages):
         say(operator, {"INFO" if isinstance(each, Note) else "WARNING"}, each)
 
 
 def conclude(operator: bpy.types.Operator, done: str, messages: Iterable[str]) -> None:
-    """Say notes, then what was done, then warnings: the last is what is seen."""
+    """Report notes, then what was done, then warnings, because Blender shows the last report."""
     report(operator, sorted([*messages, Note(done)], key=lambda each: not isinstance(each, Note)))
 
 
 def gathered(messages: Iterable[str]) -> list[Message]:
-    """Return messages with those said once that several bodies share: "3 bodies: ..."."""
+    """Return messages, with equal ones about several bodies merged into one: "3 bodies: ..."."""
     names: dict[tuple[bool, str], list[str]] = {}
     for each in map(_message, messages):
         of_one = each.template == ABOUT
@@ -57,7 +57,7 @@ def _shared(said: str, names: list[str]) -> Message:
 
 
 def duration(seconds: float) -> Message:
-    """Return a time as one reads it: "<1 s", "48 s", "3 min 5 s", "2 h 10 min"."""
+    """Return a readable time: "<1 s", "48 s", "3 min 5 s", "2 h 10 min"."""
     whole = round(seconds)
     if whole < 60:
         return Message("{seconds} s", seconds=whole) if whole else Message("<1 s")
@@ -67,19 +67,19 @@ def duration(seconds: float) -> Message:
 
 
 def beyond_end(last: int, scene_end: int) -> list[Message]:
-    """Return a sentence where an animation ends after the last frame of the scene."""
+    """Return a sentence if an animation ends after the last frame of the scene, else nothing."""
     end = Message("That is beyond the scene's last frame {last_frame}.", last_frame=scene_end)
     return [end] if last > scene_end else []
 
 
 def megabytes(size: float) -> str:
-    """Return a size [bytes] in MB as one reads it: "0.2", "6.4", "213"."""
+    """Return a size [bytes] as a readable number of megabytes: "0.2", "6.4", "213"."""
     return f"{max(size / 1e6, 0.1):.1f}" if size < 1e7 else f"{size / 1e6:.0f}"
 
 
 def wrapped(sentence: str, width: int) -> list[str]:
-    """Break a sentence into lines of at most `width` columns; Japanese breaks anywhere but inside a Latin word, before
-    a mark that ends something and after one that begins it.
+    """Break a sentence into lines of at most `width` columns; Japanese breaks anywhere except inside a Latin word,
+    before a closing mark and after an opening one.
     """
     lines, line = [], ""
     for word in _words(sentence):
@@ -94,7 +94,7 @@ def _words(sentence: str) -> list[str]:
     words: list[str] = []
     for word in sentence.split():
         if words and words[-1][-2:-1].isdigit() and " " not in words[-1][:-1] and _columns(word) == len(word):
-            words[-1] += word + " "  # a number and its unit
+            words[-1] += word + " "  # keep a number and its unit together
         else:
             words.append(word + " ")
     return [piece for word in words for piece in (_PIECE.findall(word) if _columns(word) > len(word) else [word])]

@@ -1,27 +1,27 @@
-"""The names of all operators, and of everything they leave in a file."""
+"""The names of all operators, and of all data that they leave in a file."""
 
 from enum import StrEnum
 
-# begin the names of the node groups that show a running session, a press that was kept, and a bake, and of the meshes
-# that hold their offsets; Blender hides those with a leading dot
+# prefixes of our data's names: node groups that show a running session, a kept press or a bake, and the objects and
+# meshes that hold their offsets; Blender hides data whose name begins with a dot
 OURS = ".Dimple "
 PRESS, KEPT_PRESS, BAKED_PRESS, CARRIER = ".Dimple Press", ".Dimple Kept", ".Dimple Bake", ".Dimple Carrier"
 REST = ".dimple_rest"  # attribute of the evaluated mesh: its shape at rest in this frame
 KEPT = "Pressed"  # name of the modifier that keeps a press
-BAKED_KEY = "Dimple Frame "  # begins the names of a bake's shape keys, before the number of the frame
+BAKED_KEY = "Dimple Frame "  # prefix of the names of a bake's shape keys; the number of the frame follows
 CACHE = "Dimple"  # name of the modifier that plays a bake
-CACHES_OFF = "dimple_caches_off"  # custom property of an object: its bakes that are switched off while it is live
-PAINTING = "WEIGHT_PAINT"  # the mode in which a simulation continues, with the weights that are being painted
-POKE_TOOL = "dimple.poke_tool"  # in the toolbar
+CACHES_OFF = "dimple_caches_off"  # custom property of an object: the names of its bakes that are off while it is live
+PAINTING = "WEIGHT_PAINT"  # besides Object Mode, the only mode in which a simulation continues, with the new weights
+POKE_TOOL = "dimple.poke_tool"  # identifier of the tool in the toolbar
 DEAD_MAN = "LEFT_SHIFT"  # the haptic device has force only while this key is held
 
-# the tip that measured a material: the identifiers of the core, in capitals
+# shapes of the tip that measured a material; identifiers as in the core, in capitals
 TIPS = (
     ("POINT", "Point", "Something small that touches at a point, as in the paper"),
     ("PUNCH", "Flat Punch", "A flat, round face"),
     ("SPHERE", "Ball", "A round tip, like a fingertip"),
 )
-# what an animation is exported to; `formats` writes them
+# export formats of an animation; `export.formats` writes them
 EXPORTS = (
     ("ALEMBIC", "Alembic (.abc)", "For other 3D programs and renderers", 1),
     ("USD", "USD (.usdc)", "A folder with its textures, for other 3D programs, renderers and pipelines", 2),
@@ -30,7 +30,7 @@ EXPORTS = (
     ("PC2", "PC2 Point Cache (.pc2)", "For 3ds Max, and Blender's Mesh Cache modifier", 16),
     ("VAT", "Vertex Animation Texture", "EXR and 16-bit PNG for shaders, of places and normals, and the mesh", 256),
 )
-# properties that can be painted on a body: the label of the vertex group, and the meaning of its weights
+# properties that can be painted on a body: name, label of the vertex group, and meaning of its weights
 MAPS = (
     ("softness", "Softness Group", "softness: 0.5 is as measured, 1 four times softer, 0 four times stiffer"),
     ("knee", "Knee Group", "how deep the soft part reaches: 0.5 is x0, 1 twice and 0.25 half of it"),
@@ -44,7 +44,7 @@ PLACES = (
 
 
 class Op(StrEnum):
-    """Every `bpy.ops` name of the extension that acts on a body."""
+    """The `bpy.ops` names of the extension."""
 
     COPY_REPORT = "dimple.copy_report"
     MAKE_SOFT = "dimple.make_soft"

@@ -1,4 +1,4 @@
-"""Messages in the language of the interface: core writes English, for it knows no Blender."""
+"""Translate messages into the language of the interface; the core is independent of Blender and writes English."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,23 +7,23 @@ from bpy.app.translations import pgettext_tip
 
 from ..core.messages import COMMA, Message, filled
 
-# Blender translates some of our words in another sense: its "Air" is air drag, its "Measure" a ruler. A context of our
-# own avoids that
+# Blender's own translations give some of our words another sense: its "Air" is air drag, its "Measure" a ruler. A
+# separate context avoids that
 CONTEXT = "Dimple"
 Lookup = Callable[[str], str]
 
 
 def tip_(text: str) -> str:
-    """Translate a text of ours into the language of the interface."""
+    """Translate one of our texts into the language of the interface."""
     return pgettext_tip(text, CONTEXT)
 
 
 def translated(said: str, lookup: Lookup = tip_) -> str:
-    """Translate a message: its template is looked up, and filled with its values, of which messages are translated.
+    """Translate a message: look up its template, and fill it with its values, translating those that are messages.
 
     Args:
-        said: a text that is no message is looked up as it is.
-        lookup: gives a text of the catalogue in the language of the interface, any other text as it is.
+        said: a message; any other text is looked up as a whole.
+        lookup: returns the translation of a text, or the text itself if there is none.
     """
     if not isinstance(said, Message):
         return lookup(said)
@@ -32,7 +32,7 @@ def translated(said: str, lookup: Lookup = tip_) -> str:
 
 
 def _value(value: Any, lookup: Lookup) -> Any:
-    """Return a value in another language: a number or a name is the same in all."""
+    """Translate a value of a message; numbers and names stay as they are."""
     if isinstance(value, tuple):
         return tuple(_value(each, lookup) for each in value)
     return translated(value, lookup) if isinstance(value, Message) else value

@@ -1,1 +1,1 @@
-"""Bakes, shape keys, and fingertips that are keyframed."""
+"""Bakes, shape keys, and keyframed fingertips."""

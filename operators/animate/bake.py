@@ -34,7 +34,7 @@ class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
     needs = polls.in_object_mode, polls.is_free
 
     def _begin(self, context: bpy.types.Context):
-        """Return the steps of the bake; live sessions end first, for a bake starts at rest."""
+        """Return the steps of the bake; live sessions end first, because a bake starts at rest."""
         from ..press import live_step
         from . import bake_frames
 
@@ -53,7 +53,7 @@ class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
 
 
 def _may_play(context: bpy.types.Context) -> bool:
-    """Tell whether a mesh is selected, or a fingertip that presses one."""
+    """Return whether a mesh is selected, or a fingertip that presses one."""
     chosen = (fingertip_objects.body_of(obj, context.scene) for obj in (*context.selected_objects, context.object))
     return any(obj.type == "MESH" for obj in chosen if obj)
 

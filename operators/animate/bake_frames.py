@@ -1,6 +1,6 @@
-"""Simulate bodies over a range of frames and write how they move from their shape at rest; all of it, or nothing.
+"""Simulate bodies over a range of frames and write their offsets from the shape at rest, completely or not at all.
 
-Files are written in a folder of their own beside where they go, and go there at the end.
+Files are written to a temporary folder beside their destination, and moved there at the end.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ if TYPE_CHECKING:
 class Baked(ObjectBody):
     """One object of a bake."""
 
-    path: Path = field(init=False)  # where the PC2 file goes
-    part: Path = field(init=False)  # where it is until it is whole
-    cache: PointCache | None = None  # the PC2 file under way, None for shape keys
-    table: recorder.ForceTable = field(init=False)  # the table of forces under way
-    # frame and offsets (N, 3) of each shape key from the shape at rest of that frame
+    path: Path = field(init=False)  # destination of the PC2 file
+    part: Path = field(init=False)  # path of the unfinished PC2 file
+    cache: PointCache | None = None  # the unfinished PC2 file, None for shape keys
+    table: recorder.ForceTable = field(init=False)  # the unfinished table of forces
+    # frame of each shape key, and its offsets (N, 3) from the shape at rest in that frame
     shapes: list[tuple[int, Singles]] = field(default_factory=list)
 
 
@@ -50,15 +50,15 @@ class BakePlan:
     objects: Sequence[bpy.types.Object]  # the bodies
     first: int  # frame
     last: int  # frame, included
-    target: str  # "MESH_CACHE", "SHAPE_KEYS", or "FILES": nothing plays it
+    target: str  # "MESH_CACHE", "SHAPE_KEYS", or "FILES", which no object plays
     step: int = 1  # frames from one shape key to the next
-    folder: Path | None = None  # where the files go; None is where bakes of the scene go
+    folder: Path | None = None  # of the files; None: the folder for bakes of the scene
 
 
 def plan_of(
     scene: bpy.types.Scene, objects: Sequence[bpy.types.Object], first: int | None, last: int | None, target: str
 ) -> BakePlan:
-    """Return a plan with the settings of a scene, and its frames where none are given."""
+    """Return a plan with the settings of a scene, and with its frames if none are given."""
     return BakePlan(
         objects=objects, first=scene.frame_start if first is None else first,
         last=scene.frame_end if last is None else last, target=target, step=scene.dimple.shape_key_step,
@@ -66,13 +66,13 @@ def plan_of(
 
 
 def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Iterator[float]:
-    """Bake; yield the share that is done. Closing the generator cancels, and nothing has changed.
+    """Bake, and yield the fraction that is done. Closing the generator cancels the bake without any change.
 
     Args:
-        messages: gets sentences for the artist.
+        messages: a list to which sentences for the artist are added.
 
     Raises:
-        DimpleError: an object cannot be baked, the simulation blew up, or the disk refuses.
+        DimpleError: an object cannot be baked, the simulation blew up, or a file cannot be written.
     """
     bodies = yield from simulate(context, plan, messages)
     with cache_files.plain_os_errors("The bake"):
@@ -83,10 +83,10 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
 def simulate(
     context: bpy.types.Context, plan: BakePlan, messages: list[str]
 ) -> Generator[float, None, Sequence[Baked]]:
-    """Simulate and write the files; yield the share that is done, and return the bodies.
+    """Simulate and write the files; yield the fraction that is done, and return the bodies.
 
     Raises:
-        DimpleError: an object cannot be baked, the simulation blew up, or the disk refuses.
+        DimpleError: an object cannot be baked, the simulation blew up, or a file cannot be written.
     """
     scene = context.scene
     before = scene.frame_current, scene.frame_subframe
@@ -117,7 +117,7 @@ def simulate(
             _show_props(worlds, frame, poses)
             _write(plan, bodies, frame)
             share = (frame - plan.first) / (plan.last - plan.first)
-            yield READY + (0.99 - READY) * share  # the rest is for the files
+            yield READY + (0.99 - READY) * share  # the last hundredth is for the files
         for file in [file for body in bodies for file in (body.cache, body.table) if file]:
             file.close()
         messages += [said for _, said in held.values()]
@@ -130,7 +130,7 @@ def simulate(
 
 
 def go_to(scene: bpy.types.Scene, frame: tuple[int, float]) -> None:
-    """Show a frame and its share, unless they show already."""
+    """Go to a frame and subframe, unless the scene is there already."""
     if (scene.frame_current, scene.frame_subframe) != frame:
         scene.frame_set(frame[0], subframe=frame[1])
 
@@ -153,7 +153,7 @@ def _check(plan: BakePlan) -> None:
 
 
 def _check_keys(obj: bpy.types.Object) -> None:
-    """Raise a DimpleError when an object cannot have the shape keys of a bake."""
+    """Raise a DimpleError if an object cannot have the shape keys of a bake."""
     keys = obj.data.shape_keys
     if obj.data.library:
         raise DimpleError(
@@ -174,7 +174,7 @@ def _check_keys(obj: bpy.types.Object) -> None:
 def _opening(
     context: bpy.types.Context, plan: BakePlan, obj: bpy.types.Object, messages: list[str], files: contextlib.ExitStack
 ) -> Parts:
-    """Get an object ready to be baked, in parts; its files are closed, and deleted where they are, with `files`."""
+    """Prepare an object for a bake, in parts; `files` closes its files and deletes the temporary folder at its exit."""
     files.enter_context(final_mesh.unbaked(obj))
     files.enter_context(final_mesh.attached(context, obj))
     body, notes = yield from Baked.opening(context, obj)
@@ -196,7 +196,7 @@ def _opening(
     body.table = recorder.ForceTable(body.part.with_suffix(".csv"))
     files.callback(recorder.quietly, body.table.close)
     body.session.set_fingers(live_step.fingertips(context.scene, body.link.scale))
-    body.session.step(0.0)  # the first frame shows what touches already
+    body.session.step(0.0)  # the first frame already shows the contacts
     return body
 
 
@@ -242,7 +242,7 @@ def _write(plan: BakePlan, bodies: Sequence[Baked], frame: int) -> None:
 
 
 def _files(body: Baked) -> list[tuple[Path, Path]]:
-    """Return where the files of a body are, and where they go."""
+    """Return the temporary path and the destination of each file of a body."""
     endings = [".csv", *([".pc2"] if body.cache else [])]
     return [(body.part.with_suffix(ending), body.path.with_suffix(ending)) for ending in endings]
 

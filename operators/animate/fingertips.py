@@ -1,4 +1,4 @@
-"""Fingertips to keyframe: objects that press, added by hand or by the last press."""
+"""Fingertip objects to keyframe: added by hand, or made from the last press."""
 
 import bpy
 from mathutils import Vector
@@ -10,7 +10,7 @@ from ..messages import Note, beyond_end, report
 from ..names import Op
 from ..press import fingertip_objects, last_press, polls
 
-STRAIGHT_M = 5e-5  # how far the ways between keyframes may lead past the press, at the body's physical size
+STRAIGHT_M = 5e-5  # [m] largest deviation of the keyframed path from the press, at the body's physical size
 
 
 class DIMPLE_OT_add_fingertip(polls.Declared, bpy.types.Operator):
@@ -34,7 +34,7 @@ class DIMPLE_OT_add_fingertip(polls.Declared, bpy.types.Operator):
     )  # fmt: skip
 
     def run(self, context: bpy.types.Context) -> None:
-        """Add a sphere as large as the tool's fingertip, touching the body."""
+        """Add a sphere with the radius of the tool's fingertip that touches the body."""
         from ..bridge import scene_objects
 
         scene = context.scene
@@ -50,9 +50,9 @@ class DIMPLE_OT_add_fingertip(polls.Declared, bpy.types.Operator):
 
 
 def _at_cursor(context: bpy.types.Context, body: bpy.types.Object, near: float) -> tuple[Vector, Vector] | None:
-    """Return where the surface of a body is nearest to the 3D cursor and its unit normal; None if that is not near.
+    """Return the point of a body's surface nearest to the 3D cursor, and its normal; None if farther away than `near`.
 
-    A cursor at the origin was not put there: that is where it is in a new scene.
+    A cursor at the origin does not count, because that is its place in a new scene.
     """
     cursor, matrix = context.scene.cursor.location, body.matrix_world
     if not cursor.length or not body.visible_get():
@@ -66,7 +66,7 @@ def _at_cursor(context: bpy.types.Context, body: bpy.types.Object, near: float) 
 
 
 class DIMPLE_OT_key_press(polls.Declared, bpy.types.Operator):
-    """Keyframe a fingertip by the last press."""
+    """Make a keyframed fingertip from the last press."""
 
     bl_idname = Op.KEY_PRESS
     bl_label = "Key This Press"
@@ -100,7 +100,7 @@ class DIMPLE_OT_key_press(polls.Declared, bpy.types.Operator):
 
 
 def key(context: bpy.types.Context, press: last_press.LivePress, body: bpy.types.Object) -> tuple[int, int]:
-    """Add fingertips that repeat a press, and return its first and last frame."""
+    """Add keyframed fingertips that repeat a press, and return its first and last frame."""
     from ...core.poke.stroke import keys
     from ..bridge import keyframes, timeline
 
@@ -125,10 +125,10 @@ def key(context: bpy.types.Context, press: last_press.LivePress, body: bpy.types
         shown += [int(frames[0]), int(frames[-1])]
     for tip in tips:
         tip.select_set(True)
-    scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)  # shows where they are now
+    scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)  # moves them to their place at this frame
     return min(shown), max(shown)
 
 
 def _wanted(context: bpy.types.Context) -> last_press.LivePress | None:
-    """Return the last press on the active body, or on what the active fingertip presses."""
+    """Return the last press on the active body, or on the body that the active fingertip presses."""
     return last_press.last(context.scene, fingertip_objects.body_of(context.object, context.scene))

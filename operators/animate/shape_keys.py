@@ -1,4 +1,4 @@
-"""A bake as shape keys: one key every few frames, faded in and out so that the frames between are interpolated."""
+"""A bake as shape keys: one key every few frames, faded in and out so that the frames in between are interpolated."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from ..bridge import keyframes, write_back
 from ..bridge.scene_objects import Singles
 from ..names import BAKED_KEY
 
-MADE_BASIS = "dimple_made_basis"  # custom property of keys that came with the bake and go with it
+MADE_BASIS = "dimple_made_basis"  # custom property of shape keys: the bake made their basis and will remove it
 
 
 def add(obj: bpy.types.Object, shapes: Sequence[tuple[int, Singles]]) -> None:
-    """Give an object a key for each frame and its offsets (N, 3) from the shape at rest, and keyframe them.
+    """Give an object a shape key for each frame, with its offsets (N, 3) from the shape at rest, and keyframe them.
 
-    Between two keys the values add up to 1, and a straight line leads from one shape to the next.
+    Between two keys their values add up to 1, so the shape is interpolated linearly.
     """
     remove(obj)
     if write_back.is_shared(obj.data):
@@ -36,7 +36,7 @@ def add(obj: bpy.types.Object, shapes: Sequence[tuple[int, Singles]]) -> None:
 
 
 def remove(obj: bpy.types.Object) -> int:
-    """Take the keys of a bake off an object with their keyframes; return how many there were."""
+    """Remove the shape keys of a bake and their keyframes from an object; return the number of keys."""
     keys = obj.data.shape_keys
     baked = [key.name for key in keys.key_blocks if key.name.startswith(BAKED_KEY)] if keys else []
     if not baked:

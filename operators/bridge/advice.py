@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: ObjectLink) -> tuple[str, ...]:
-    """Return sentences of advice on a body: its rig, what of the scene does not act, its size, and how fine it is."""
+    """Return advice on a body: its rig, effects of the scene that do not act, missing files, size and resolution."""
     notes, size = [], mesh.size
     if modifiers.is_carried(body):
         notes.append(Note("A rig holds the body: its shape at rest follows the rig."))
@@ -53,7 +53,7 @@ def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: Ob
 
 
 def on_sway(model: Model, wanted: tuple[float, float, float] | None) -> tuple[str, ...]:
-    """Return a sentence on why a body does not sway although it is to."""
+    """Return a sentence if a body that should sway does not: it says why."""
     if not wanted or model.sway:
         return ()
     if not model.mesh.pressurable:
@@ -62,7 +62,7 @@ def on_sway(model: Model, wanted: tuple[float, float, float] | None) -> tuple[st
 
 
 def on_fill(model: Model) -> tuple[str, ...]:
-    """Return a sentence on which fill acts, where the materials have several, or on a pressure that does nothing."""
+    """Return a sentence on which fill acts, if the materials differ, or on a pressure that has no effect."""
     fills, inside = {(each.fill, each.pressure) for each in model.materials}, model.pressure
     if not model.mesh.pressurable and any(pressure for _, pressure in fills):
         return ("A pressure needs an inside: close the mesh.",)

@@ -1,6 +1,6 @@
-"""Materials, pins and maps of an object, read into a model; and what of the panels that was read from.
+"""Read the materials, pins and maps of an object into a model, and the settings that a model was read from.
 
-Whatever `to_params` returns belongs to that, so a new constant joins by itself.
+These settings include everything that `to_params` returns, so a new constant needs no change here.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
     from .object_link import Floats, ObjectLink
 
 
-in_trial: dict[int, Material] = {}  # by session_uid: of a blind trial, in place of the object's own materials
+in_trial: dict[int, Material] = {}  # by session_uid: the material of a blind trial, instead of the object's own
 
 
 def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink) -> Parts:
     """Read the materials and settings of an object into a model on the mesh that it was linked with, in parts.
 
-    Blender is looked at before the first of them only.
+    Blender's data is only read before the first part.
 
     Raises:
-        DimpleError: it cannot be pressed with them, with the reason and what to do.
+        DimpleError: the object cannot be pressed with its settings; the message says why, and what to do.
     """
     from ...core.body.model import build_model
     from ...core.mesh.surface import base_vertices
@@ -58,13 +58,13 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
         model: Model = yield 0.4, make
     except DimpleError as error:
         raise DimpleError(about(name, str(error))) from error
-    repaired = map(Note, mesh.notes)  # nothing is to be done about these
+    repaired = map(Note, mesh.notes)  # these need no action
     said = (*said, *advice.on_fill(model), *advice.on_sway(model, params["sway"]))
     return replace(model, notes=(*repaired, *model.notes[len(mesh.notes) :], *said))
 
 
 def gravity(scene: bpy.types.Scene) -> tuple[float, ...]:
-    """Return the gravity of a scene (3,) [m/s2]; none when the scene has it switched off."""
+    """Return the gravity of a scene (3,) [m/s2]; zero if the scene has it switched off."""
     return tuple(scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0)
 
 
@@ -72,7 +72,7 @@ def _material(body: bpy.types.Object, slot: int) -> Material:
     """Return the constants of a body's material.
 
     Raises:
-        DimpleError: one of them is out of its range.
+        DimpleError: a constant is out of its range.
     """
     from ...core.material import DEFAULT_MATERIAL, Material
 
@@ -98,7 +98,7 @@ def _pins(body: bpy.types.Object, group: str, link: ObjectLink, *, least: float)
 
 
 def _weights(body: bpy.types.Object, group: str, role: str, link: ObjectLink) -> Floats:
-    """Return the weight (N,) of every vertex in a vertex group, 0 outside it; or a float attribute of that name."""
+    """Return the weight (N,) of every vertex in a vertex group, 0 outside it, or the float attribute of that name."""
     found = final_mesh.weights(bpy.context, body, group, link.cuts)
     if found is None:
         raise DimpleError(
@@ -108,12 +108,12 @@ def _weights(body: bpy.types.Object, group: str, role: str, link: ObjectLink) ->
 
 
 class Settings(NamedTuple):
-    """What a running body was read from."""
+    """The settings that a running body was read from."""
 
-    body: Hashable  # laws, pins, softness and size
+    body: Hashable  # pins, painted maps, sway and size
     materials: tuple[Hashable, ...]  # the constants of each slot
     surroundings: Hashable  # gravity, ground and the unit of length
-    plan: Hashable  # how it is to be simulated
+    plan: Hashable  # mesh or proxy, and self contact
 
 
 def settings_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> Settings:

@@ -1,4 +1,4 @@
-"""Where bakes and recordings go on the disk, and the modifier that plays them."""
+"""The paths of bakes and recordings on the disk, and the modifier that plays them."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ from ..names import BAKED_PRESS, CACHE
 from . import keyframes, offset, rendered_mesh
 from .modifiers import is_cache
 
-LONGEST_NAME = 91  # bytes; a name has two, a number and endings, and a disk takes 255
+LONGEST_NAME = 91  # [bytes] of a name: a file name consists of two, checksums and endings, and 255 are allowed
 PACKAGE = (__package__ or "").partition(".operators")[0]
 
 
 def take_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
-    """Return the path of the next recording of an object: a PC2 file with a number that is still free.
+    """Return the path of the next recording of an object: a PC2 file with an unused number.
 
     Raises:
-        DimpleError: the folder cannot be made.
+        DimpleError: the folder cannot be created.
     """
     return next(path for path in _numbered(context, obj, "take") if not _exists(path))
 
 
 def bake_path(context: bpy.types.Context, obj: bpy.types.Object, folder: Path | None = None) -> Path:
-    """Return the path of the bake of an object: that of its last one, in an unsaved .blend only while it plays that.
+    """Return the path of an object's bake, which replaces its last one; in an unsaved .blend only one that it plays.
 
     Args:
-        folder: where it goes anyway, under the name of the object.
+        folder: the folder to use instead; the file then has the name of the object.
 
     Raises:
-        DimpleError: the folder cannot be made.
+        DimpleError: the folder cannot be created.
     """
     if folder:
         return folder / f"{file_name(obj.name)}.pc2"
@@ -60,10 +60,10 @@ def _exists(path: Path) -> bool:
 
 
 def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
-    """Return folder and beginning of the names: in the scene's folder, else beside the .blend, else the preferred one.
+    """Return folder and prefix of the names: the folder of the scene, else that of the .blend, else the preferred one.
 
     Raises:
-        DimpleError: the folder cannot be made.
+        DimpleError: the folder cannot be created.
     """
     chosen = context.scene.dimple.cache_dir
     if chosen.startswith("//") and not bpy.data.filepath:
@@ -77,7 +77,7 @@ def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
     else:
         settings = bpy.context.preferences.addons.get(PACKAGE)
         chosen = settings.preferences.cache_dir if settings else ""
-        # not the extension's own folder: Blender deletes that with the extension, and scenes go on playing these files
+        # not the extension's own folder: Blender deletes that with the extension, but scenes still play these files
         folder = Path(bpy.path.abspath(chosen) if chosen else bpy.utils.user_resource("DATAFILES", path="dimple"))
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -90,13 +90,13 @@ def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
 
 
 def file_name(name: str) -> str:
-    """Return a name that every disk takes: without what a path means something by, at most 100 bytes long."""
+    """Return a name that is valid on every disk: without special characters, and at most 100 bytes long."""
     return _shortened(bpy.path.clean_name(name), name)
 
 
 def _shortened(clean: str, name: str) -> str:
     short = clean.encode()[:LONGEST_NAME].decode(errors="ignore")
-    # two names may come out alike once cleaned and cut
+    # a checksum, because two names may become equal when they are cleaned and cut
     return short if short == name else f"{short}_{zlib.crc32(name.encode()):08x}"
 
 
@@ -108,9 +108,9 @@ def version() -> str:
 
 @contextlib.contextmanager
 def unfinished_folder(parent: Path) -> Iterator[Path]:
-    """Make a folder for unfinished files, on the disk where they go, and delete it in the end.
+    """Make a folder for unfinished files, on the disk of their destination, and delete it in the end.
 
-    A Blender that is killed leaves it behind: its point caches can be read up to their last frame.
+    If Blender is killed the folder remains, and its point caches can be read up to their last frame.
     """
     parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".dimple-", dir=parent, ignore_cleanup_errors=True) as folder:
@@ -119,13 +119,14 @@ def unfinished_folder(parent: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def plain_os_errors(doing: str, folder: str = "cache folder") -> Iterator[None]:
-    """Turn an error of the disk into a sentence for the artist.
+    """Turn an OSError into a sentence for the artist.
 
     Args:
-        folder: what it was to be written to.
+        doing: what may fail, such as "The bake".
+        folder: what the artist should replace, such as "cache folder".
 
     Raises:
-        DimpleError: with what was being done, where, and why it failed.
+        DimpleError: says what failed, where and why.
     """
     try:
         yield
@@ -140,16 +141,16 @@ def plain_os_errors(doing: str, folder: str = "cache folder") -> Iterator[None]:
 def attach_cache(
     context: bpy.types.Context, obj: bpy.types.Object, path: str, start_frame: int, cuts: int
 ) -> bpy.types.Modifier:
-    """Let an object play a PC2 file of offsets, on top of all its modifiers; an earlier bake makes room.
+    """Make an object play a PC2 file of offsets, after all its modifiers and in place of an earlier bake.
 
-    Where a render has other vertices than the viewport, they have a file of their own beside it. Where the scene asks
-    for curves it has those of the table beside the file too.
+    If a render has other vertices than the viewport, a second file beside the first one serves it. If the scene asks
+    for curves, they are drawn from the table beside the file.
 
     Args:
-        cuts: how often its final mesh is subdivided.
+        cuts: number of subdivisions of its final mesh.
 
     Raises:
-        OSError: the disk refuses, or the file is gone.
+        OSError: the file is missing, or the second one cannot be written.
     """
     detach_cache(obj)
     add_curves(obj, Path(path))
@@ -159,7 +160,7 @@ def attach_cache(
 def play(
     context: bpy.types.Context, obj: bpy.types.Object, path: Path, start_frame: float, cuts: int
 ) -> bpy.types.Modifier:
-    """Let an object play a PC2 file of offsets; see `attach_cache`."""
+    """Make an object play a PC2 file of offsets; see `attach_cache`."""
     _, samples = open_point_cache(path)
     shown = rendered_mesh.shown(context, obj, samples.shape[1], cuts)
     for each, carried in shown:
@@ -175,14 +176,14 @@ def play(
 
 
 def add_curves(obj: bpy.types.Object, cache: Path) -> None:
-    """Give an object the curves of the table beside a PC2 file, where the scene asks for curves."""
+    """Give an object the curves of the table beside a PC2 file, if the scene asks for curves."""
     if bpy.context.scene.dimple.use_curves:
-        with contextlib.suppress(OSError):  # a recording of which the disk has taken no table still plays
+        with contextlib.suppress(OSError):  # a recording whose table could not be written still plays
             keyframes.add_press(obj, cache.with_suffix(".csv"))
 
 
 def detach_cache(obj: bpy.types.Object) -> int:
-    """Take the modifiers that play a bake and its curves off an object; return how many modifiers there were."""
+    """Remove the modifiers that play a bake, and its curves, from an object; return the number of modifiers."""
     keyframes.remove_press(obj)
     return offset.remove(obj, BAKED_PRESS)
 

@@ -1,6 +1,6 @@
-"""The final mesh of an object: what keys and modifiers make of its own, which is what is seen, and what is pressed.
+"""The final mesh of an object, after shape keys and modifiers: the surface that is seen and pressed.
 
-Where it is too coarse for the fingertip, the modifier that shows the press subdivides it.
+If it is too coarse for the fingertip, the modifier that shows the press subdivides it.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ from .object_link import find, get_points, scale_of_body
 if TYPE_CHECKING:
     from .object_link import Floats, ObjectLink, Singles
 
-WIDE = 0.83  # fingertip radii: in wider faces a dent shows facets
-SHARE = 0.05  # of the surface in wider faces is too much
-MOST = 20_000  # vertices that are made by subdividing: more do not follow a hand
+WIDE = 0.83  # [fingertip radii] in faces wider than this a dent shows facets
+SHARE = 0.05  # fraction of the surface that may lie in wider faces
+MOST = 20_000  # [vertices] largest mesh made by subdividing: a larger one does not run live
 
 
 class Final(NamedTuple):
-    """A final mesh at rest, as the modifier is given it, subdivided."""
+    """A final mesh at rest, subdivided as the modifier does."""
 
-    points: Singles  # (N, 3) its coordinates
+    points: Singles  # (N, 3) coordinates in the object's space
     triangles: np.ndarray  # (t, 3)
-    slots: np.ndarray  # (t,) the material slot of each
-    cuts: int  # how often it is subdivided
+    slots: np.ndarray  # (t,) material slot of each triangle
+    cuts: int  # number of subdivisions
 
 
 @contextmanager
 def unbaked(body: bpy.types.Object) -> Iterator[None]:
-    """Mute the shape keys of an earlier bake for a while."""
+    """Mute the shape keys of an earlier bake within the context."""
     keys = body.data.shape_keys.key_blocks if body.data.shape_keys else ()
     names = [key.name for key in keys if key.name.startswith(BAKED_KEY) and not key.mute]
     for key in names:
@@ -56,8 +56,8 @@ def unbaked(body: bpy.types.Object) -> Iterator[None]:
 
 @contextmanager
 def attached(context: bpy.types.Context, body: bpy.types.Object, cuts: int | None = None) -> Iterator[None]:
-    """Let an object have the modifier that shows a press for a while, if it has it not already; one that is hidden is
-    evaluated for as long.
+    """Give an object the modifier that shows a press within the context, unless it has it already. A hidden object is
+    shown meanwhile, so that it is evaluated.
     """
     if offset.modifier_of(body):
         yield
@@ -80,10 +80,10 @@ def attached(context: bpy.types.Context, body: bpy.types.Object, cuts: int | Non
 
 
 def attach(context: bpy.types.Context, body: bpy.types.Object, cuts: int | None = None) -> None:
-    """Give an object the modifier that shows a press, unless it has it; its bakes are switched off.
+    """Give an object the modifier that shows a press, unless it has it already, and switch its bakes off.
 
     Args:
-        cuts: how often to subdivide; None is as the fingertip needs it.
+        cuts: number of subdivisions; None: as many as the fingertip needs.
     """
     if offset.modifier_of(body):
         return
@@ -91,7 +91,7 @@ def attach(context: bpy.types.Context, body: bpy.types.Object, cuts: int | None 
     for modifier in shown:
         modifier.show_viewport = False
     if shown:
-        body[CACHES_OFF] = "\n".join(modifier.name for modifier in shown)  # its duplicates know it too
+        body[CACHES_OFF] = "\n".join(modifier.name for modifier in shown)  # stored here, so that duplicates have it too
     try:
         mesh = evaluated(context, body)
         given, cuts = len(mesh.vertices), cuts_of(context, body, mesh) if cuts is None else cuts
@@ -102,7 +102,7 @@ def attach(context: bpy.types.Context, body: bpy.types.Object, cuts: int | None 
 
 
 def detach(body: bpy.types.Object) -> None:
-    """Take the modifier away, and switch the bakes on again."""
+    """Remove the modifier that shows a press, and switch the bakes on again."""
     offset.remove(body, PRESS)
     for name in str(body.pop(CACHES_OFF, "")).split("\n"):
         if name in body.modifiers:
@@ -113,11 +113,11 @@ def read(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = Tr
     """Return the final mesh of an object at rest now; change nothing.
 
     Args:
-        baked: take the shape keys of an earlier bake as part of it.
-        cuts: how often to subdivide; None is as the fingertip needs it.
+        baked: include the shape keys of an earlier bake.
+        cuts: number of subdivisions; None: as many as the fingertip needs.
 
     Raises:
-        DimpleError: it has no faces.
+        DimpleError: the object has no faces, or is not in the view layer.
     """
     if not baked:
         with unbaked(body):
@@ -144,7 +144,7 @@ def _cuts_now(body: bpy.types.Object) -> int:
 
 def weights(context: bpy.types.Context, body: bpy.types.Object, group: str, cuts: int) -> Floats | None:
     """Return the weight (N,) of each vertex of the final mesh in a vertex group, 0 outside it, or the float attribute
-    of that name; None where there is neither.
+    of that name; None if there is neither.
     """
     found = body.vertex_groups.get(group)
     with attached(context, body, cuts):
@@ -158,7 +158,7 @@ def weights(context: bpy.types.Context, body: bpy.types.Object, group: str, cuts
             return None
         import bmesh
 
-        read = bmesh.new()  # half the time of vertex.groups: a dictionary a vertex
+        read = bmesh.new()  # gives a dictionary per vertex in half the time of vertex.groups
         try:
             read.from_mesh(mesh, face_normals=False, vertex_normals=False)
             layer, index = read.verts.layers.deform.active, found.index
@@ -168,18 +168,18 @@ def weights(context: bpy.types.Context, body: bpy.types.Object, group: str, cuts
 
 
 def read_rest(body: bpy.types.Object, graph: bpy.types.Depsgraph) -> Singles | None:
-    """Return the final mesh (N, 3) at rest at this frame, None where it is not evaluated, or has other vertices than
-    the modifier that shows a press knows.
+    """Return the final mesh (N, 3) at rest in this frame; None if it is not evaluated, or if its number of vertices is
+    not that for which the modifier that shows a press was made.
     """
     attribute = body.evaluated_get(graph).data.attributes.get(REST)
     return None if attribute is None else get_points(attribute.data, len(attribute.data), "vector")
 
 
 def rest_now(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, before: Singles) -> Singles:
-    """Return the shape at rest (N, 3) of an object as its rig has bent it, the one before where it has not.
+    """Return the shape at rest (N, 3) of an object in the pose of its rig; `before` itself if it has not changed.
 
     Raises:
-        DimpleError: its modifiers give other vertices than they did.
+        DimpleError: its modifiers now give another number of vertices.
     """
     if not link.shaped:
         return before
@@ -191,13 +191,13 @@ def rest_now(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLin
 
 
 def is_stretched(matrix: Floats, before: Floats) -> bool:
-    """Tell whether a matrix (4, 4) scales or shears otherwise than one before."""
+    """Return whether a matrix (4, 4) scales or shears differently from an earlier one."""
     now, then = (m[:3, :3].T @ m[:3, :3] for m in (matrix, before))
     return not np.allclose(now, then, rtol=1e-6, atol=1e-12)
 
 
 def _check_count(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink) -> None:
-    """Raise a DimpleError where an object is seen, with other vertices than it was read with."""
+    """Raise a DimpleError if an object is visible and its number of vertices differs from that when it was read."""
     count = len(evaluated(context, body).vertices)
     if body.visible_get() and count != len(link.rest):
         raise DimpleError(
@@ -208,8 +208,8 @@ def _check_count(context: bpy.types.Context, body: bpy.types.Object, link: Objec
 
 
 def cuts_of(context: bpy.types.Context, body: bpy.types.Object, mesh: bpy.types.Mesh) -> int:
-    """Return how often to halve the edges of the final mesh of a body until it is fine enough for a fingertip, or of
-    as many vertices as follow a hand; 0 where the artist wants it simulated as it is.
+    """Return the number of subdivisions, each of which halves all edges, that make the final mesh of a body fine enough
+    for the fingertip, as far as MOST permits; 0 unless the artist lets Dimple choose what to simulate.
     """
     radius = context.scene.dimple.finger_radius_mm / 1e3
     if body.dimple.simulated != "AUTO" or not 0 < len(mesh.loops) <= MOST:
@@ -224,7 +224,7 @@ def cuts_of(context: bpy.types.Context, body: bpy.types.Object, mesh: bpy.types.
 
 
 def _widths(mesh: bpy.types.Mesh, points: Floats) -> tuple[Floats, Floats]:
-    """Return how wide each face (f,) is, and its area (f,): halving all edges halves it."""
+    """Return the width (f,) of each face, which halves when all edges are halved, and its area (f,)."""
     count, corners = np.empty(len(mesh.polygons), np.int32), corners_of(mesh)
     mesh.polygons.foreach_get("loop_total", count)
     starts = np.cumsum(count) - count
@@ -249,7 +249,7 @@ def points_of(mesh: bpy.types.Mesh) -> Singles:
 
 
 def corners_of(mesh: bpy.types.Mesh) -> npt.NDArray[np.int32]:
-    """Return the vertex at each corner of the faces of a mesh."""
+    """Return the vertex index at each corner of the faces of a mesh."""
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
     return corners
@@ -258,7 +258,8 @@ def corners_of(mesh: bpy.types.Mesh) -> npt.NDArray[np.int32]:
 def triangles_of(mesh: bpy.types.Mesh) -> tuple[Any, Any]:
     """Return the triangles (t, 3) of a mesh and the material slot of each (t,).
 
-    Only the corners are asked for one by one, which takes 0.3 s for a million: a polygon's triangles follow each other.
+    Only the vertices of the triangles are read one by one, 0.3 s for a million. Their polygons need not be read,
+    because the triangles of a polygon are consecutive.
     """
     mesh.calc_loop_triangles()
     corners = np.empty(3 * len(mesh.loop_triangles), np.int32)

@@ -1,6 +1,6 @@
-"""Animation curves of Blender: found, drawn with straight lines, and removed with an action that holds nothing else.
+"""Find, draw and remove animation curves of Blender.
 
-Force, depth and pressure of a press are such curves, of custom properties of the object, which drivers can read.
+Force, depth and pressure of a press become curves of custom properties of the object, which drivers can read.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import bpy
 
-# name of the custom property: unit, description, and the columns of the table of which the sum or the most is taken
+# name of the custom property: description, function that combines columns of the table, and prefix of these columns
 CURVES = {
     "dimple_force_n": ("Force on all fingertips (N)", sum, "force_"),
     "dimple_depth_mm": ("Depth of the deepest fingertip (mm)", max, "depth_"),
@@ -20,7 +20,7 @@ CURVES = {
 
 
 def curve_bags(owner: bpy.types.ID) -> Iterator[bpy.types.ActionChannelbag]:
-    """Yield what holds the curves of an object or of a mesh's keys, where there are any; linked ones are left out."""
+    """Yield the channel bags with curves of an object or of a mesh's shape keys; linked actions are left out."""
     animation = owner.animation_data
     action = animation.action if animation else None
     for layer in action.layers if action and not action.library else ():
@@ -31,14 +31,14 @@ def curve_bags(owner: bpy.types.ID) -> Iterator[bpy.types.ActionChannelbag]:
 
 
 def bag_in(action: bpy.types.Action, slot: bpy.types.ActionSlot) -> bpy.types.ActionChannelbag:
-    """Return what holds the curves of a slot in an action; it is made where it is missing."""
+    """Return the channel bag for the curves of a slot in an action; it is made if missing."""
     layer = action.layers[0] if action.layers else action.layers.new("Layer")
     strip = layer.strips[0] if layer.strips else layer.strips.new(type="KEYFRAME")
     return strip.channelbag(slot, ensure=True)
 
 
 def draw(bag: bpy.types.ActionChannelbag, path: str, frames: Sequence[float], values: Sequence[float]) -> None:
-    """Add the curve of a data path, with straight lines from key to key."""
+    """Add a curve of a data path, with linear interpolation."""
     curve = bag.fcurves.new(path)
     curve.keyframe_points.add(len(frames))
     curve.keyframe_points.foreach_set("co", [each for pair in zip(frames, values, strict=True) for each in pair])
@@ -47,13 +47,13 @@ def draw(bag: bpy.types.ActionChannelbag, path: str, frames: Sequence[float], va
 
 
 def straighten(curve: bpy.types.FCurve) -> None:
-    """Let straight lines lead from key to key."""
+    """Make the interpolation of a curve linear."""
     for point in curve.keyframe_points:
         point.interpolation = "LINEAR"
 
 
 def remove(owner: bpy.types.ID, is_ours: Callable[[str], bool]) -> None:
-    """Take the curves of some data paths off an owner; an action with nothing else in it goes too."""
+    """Remove the curves of some data paths from an owner, and its action if nothing else is in it."""
     ours = [(bag, curve) for bag in curve_bags(owner) for curve in bag.fcurves if is_ours(curve.data_path)]
     for bag, curve in ours:
         bag.fcurves.remove(curve)
@@ -66,7 +66,7 @@ def remove(owner: bpy.types.ID, is_ours: Callable[[str], bool]) -> None:
 
 
 def add_press(obj: bpy.types.Object, table: Path) -> None:
-    """Keyframe the properties of an object by the table of its bake or recording, a key a frame.
+    """Keyframe the custom properties of an object from the table of its bake or recording, one key per frame.
 
     Raises:
         OSError: the table cannot be read.
@@ -90,7 +90,7 @@ def add_press(obj: bpy.types.Object, table: Path) -> None:
 
 
 def remove_press(obj: bpy.types.Object) -> None:
-    """Take the properties and their keyframes off an object."""
+    """Remove the custom properties of a press and their keyframes from an object."""
     remove(obj, lambda path: path in {f'["{name}"]' for name in CURVES})
     for name in CURVES:
         if name in obj:

@@ -1,8 +1,8 @@
-"""What joins an object to its session, and coordinates from one to the other.
+"""The link between an object and its session, and the transformation of coordinates between them.
 
-A session lives in metres of the real object, on the axes and the origin of Blender's world: p = s M co, with M the
-object's matrix and s its physical size over its size in the scene. What is kept here are numbers and session_uids,
-never references into Blender's data, which an undo replaces.
+A session uses metres of the real object, with the axes and the origin of Blender's world: p = s M co, where M is the
+object's matrix and s its physical size divided by its size in the scene. A link stores numbers and session_uids, never
+references to Blender's data, which an undo replaces.
 """
 
 from __future__ import annotations
@@ -16,32 +16,32 @@ import numpy.typing as npt
 
 from ...core.base import LARGEST, DimpleError
 
-PART = 16384  # vertices
+PART = 16384  # [vertices] processed at a time: their intermediate results fit into the cache
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ObjectLink:
-    """What joins an object to its session."""
+    """The link between an object and its session."""
 
-    uid: int  # of the object
+    uid: int  # session_uid of the object
     name: str  # of the object
-    rest: Singles  # (N, 3) its final mesh at rest, bit for bit
-    own: Singles  # (n, 3) the coordinates of its own mesh, bit for bit
+    rest: Singles  # (N, 3) coordinates of its final mesh at rest, bit for bit
+    own: Singles  # (n, 3) coordinates of its own mesh, bit for bit
     scale: float  # physical metres per scene unit
     matrix: Floats  # (4, 4) of the object at the start
-    resting: Singles  # (N, 3) what a frame shows at rest [m]
-    rounding: float  # what a vertex at rest may be off it [m]
-    slots: tuple[int, ...]  # of the object's materials that the model has
-    cuts: int = 0  # how often its final mesh is subdivided
-    shaped: bool = False  # shape keys or modifiers make the final mesh of its own
-    rigged: bool = False  # they hold it, or move it where it is pinned
+    resting: Singles  # (N, 3) positions in a frame at rest [m]
+    rounding: float  # largest deviation from `resting` that counts as rounding [m]
+    slots: tuple[int, ...]  # material slots of the object that the model uses
+    cuts: int = 0  # number of subdivisions of its final mesh
+    shaped: bool = False  # shape keys or modifiers change the shape at rest of its own mesh
+    rigged: bool = False  # a rig places it, or it is pinned and deformed
     bones: Floats | None = None  # (b, 2, 3) ends of the bones that deform it, at the start [m]
 
 
 def find(uid: int, name: str = "") -> bpy.types.Object | None:
-    """Return the object with a session_uid, looked for first under the name it had."""
+    """Return the object with a session_uid, None if it is gone; the object with its last name is tried first."""
     named = bpy.data.objects.get(name)
     if named and named.session_uid == uid:
         return named
@@ -49,14 +49,14 @@ def find(uid: int, name: str = "") -> bpy.types.Object | None:
 
 
 def get_points(points: Any, count: int, name: str) -> Singles:
-    """Read coordinates (count, 3) from a collection of Blender's."""
+    """Read coordinates (count, 3) from a collection of Blender data."""
     coordinates = np.empty(3 * count, np.float32)
     points.foreach_get(name, coordinates)
     return coordinates.reshape(-1, 3)
 
 
 def check_matrix(name: str, matrix: Floats) -> None:
-    """Raise a DimpleError when the matrix (4, 4) of an object has no inverse."""
+    """Raise a DimpleError if the matrix (4, 4) of an object has no inverse."""
     longest = np.linalg.norm(matrix[:3, :3], axis=0).max()
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix[:3, :3])) <= 1e-9 * longest**3:
         raise DimpleError(
@@ -65,7 +65,7 @@ def check_matrix(name: str, matrix: Floats) -> None:
 
 
 def to_physical(scale: float, matrix: Floats, local: npt.NDArray[Any]) -> Floats:
-    """Return points (n, 3) of an object with a matrix as physical ones [m]."""
+    """Return points (n, 3) in the space of an object with a matrix as points of its session [m]."""
     return scale * (local.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])
 
 
@@ -73,7 +73,7 @@ def scale_of_body(scene: bpy.types.Scene, body: bpy.types.Object, rest: Singles,
     """Return physical metres per scene unit of a body with a shape at rest (N, 3).
 
     Raises:
-        DimpleError: it has no size.
+        DimpleError: its coordinates, scale or size cannot be used.
     """
     name, size = body.name, body.dimple.to_params()["size"]
     if not np.isfinite(rest).all():
@@ -85,7 +85,7 @@ def scale_of_body(scene: bpy.types.Scene, body: bpy.types.Object, rest: Singles,
         )  # fmt: skip
     check_matrix(name, matrix)
     axes = np.linalg.norm(matrix[:3, :3], axis=0)
-    largest = float((np.array([np.ptp(along) for along in rest.T]) * axes).max())  # axis by axis is far faster
+    largest = float((np.array([np.ptp(along) for along in rest.T]) * axes).max())  # much faster axis by axis
     if largest <= 0:
         raise DimpleError('"{name}": all vertices lie in one point. Give the mesh a size.', name=name)
     if size is not None and not size <= LARGEST:
@@ -97,13 +97,13 @@ def scale_of_body(scene: bpy.types.Scene, body: bpy.types.Object, rest: Singles,
 
 
 def offsets_of(link: ObjectLink, matrix: Floats, rest: Singles, physical: Singles) -> Singles:
-    """Return how far (N, 3) points of a session (N, 3) [m] are from the shape at rest (N, 3), in its object's space.
+    """Return the offsets (N, 3) of points of a session (N, 3) [m] from the shape at rest (N, 3), in its object's space.
 
-    Exactly 0 at rest, while the shape at rest is that of the start. Part by part, so that what is between stays in the
-    cache.
+    They are exactly 0 at rest while the shape at rest is that of the start. They are computed in parts, whose
+    intermediate results stay in the cache.
     """
     as_begun = rest is link.rest and np.array_equal(matrix, link.matrix)
-    # where a rig moves the shape at rest, that in double precision: rounded, it would be off by more than a vertex is
+    # a shape at rest that a rig moves stays in double precision: rounding it would add spurious offsets
     resting = link.resting if as_begun else to_physical(link.scale, matrix, rest)
     turn = (np.linalg.inv(matrix)[:3, :3].T / link.scale).astype(resting.dtype)
     offsets = np.empty(resting.shape, np.float32)

@@ -1,9 +1,9 @@
-"""The modifier that shows a press, a kept one or a bake, without changing a mesh: the last of the stack.
+"""The modifier, last in the stack, that shows a running press, a kept press or a bake without changing a mesh.
 
-It is given the final mesh, subdivides it where it is too coarse for the fingertip, and adds an offset to each vertex.
-The offsets are the vertices of a mesh of their own, the carrier, so the artist's mesh, its shape keys, and whatever
-else uses them know nothing of a press. Viewport and render may have meshes of different counts: each has its carrier,
-and a mesh of any other count stays as it is.
+It takes the final mesh, subdivides it if it is too coarse for the fingertip, and adds an offset to each vertex. The
+offsets are the vertices of a separate mesh, the carrier, so a press does not affect the artist's mesh, its shape keys
+or their other users. Viewport and render may have different numbers of vertices: each has its own carrier, and a mesh
+with any other number of vertices stays unchanged.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from .modifiers import shows
 
 
 class Shown(NamedTuple):
-    """How a final mesh is shown."""
+    """How a mesh with a certain number of vertices is shown."""
 
-    given: int  # vertices that the modifiers before give
-    cuts: int  # how often each of its edges is halved
+    given: int  # number of vertices that the modifier receives
+    cuts: int  # number of subdivisions, each of which halves all edges
     carrier: bpy.types.Object  # the object whose vertices are the offsets
 
 
@@ -32,7 +32,7 @@ def modifier_of(body: bpy.types.Object) -> bpy.types.Modifier | None:
 
 
 def new_carrier(count: int = 0) -> bpy.types.Object:
-    """Return a carrier of a number of zero offsets."""
+    """Return a new carrier with a number of zero offsets."""
     carrier = bpy.data.objects.new(CARRIER, bpy.data.meshes.new(CARRIER))
     carrier.hide_render = carrier.hide_viewport = True
     carrier.data.vertices.add(count)
@@ -40,7 +40,7 @@ def new_carrier(count: int = 0) -> bpy.types.Object:
 
 
 def add(body: bpy.types.Object, name: str, kind: str, shown: Sequence[Shown]) -> bpy.types.Modifier:
-    """Give an object a modifier, behind all that it has."""
+    """Give an object a modifier at the end of its stack."""
     modifier = body.modifiers.new(name, "NODES")
     modifier.node_group = _group(kind, shown)
     modifier.show_in_editmode = False
@@ -50,7 +50,7 @@ def add(body: bpy.types.Object, name: str, kind: str, shown: Sequence[Shown]) ->
 
 
 def remove(body: bpy.types.Object, kind: str) -> int:
-    """Take the modifiers of a kind off an object, with all that they brought; return how many there were."""
+    """Remove our modifiers of a kind from an object, with their data; return their number."""
     ours = [each for each in body.modifiers if shows(each, kind)]
     for modifier in ours:
         body.modifiers.remove(modifier)
@@ -59,7 +59,7 @@ def remove(body: bpy.types.Object, kind: str) -> int:
 
 
 def sweep_data() -> None:
-    """Remove what no modifier uses any more: an undo may leave it. A paste may put a carrier in the scene."""
+    """Remove our data that no modifier uses, as an undo may leave it; unlink carriers that a paste put in the scene."""
     carriers = [each for each in bpy.data.objects if each.name.startswith(CARRIER) and not each.library]
     for carrier in carriers:
         for collection in carrier.users_collection:
@@ -75,7 +75,7 @@ def sweep_data() -> None:
 def show(body: bpy.types.Object, offsets: Any) -> None:
     """Show offsets (N, 3) of a running press from the shape at rest, in the object's own space."""
     modifier = modifier_of(body)
-    if modifier is None:  # its session is about to end, or to show itself again
+    if modifier is None:  # its session is about to end, or to attach the modifier again
         return
     info = next(each for each in modifier.node_group.nodes if each.type == "OBJECT_INFO")
     if info.inputs["Object"].default_value is None:  # the user deleted it
@@ -84,7 +84,7 @@ def show(body: bpy.types.Object, offsets: Any) -> None:
 
 
 def set_offsets(carrier: bpy.types.Object, offsets: Any) -> None:
-    """Let a carrier have offsets (N, 3)."""
+    """Store offsets (N, 3) in a carrier."""
     mesh = carrier.data
     if len(mesh.vertices) != len(offsets):
         mesh.clear_geometry()
@@ -94,7 +94,7 @@ def set_offsets(carrier: bpy.types.Object, offsets: Any) -> None:
 
 
 def carriers(modifier: bpy.types.Modifier) -> Iterator[bpy.types.Object]:
-    """Yield the carriers of a modifier of ours, the viewport's first."""
+    """Yield the carriers of one of our modifiers, the viewport's first."""
     infos = [each for each in modifier.node_group.nodes if each.type == "OBJECT_INFO"]
     for info in sorted(infos, key=lambda each: each.name):
         if carrier := info.inputs["Object"].default_value:
@@ -102,13 +102,13 @@ def carriers(modifier: bpy.types.Modifier) -> Iterator[bpy.types.Object]:
 
 
 def files(modifier: bpy.types.Modifier) -> list[tuple[Path, float]]:
-    """Return the PC2 files that a modifier of ours plays, the viewport's first, each with its first frame."""
+    """Return the PC2 files that one of our modifiers plays, the viewport's first, each with its first frame."""
     plays, library = [each.modifiers[0] for each in carriers(modifier) if each.modifiers], modifier.id_data.library
     return [(Path(bpy.path.abspath(each.filepath, library=library)), each.frame_start) for each in plays]
 
 
 def _group(kind: str, shown: Sequence[Shown]) -> bpy.types.NodeTree:
-    """Return a node group that moves the mesh of each count that it knows by its carrier."""
+    """Return a node group that adds to a mesh the offsets of the carrier for its number of vertices, if any."""
     group = bpy.data.node_groups.new(kind, "GeometryNodeTree")
     for direction in ("INPUT", "OUTPUT"):
         group.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
@@ -132,7 +132,7 @@ def _group(kind: str, shown: Sequence[Shown]) -> bpy.types.NodeTree:
 
 
 def _finer(group: bpy.types.NodeTree, given: bpy.types.NodeSocket, cuts: int) -> bpy.types.NodeSocket:
-    """Subdivide a mesh in its own shape and shading; where it is moved afterwards, normals go along."""
+    """Subdivide a mesh without changing its shape and shading; the normals follow when it is moved afterwards."""
     new, link = group.nodes.new, group.links.new
     normal, capture, cut = new("GeometryNodeInputNormal"), new("GeometryNodeCaptureAttribute"), None
     capture.domain = "CORNER"
@@ -152,7 +152,7 @@ def _finer(group: bpy.types.NodeTree, given: bpy.types.NodeSocket, cuts: int) ->
 def _moved(
     group: bpy.types.NodeTree, given: bpy.types.NodeSocket, carrier: bpy.types.Object, *, keep: bool
 ) -> bpy.types.NodeSocket:
-    """Add the vertices of a carrier to those of a mesh; the positions before may be kept as an attribute."""
+    """Add the offsets of a carrier to a mesh; with `keep`, the positions before are stored in the attribute REST."""
     new, link = group.nodes.new, group.links.new
     kinds = "InputPosition", "InputIndex", "ObjectInfo", "SampleIndex", "SetPosition"
     position, index, info, sample, move = (new(f"GeometryNode{kind}") for kind in kinds)

@@ -1,4 +1,4 @@
-"""The final mesh of an object in a render, where that is not the viewport's, and what carries offsets to it."""
+"""The final mesh of an object in a render, if it differs from the viewport's, and the transfer of offsets to it."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 def shown(
     context: bpy.types.Context, body: bpy.types.Object, count: int, cuts: int
 ) -> list[tuple[offset.Shown, Carried | None]]:
-    """Return how the final mesh of an object is to be moved, in the viewport and where it differs in a render, each
-    with what carries the offsets of the viewport's to it, None for that itself.
+    """Return how to show the final mesh of an object in the viewport and, if that differs, in a render, each with the
+    transfer of the viewport's offsets to it, None for the viewport.
 
     Args:
-        count: vertices of the viewport's.
-        cuts: how often that is subdivided, unless it is already.
+        count: number of offsets, one for each vertex of the viewport's mesh after subdivision.
+        cuts: number of subdivisions of the viewport's mesh, unless it has that number of vertices already.
     """
     given = len(evaluated(context, body).vertices)
     cuts = 0 if given == count else cuts
@@ -42,18 +42,18 @@ def shown(
 
 
 class Carried(NamedTuple):
-    """What carries offsets to the vertices of another mesh: each follows the nearest triangle."""
+    """The transfer of offsets to the vertices of another mesh: each vertex follows the nearest triangle."""
 
-    corners: np.ndarray  # (M, 3) of that
-    shares: np.ndarray  # (M, 3) of each corner
+    corners: np.ndarray  # (M, 3) vertices of the nearest triangle
+    shares: np.ndarray  # (M, 3) barycentric weights of these vertices
 
     def carry(self, offsets: Singles) -> Singles:
-        """Return the offsets (M, 3) of the other mesh for those (N, 3) of the one."""
+        """Return the offsets (M, 3) of the other mesh for offsets (N, 3) of the first one."""
         return np.einsum("mc,mcd->md", self.shares, offsets[self.corners])
 
 
 def _carried(final: Final, points: Singles) -> Carried:
-    """Return what carries offsets of a final mesh to other points (M, 3) on or near it."""
+    """Return the transfer of offsets of a final mesh to other points (M, 3) on or near it."""
     from mathutils.bvhtree import BVHTree
 
     tree = BVHTree.FromPolygons(final.points.tolist(), final.triangles.tolist())
@@ -81,7 +81,7 @@ def _final(context: bpy.types.Context, body: bpy.types.Object, given: int, cuts:
 
 @contextmanager
 def as_rendered(body: bpy.types.Object) -> Iterator[None]:
-    """Let the viewport show an object as a render does, for a while."""
+    """Make the viewport evaluate an object as a render does, within the context."""
     before = [(each, each.show_viewport, getattr(each, "levels", None)) for each in body.modifiers]
     try:
         for each, was_shown, level in before:

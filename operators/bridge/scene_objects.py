@@ -1,4 +1,4 @@
-"""An object of Blender becomes a model that can be pressed."""
+"""Read an object of Blender into a model that can be pressed."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from ...core.body.model import Model
     from ...core.mesh.surface import Mesh
 
-LEVEL = 1e-4  # of its size: points of an object as high as its highest one
-_CONVERTIBLE = {"CURVE", "SURFACE", "META", "FONT"}  # Blender turns them into meshes that have faces
+LEVEL = 1e-4  # fraction of an object's size: points this close to its highest level count as highest
+_CONVERTIBLE = {"CURVE", "SURFACE", "META", "FONT"}  # types that Blender converts to meshes with faces
 
 def read_body(context: bpy.types.Context, body: bpy.types.Object, **options: Any) -> tuple[ObjectLink, Model]:
-    """Read a mesh object at once; see `reading_body`."""
+    """Read a mesh object in one go; see `reading_body`."""
     return at_once(reading_body(context, body, **options))
 
 
@@ -43,18 +43,18 @@ def reading_body(
     """Read a mesh object with its materials and settings into a link and a model, in parts; change nothing.
 
     Args:
-        baked: take the shape keys of an earlier bake as part of the rest shape.
-        cuts: how often its final mesh is subdivided; None is as the fingertip needs it.
+        baked: include the shape keys of an earlier bake in the shape at rest.
+        cuts: number of subdivisions of its final mesh; None: as many as the fingertip needs.
 
     Raises:
-        DimpleError: this object cannot be pressed, with the reason and what to do.
+        DimpleError: the object cannot be pressed; the message says why, and what to do.
     """
     check(body)
     context.view_layer.update()
     matrix = np.array(body.matrix_world)
     rest, triangles, slots, cuts = final_mesh.read(context, body, baked=baked, cuts=cuts)
     scale = scale_of_body(context.scene, body, rest, matrix)
-    if np.linalg.det(matrix[:3, :3]) < 0:  # mirrored: what looked outward looks inward
+    if np.linalg.det(matrix[:3, :3]) < 0:  # mirrored: make the triangles face outward again
         triangles = triangles[:, ::-1]
     used, triangle_material = np.unique(np.clip(slots, 0, max(len(body.material_slots) - 1, 0)), return_inverse=True)
     try:
@@ -90,7 +90,7 @@ def check(body: bpy.types.Object) -> None:
 
 
 def _not_a_mesh(body: bpy.types.Object) -> str:
-    """Return the sentence that says what an object is instead, and what to do."""
+    """Return a message that an object is not a mesh, and what to do."""
     if body.type == "EMPTY" and body.instance_type == "COLLECTION":
         return Message(
             '"{name}" is a collection instance, not a mesh. Make its objects real first: Object > Apply > Make '
@@ -102,12 +102,12 @@ def _not_a_mesh(body: bpy.types.Object) -> str:
 
 
 def metres_per_unit(scene: bpy.types.Scene) -> float:
-    """Return how long the unit of a scene is [m]; without units it is a metre, as Blender's exporters take it."""
+    """Return the length of a scene's unit [m]; without units it is a metre, as for Blender's exporters."""
     return 1.0 if scene.unit_settings.system == "NONE" else scene.unit_settings.scale_length
 
 
 def check_writable(body: bpy.types.Object) -> None:
-    """Raise a DimpleError when an object may not be given a modifier."""
+    """Raise a DimpleError if an object cannot be given a modifier."""
     if body.library:
         raise DimpleError(
             '"{name}" is linked from another file. Make it local first: Object > Relations.', name=body.name
@@ -115,7 +115,9 @@ def check_writable(body: bpy.types.Object) -> None:
 
 
 def scale_and_top(context: bpy.types.Context, body: bpy.types.Object) -> tuple[float, Floats]:
-    """Return physical metres per scene unit of an object, and in the scene the middle (3,) of its highest points."""
+    """Return physical metres per scene unit of an object, and its highest vertex (3,) in the scene, or the middle one
+    if several are equally high.
+    """
     context.view_layer.update()
     rest, matrix = final_mesh.read(context, body).points, np.array(body.matrix_world)
     scale = scale_of_body(context.scene, body, rest, matrix)
@@ -126,7 +128,7 @@ def scale_and_top(context: bpy.types.Context, body: bpy.types.Object) -> tuple[f
 
 
 def nearest_final(link: ObjectLink) -> list[int]:
-    """Return for each vertex of an object's own mesh the nearest one of its final mesh."""
+    """Return the index of the nearest vertex of the final mesh for each vertex of an object's own mesh."""
     from mathutils.kdtree import KDTree
 
     tree = KDTree(len(link.rest))

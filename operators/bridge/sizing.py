@@ -1,4 +1,4 @@
-"""How large a body is that nobody has given a size, and the fingertip that fits it."""
+"""The size of a body for which nobody has set one, and the fingertip that fits it."""
 
 import math
 
@@ -7,19 +7,19 @@ import bpy
 from ...core.messages import Message, about
 from ..messages import Note
 
-SMALLEST_M, LARGEST_M = 0.01, 1.0  # across: what is modelled outside of that stands for a thing that was measured
-SHARES = {"finger_radius_mm": 10 / 165, "press_depth_mm": 15 / 165}  # of a body's size, until they are typed
-LEAST_MM = 0.01  # of either
+SMALLEST_M, LARGEST_M = 0.01, 1.0  # [m] a body modelled smaller or larger is pressed at a custom size
+SHARES = {"finger_radius_mm": 10 / 165, "press_depth_mm": 15 / 165}  # fractions of a body's size, unless typed
+LEAST_MM = 0.01  # [mm] smallest radius or depth
 NUMBERS = (1, 2, 3)  # of the fingertips
 
 
 def fingertips(scene: bpy.types.Scene) -> list[bpy.types.Object | None]:
-    """Return the fingertip object in each slot of a scene, None where one is empty."""
+    """Return the fingertip object in each slot of a scene, None for an empty slot."""
     return [getattr(scene.dimple, f"finger_{number}") for number in NUMBERS]
 
 
 def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> Message | None:
-    """Give a body that has no size yet one that was measured; return a note where that is not the modelled one."""
+    """Set a custom size if nobody has set the size of a body and the modelled one is unsuited; return a note if so."""
     if not is_unsuited(scene, obj):
         return None
     settings = obj.dimple
@@ -33,7 +33,7 @@ def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> Message | None
 
 
 def is_unsuited(scene: bpy.types.Scene, obj: bpy.types.Object) -> bool:
-    """Tell whether a body that nobody has given a size is too large or too small to be pressed as it is modelled."""
+    """Return whether a body without a set size is too large or too small to be pressed as modelled."""
     if obj.dimple.enabled or obj.dimple.is_property_set("size_mode"):
         return False
     return not SMALLEST_M <= _as_modelled(scene, obj) <= LARGEST_M
@@ -52,8 +52,8 @@ def metres_per_unit(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
 
 
 def fit(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
-    """Fit fingertip and depth to the size of a body: what was typed stays, and all where an object that is drawn as no
-    sphere presses as the scene's fingertip.
+    """Fit radius and depth of the fingertip to the size of a body, except typed values; change nothing if a fingertip
+    object is not drawn as a sphere, because it presses with the radius of the scene.
     """
     settings, size = scene.dimple, 1e3 * metres_per_unit(scene, obj) * max(obj.dimensions)
     if size <= 0 or not all(map(is_sphere, filter(None, fingertips(scene)))):
@@ -65,17 +65,17 @@ def fit(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
 
 
 def fitted(settings: bpy.types.PropertyGroup, name: str) -> float:
-    """Return what a setting of the fingertip [mm] is for the body that it was fitted to last."""
+    """Return the value of a fingertip setting [mm] that fits the body of the last fit."""
     return max(SHARES[name] * settings.fitted_mm, LEAST_MM)
 
 
 def follows(settings: bpy.types.PropertyGroup, name: str) -> bool:
-    """Tell whether a setting of the fingertip follows the size of the body: nobody has typed another."""
+    """Return whether a fingertip setting follows the size of the body, that is, nobody has typed another value."""
     return math.isclose(getattr(settings, name), fitted(settings, name), rel_tol=1e-6)
 
 
 def is_sphere(obj: bpy.types.Object) -> bool:
-    """Tell whether a sphere is drawn for an object."""
+    """Return whether an object is drawn as a sphere."""
     return obj.type == "EMPTY" and obj.empty_display_type == "SPHERE"
 
 

@@ -1,4 +1,4 @@
-"""Write through the bridge: keep a press, shape keys and painted weights.
+"""Write to Blender's objects: kept presses, shape keys and painted weights.
 
 A press is shown by a modifier (`offset`): nothing here changes a mesh while a body is live.
 """
@@ -16,10 +16,10 @@ from .scene_objects import ObjectLink, Singles, get_points
 
 
 def rescue(live: Collection[int]) -> None:
-    """Put objects right that show a session they do not have: duplicates, or caught by an undo step or a crash.
+    """Restore objects that show a press but have no session: duplicates, and those left by an undo step or a crash.
 
     Args:
-        live: session_uids of the objects whose sessions go on.
+        live: session_uids of the objects with a running session.
     """
     for body in bpy.data.objects:
         if body.session_uid not in live and not body.library and (offset.modifier_of(body) or CACHES_OFF in body):
@@ -28,12 +28,12 @@ def rescue(live: Collection[int]) -> None:
 
 
 def is_shared(mesh: bpy.types.Mesh) -> bool:
-    """Tell whether several objects use a mesh."""
+    """Return whether several objects use a mesh."""
     return mesh.users - mesh.use_fake_user > 1
 
 
 def is_intact(body: bpy.types.Object, link: ObjectLink) -> bool:
-    """Tell whether an object still has the mesh that was read, and nobody edits its shape."""
+    """Return whether an object still has the mesh that was read, and nobody edits its shape."""
     mesh = body.data
     if body.mode not in ("OBJECT", PAINTING) or len(mesh.vertices) != len(link.own):
         return False
@@ -43,7 +43,7 @@ def is_intact(body: bpy.types.Object, link: ObjectLink) -> bool:
 
 
 def keep(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, offsets: Singles) -> None:
-    """Leave a press, offsets (N, 3) from the shape at rest, in a modifier on top of all others."""
+    """Keep a press, offsets (N, 3) from the shape at rest, in a modifier at the end of the stack."""
     final_mesh.detach(body)
     shown = rendered_mesh.shown(context, body, len(link.rest), link.cuts)
     for each, own in shown:
@@ -52,13 +52,13 @@ def keep(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, o
 
 
 def remember(what: str) -> None:
-    """Push an undo step, where there are any."""
+    """Push an undo step, if Blender can."""
     if bpy.ops.ed.undo_push.poll():
         bpy.ops.ed.undo_push(message=what)
 
 
 def add_key(body: bpy.types.Object, name: str, offsets: Singles) -> bpy.types.ShapeKey:
-    """Add a shape key that moves the vertices by offsets (N, 3) when its value is 1; the first one needs a basis."""
+    """Add a shape key that moves the vertices by offsets (N, 3) at a value of 1, and a basis before the first key."""
     active = body.active_shape_key_index
     if not body.data.shape_keys:
         body.shape_key_add(name="Basis", from_mix=False)
@@ -71,7 +71,7 @@ def add_key(body: bpy.types.Object, name: str, offsets: Singles) -> bpy.types.Sh
 
 
 def paint(body: bpy.types.Object, group: str, weights: Singles) -> None:
-    """Give every vertex a weight (N,) in a vertex group."""
+    """Set the weight (N,) of every vertex in a vertex group, which is made if missing."""
     painted = body.vertex_groups.get(group) or body.vertex_groups.new(name=group)
     for vertex, weight in enumerate(weights.tolist()):
         painted.add([vertex], weight, "REPLACE")

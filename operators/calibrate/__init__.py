@@ -1,1 +1,1 @@
-"""From measurements to materials: files of instruments, pokes by robots, and the virtual experiment."""
+"""From measurements to materials: files of instruments, tables of pokes, measurement by hand, and a virtual press."""

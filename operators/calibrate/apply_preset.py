@@ -1,4 +1,4 @@
-"""The constants of a measured object, for the active material."""
+"""Apply the constants of a measured object to the active material."""
 
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def material_of(obj: bpy.types.Object, name: str) -> bpy.types.Material:
-    """Return the active material of a mesh; a new one where there is none."""
+    """Return the active material of a mesh; a new one if it has none."""
     if obj.active_material is None:
         obj.active_material = bpy.data.materials.new(name)
     return obj.active_material
@@ -43,7 +43,7 @@ class DIMPLE_OT_apply_preset(polls.Declared, bpy.types.Operator):
 
 
 def give(obj: bpy.types.Object, preset: "Preset") -> None:
-    """Make a mesh a soft body of a preset's material and size, which fingertip and depth follow."""
+    """Make a mesh a soft body with a preset's material, size and sway, and fit fingertip and depth to it."""
     apply(material_of(obj, preset.label).dimple, preset)
     obj.dimple.enabled, obj.dimple.size_mode, obj.dimple.size_mm = True, "CUSTOM", preset.size * 1e3
     obj.dimple.sway, obj.dimple.sway_hz = preset.sway, preset.sway_hz
@@ -63,4 +63,4 @@ def apply(settings: bpy.types.PropertyGroup, preset: "Preset") -> None:
     settings.fill, settings.pressure_kpa = constants.fill.upper(), constants.pressure / 1e3
     tip = constants.indenter
     settings.tip, settings.tip_radius_mm, settings.calibration = tip.shape.upper(), tip.radius * 1e3, ""
-    settings.provenance = preset.provenance  # last: a constant that is set marks the material as edited
+    settings.provenance = preset.provenance  # last, because setting a constant marks the material as edited

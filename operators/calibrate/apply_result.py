@@ -1,4 +1,4 @@
-"""From a result in the scene to the constants of a material."""
+"""Apply the calibration result in the scene to a material."""
 
 from pathlib import Path
 
@@ -54,7 +54,7 @@ class DIMPLE_OT_apply_calibration(polls.Declared, bpy.types.Operator):
             settings.damping_ratio = record["damping_ratio_hint"]
         settings.tip, settings.tip_radius_mm = record["tip"].upper(), record["tip_radius"]
         settings.calibration, scene.calibration = scene.calibration, ""
-        settings.provenance = kept(results.source(record, k))  # last: a constant that is set marks it as edited
+        settings.provenance = kept(results.source(record, k))  # last: setting a constant marks it as edited
         body.dimple.enabled = True
         if record["length"]:
             body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", record["length"]

@@ -1,4 +1,4 @@
-"""A press that a person noted from a kitchen scale: a table in the scene, typed or pasted, and its law."""
+"""Calibrate with a kitchen scale: a table in the scene, typed or pasted, and the fit of the law."""
 
 import bpy
 
@@ -23,7 +23,7 @@ class DIMPLE_OT_paste_table(polls.Declared, bpy.types.Operator):
         if len(rows) > most:
             raise DimpleError("The table holds {most} rows at most. Save longer ones as CSV, and open that.", most=most)
         depths, grams = zip(*rows, strict=True)
-        empty = range(1, most - len(rows) + 1)  # rows to go on with, a step each
+        empty = range(1, most - len(rows) + 1)  # the remaining rows, each a step deeper
         table.hand_depths = [*depths, *(depths[-1] + step for step in empty)]
         table.hand_grams = [*grams, *(0.0 for _ in empty)]
 

@@ -1,6 +1,6 @@
-"""From an instrument's file to a result in the scene: by the file browser, by a drop into the viewport, by a script.
+"""Calibrate from an instrument's file, with the result in the scene: by file browser, drag and drop, or script.
 
-Where the file leaves something open a dialog asks the core's question with its own preview; nothing is guessed.
+If the file leaves something open, a dialog asks the core's question, with a preview of each answer; nothing is guessed.
 """
 
 from dataclasses import Field, fields
@@ -21,16 +21,16 @@ from . import results
 if TYPE_CHECKING:
     from ...core.calibration.calibrate import Calibration
 
-OPEN = "NONE"  # a question that has no answer yet
+OPEN = "NONE"  # the answer to a question that is still open
 ASKED_AT_ONCE = 4
-WIDTH, CHARACTERS = 640, 96  # [px] of the dialog, and how many fit on a line of it
+WIDTH, CHARACTERS = 640, 96  # width of the dialog [px], and number of characters that fit on a line of it
 DETECTED = "detected"
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
 
 
 @lru_cache(maxsize=32)
 def _items(asked: str, number: int) -> list[tuple[str, str, str]]:
-    """Return the answers to a question as Blender wants them; the cache keeps the strings alive for it."""
+    """Return the answers to a question as enum items; the cache keeps their strings alive, as Blender requires."""
     found = results.load(asked).get("questions", [])
     candidates = found[number]["candidates"] if number < len(found) else []
     return [(OPEN, "Choose", ""), *((str(i), c["value"], c["label"]) for i, c in enumerate(candidates))]
@@ -44,7 +44,7 @@ def _answer(number: int) -> EnumProperty:
 
 
 def _property(field: Field):
-    """Return the property for an answer of the core: hidden where only a script or a question sets it."""
+    """Return the Blender property for one of the core's Answers; hidden if only a script or a question sets it."""
     kind, choices = str(field.type), field.metadata["choices"]
     how = {"name": field.metadata["label"], "description": field.metadata["text"], "options": {"SKIP_SAVE"}}
     if choices:
@@ -57,7 +57,7 @@ def _property(field: Field):
 
 
 class Tip:
-    """An operator that knows what pressed the object, and how large that is."""
+    """Give an operator properties for the tip and for the size of the measured object."""
 
     tip: EnumProperty(name="Tip", description="What pressed the object", items=TIPS)
     tip_radius_mm: FloatProperty(
@@ -69,20 +69,20 @@ class Tip:
     )  # fmt: skip
 
     def measured(self) -> dict:
-        """Return what pressed the object, and its size, as the core takes them."""
+        """Return the tip, and the size of the object, as arguments of the core."""
         from ...core.material import Indenter
 
         tip = Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3)
         return {"tip": tip, "length": self.length_mm / 1e3 or None}
 
     def take_size(self, context: bpy.types.Context) -> None:
-        """Begin with the size of the active object where that is typed."""
+        """Start with the size of the active object if it has a custom size."""
         body = context.object
         if body and body.dimple.size_mode == "CUSTOM" and not self.properties.is_property_set("length_mm"):
             self.length_mm = body.dimple.size_mm
 
     def keep(self, context: bpy.types.Context, found: "Calibration") -> None:
-        """Keep a result in the scene, and say what it is."""
+        """Store a result in the scene, and report it."""
         context.scene.dimple.calibration = results.to_text(found)
         record = results.load(context.scene.dimple.calibration)
         for warning in record["warnings"]:
@@ -112,18 +112,18 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Need Object Mode: the result is one undo step there."""
+        """Require Object Mode, in which the result is one undo step."""
         if context.mode != "OBJECT":
             return polls.refuse(cls, "Go back to Object Mode to calibrate")
         return True
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Ask for the file, or for what it leaves open; a dropped file that leaves nothing open is read at once."""
+        """Ask for the file, or the questions that it leaves open; a dropped file is read at once."""
         self.take_size(context)
         if self.asked:
             for number, question in enumerate(results.load(self.asked)["questions"][:ASKED_AT_ONCE]):
                 values = [candidate["value"] for candidate in question["candidates"]]
-                if question["default"] in values:  # the likeliest answer is chosen until another one is
+                if question["default"] in values:  # the likeliest answer is preselected
                     setattr(self, f"answer_{number}", str(values.index(question["default"])))
             return context.window_manager.invoke_props_dialog(self, width=WIDTH, title=translated("Which is right?"))
         if self.properties.is_property_set("filepath"):
@@ -132,7 +132,7 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Read and fit; nothing is lost where that fails."""
+        """Read the file and fit the law; if that fails, the last result stays."""
         from ...core.base import DimpleError
         from ...core.calibration.calibrate import calibrate
 
@@ -148,7 +148,7 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
         return {"FINISHED"}
 
     def draw(self, _context: bpy.types.Context) -> None:
-        """Draw what is asked, else what pressed the object and how large that is."""
+        """Draw the questions, or if there are none the tip, the size of the object and options of the file."""
         layout = self.layout
         if self.asked:
             return self._draw_questions(layout)
@@ -167,7 +167,7 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
                 column.prop_enum(self, f"answer_{number}", str(i), text=text, translate=False)
 
     def _take_answers(self) -> bool:
-        """Turn what was chosen in the dialog into answers; False where something is still open."""
+        """Turn the choices of the dialog into answers; return False if a question is still open."""
         for number, question in enumerate(results.load(self.asked).get("questions", [])[:ASKED_AT_ONCE]):
             chosen = getattr(self, f"answer_{number}")
             if chosen == OPEN:
@@ -184,17 +184,17 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
         return Answers(**given)
 
     def _ask(self, context: bpy.types.Context, asked: str, message: str) -> set[str]:
-        """Open the dialog with what is open; a script gets an error instead."""
+        """Open the dialog with the open questions; in background mode, report an error instead."""
         if bpy.app.background:
             say(self, {"ERROR"}, message or "A question of the dialog has no answer.")
             return {"CANCELLED"}
         given = {name: getattr(self, name) for name in _KEPT if self.properties.is_property_set(name)}
         given |= {name: getattr(self, name) for name in _ANSWERS if getattr(self, name)}
         bpy.ops.dimple.calibrate("INVOKE_DEFAULT", **(given | {"filepath": self.filepath, "asked": asked}))
-        return {"CANCELLED"}  # that one goes on
+        return {"CANCELLED"}  # the new call continues
 
 
-# the answers to what a file may leave open
+# a property for each answer to a question that a file may leave open
 DIMPLE_OT_calibrate.__annotations__ |= {field.name: _property(field) for field in fields(Answers)}
 _DEPTHS = ("contact_mm", "from_mm", "until_mm")
 _ANSWERS = tuple(field.name for field in fields(Answers) if field.name not in _DEPTHS)
@@ -202,16 +202,16 @@ _KEPT = ("tip", "tip_radius_mm", "length_mm", *_DEPTHS)
 
 
 class Dropped:
-    """Files that are dropped into a 3D viewport."""
+    """Accept files that are dropped into a 3D viewport."""
 
     @classmethod
     def poll_drop(cls, context: bpy.types.Context) -> bool:
-        """Take files over a 3D viewport."""
+        """Return whether the files are over a 3D viewport."""
         return context.area is not None and context.area.type == "VIEW_3D"
 
 
 class DIMPLE_FH_force_depth(Dropped, bpy.types.FileHandler):
-    """Calibrate with what is dropped into the viewport."""
+    """Calibrate from a file that is dropped into the viewport."""
 
     bl_idname = "DIMPLE_FH_force_depth"
     bl_label = "Force-Depth Measurement"

@@ -1,4 +1,4 @@
-"""A material as one small file: constants and intervals, source, tip, date and license; to share, or to drop in."""
+"""A material as one small file, to share or drop into a viewport: constants, intervals, source, tip, date, license."""
 
 from datetime import date
 from pathlib import Path
@@ -15,8 +15,8 @@ from .apply_preset import material_of
 from .from_file import Dropped
 
 ENDING = ".dimple"
-LARGEST = 2**20  # [bytes]: a material has some 20 kB
-# in this order: constants mark the material as edited, the source clears that, and `edited` is as it was saved
+LARGEST = 2**20  # [bytes] read at most; a material has some 20 kB
+# set in this order: constants mark the material as edited, the source clears the mark, `edited` restores the saved one
 VALUES = (
     "K1", "K2", "x0", "k", "spread_mm", "mass_from", "density", "mass_kg", "damping_ratio", "friction", "fill",
     "pressure_kpa", "tip", "tip_radius_mm", "calibration", "provenance", "edited",
@@ -101,7 +101,7 @@ class DIMPLE_OT_open_material(polls.Declared, bpy.types.Operator):
 
 
 class DIMPLE_FH_material(Dropped, bpy.types.FileHandler):
-    """Take a material that is dropped into the viewport."""
+    """Open a material file that is dropped into the viewport."""
 
     bl_idname = "DIMPLE_FH_material"
     bl_label = "Dimple Material"

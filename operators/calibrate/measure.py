@@ -1,4 +1,4 @@
-"""The experiment itself: press the active body with a round tip and write what an instrument would."""
+"""The virtual press: press the active body with a round tip and write the file that an instrument would write."""
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
@@ -10,7 +10,7 @@ from ..press import modal_runs, polls, sessions
 from ..press.progress import Working
 from . import results
 
-BEYOND = 1.5  # knees: how deep is pressed where the depth of the measurement is not known
+BEYOND = 1.5  # [knee depths] depth of the press if that of the measurement is unknown
 _ASKED = ("tip_radius_mm", "place", "depth_mm", "rows")
 
 
@@ -39,7 +39,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Need Object Mode, a mesh, and nothing else at work."""
+        """Require Object Mode, a mesh, and no other task under way."""
         return polls.can_press(cls, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -52,7 +52,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Measure at once; after the file browser start again, for this one cannot go on between events."""
+        """Measure in one go; after the file browser, start a new call, because this one cannot become modal."""
         if getattr(self, "_browsing", False):
             given = self.properties.is_property_set
             settings = {name: getattr(self, name) for name in _ASKED if given(name)}
@@ -61,7 +61,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         return Working.execute(self, context)
 
     def draw(self, _context: bpy.types.Context) -> None:
-        """Draw how deep, in how many rows and where."""
+        """Draw tip, place, depth and number of rows."""
         layout = self.layout
         layout.use_property_split = True
         for name in _ASKED:
@@ -71,7 +71,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         return modal_runs.open_run(context, "measure", "Measuring: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
-        """Return the steps; a body is at rest before it is pressed."""
+        """Return the steps of the measurement; live sessions end first, because it starts at rest."""
         from ...core.base import DimpleError
         from ...core.calibration.virtual_press import find_site, press_rows
         from ..bridge import scene_objects
@@ -134,7 +134,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
 
 
 def _at_cursor(context: bpy.types.Context, scale: float, mesh):
-    """Return the point (3,) [m] of the surface nearest to the 3D cursor, and the way in."""
+    """Return the point (3,) [m] of the surface nearest to the 3D cursor, and the inward normal there."""
     from mathutils.bvhtree import BVHTree
 
     tree = BVHTree.FromPolygons(mesh.rest_positions.tolist(), mesh.triangles.tolist())

@@ -1,4 +1,4 @@
-"""Paint softness from a table of pokes: a vertex group that every vertex gets a weight in."""
+"""Paint softness from a table of pokes, as a vertex group with a weight for every vertex."""
 
 import bpy
 from bpy.props import StringProperty
@@ -9,7 +9,7 @@ from ..names import Op
 from ..press import polls, sessions
 
 GROUP = "Softness from Pokes"
-PAINTED = 0.02  # of the vertices may lie beyond what a map can say, before a warning
+PAINTED = 0.02  # fraction of the vertices that may lie outside the range of a map before a warning
 
 
 class DIMPLE_OT_softness_from_pokes(polls.Declared, bpy.types.Operator):

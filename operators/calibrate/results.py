@@ -1,6 +1,6 @@
-"""Calibrations as Blender keeps them: text in a scene or a material.
+"""Calibrations as they are stored in Blender: as text in a scene or a material.
 
-As text they are carried along by undo, by files and by presets.
+Undo, files and presets include such text.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     from ...core.calibration.calibrate import Calibration
 
 EXTENSIONS = ".csv;.txt;.tsv;.dat;.asc;.tra"
-FILTER = ";".join(f"*{ending}" for ending in EXTENSIONS.split(";"))  # of a file browser
-POINTS = 160  # of the measured curve that are kept, for the chart
-BAND = 40  # and of the band round its law
+FILTER = ";".join(f"*{ending}" for ending in EXTENSIONS.split(";"))  # for a file browser
+POINTS = 160  # largest number of points of the measured curve that are stored for the chart
+BAND = 40  # number of points of its law's confidence band that are stored for the chart
 
 
 @lru_cache(maxsize=32)
 def load(text: str) -> dict[str, Any]:
-    """Return the record in a kept text, empty where there is none or it is damaged; not to be changed."""
+    """Return the record in a stored text, empty if there is none or it is damaged; cached, so do not change it."""
     try:
         record = from_json(text) if text else {}
     except ValueError:
@@ -32,7 +32,7 @@ def load(text: str) -> dict[str, Any]:
 
 
 def to_text(calibration: Calibration) -> str:
-    """Return the text that keeps a calibration: the core's record, and what a chart and a material need of it."""
+    """Return the text that stores a calibration: the core's record, and the data for the chart and the material."""
     from ...core.calibration.calibrate import to_record
     from ...core.calibration.doubts import NOTICEABLE_FORCE
 
@@ -50,12 +50,12 @@ def to_text(calibration: Calibration) -> str:
 
 
 def source(record: dict[str, Any], k: str) -> str:
-    """Return the line that a material keeps of where its constants come from; k: where its own does, if so."""
+    """Return the line that states the source of a material's constants; k: the source of its k, or ""."""
     return Message("{provenance}; {k}", provenance=record["provenance"], k=k) if k else record["provenance"]
 
 
 def band(calibration: Calibration) -> list[list[float]]:
-    """Return rows [mm, N, N] of depth and of the ends of the law's 95 % interval there, for the chart."""
+    """Return rows [mm, N, N] of depth and the bounds of the law's 95 % interval there, for the chart."""
     import numpy as np
 
     fit = calibration.fit
@@ -65,14 +65,14 @@ def band(calibration: Calibration) -> list[list[float]]:
 
 
 def thinned(depth_mm: Any, force: Any, most: int) -> list[list[float]]:
-    """Return some rows [mm, N] of a curve at most, evenly picked."""
+    """Return at most `most` rows [mm, N] of a curve, evenly picked."""
     step = max(math.ceil(len(depth_mm) / most), 1)
     pairs = zip(depth_mm[::step].tolist(), force[::step].tolist(), strict=True)
     return [[float(f"{x:.6g}"), float(f"{f:.6g}")] for x, f in pairs]
 
 
 def _unusable(record: dict[str, Any]) -> str:
-    """Return why there is no material with these constants, "" where there is."""
+    """Return why no material can have these constants, "" if one can."""
     from ...core.base import DimpleError
     from ...core.material import Material
 
