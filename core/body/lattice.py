@@ -1,7 +1,7 @@
-"""A coarse lattice of nearly cubic cells that fills a body: the weight and the stiffness of a solid of that shape.
+"""A coarse lattice of nearly cubic cells that fills a body: the volumes and the stiffness of a solid of that shape.
 
-A cell counts by the share of it that is inside. Sources: Hughes 1980 (mean dilatation, so that a nearly incompressible
-cell does not lock); the finite cell method (Parvizian, Duester and Rank 2007) for cells that are partly filled.
+A cell is weighted by its share inside the body. Sources: Hughes 1980 (mean dilatation, so that a nearly incompressible
+cell does not lock); the finite cell method (Parvizian, Duester and Rank 2007) for partly filled cells.
 """
 
 from __future__ import annotations
@@ -13,20 +13,20 @@ import numpy as np
 from ..base import Floats, Ints, sums_at
 from ..mesh.surface import Mesh
 
-CELLS = 400  # of about as many a body is made: more change its first frequencies by a few per cent
-SAMPLES = 4  # along each side of a cell, to find how full it is
-POISSON = 0.49  # of soft solids, which hardly change their volume: rubber, jelly, flesh
+CELLS = 400  # approximate number of cells of a body: more change its first frequencies by only a few per cent
+SAMPLES = 4  # sample points along each side of a cell, to determine its share inside
+POISSON = 0.49  # Poisson's ratio of soft solids (rubber, jelly, flesh), which hardly change their volume
 CORNERS = np.array([(a, b, c) for a in (0, 1) for b in (0, 1) for c in (0, 1)])
 
 
 class Lattice(NamedTuple):
-    """Cells that fill a body, and end where it ends.
+    """Cells that fill a body and span its bounding box exactly.
 
     nodes: (m, 3) corners of the cells [m].
-    cells: (c, 8) nodes of each, in the order of CORNERS.
-    filled: (c,) share of each that is inside the body.
-    sides: (3,) of a cell [m].
-    layers: where the unknowns of each layer of nodes begin along the longest way, three a node, and the last ends.
+    cells: (c, 8) nodes of each cell, in the order of CORNERS.
+    filled: (c,) share of each cell that is inside the body.
+    sides: (3,) sides of a cell [m].
+    layers: index of the first unknown (three a node) of each layer of nodes across the longest axis, and the end.
     """
 
     nodes: Floats
@@ -37,10 +37,10 @@ class Lattice(NamedTuple):
 
 
 def fill(mesh: Mesh, positions: Floats, cells: int = CELLS) -> Lattice:
-    """Fill a body with about as many cells.
+    """Fill a body with about the given number of cells.
 
     Args:
-        positions: (n, 3) of its vertices [m].
+        positions: (n, 3) positions of its vertices [m].
     """
     low, extent = positions.min(axis=0), np.ptp(positions, axis=0)
     count = np.maximum(np.round(extent / (mesh.volume / cells) ** (1 / 3)), 1).astype(int)
@@ -48,9 +48,9 @@ def fill(mesh: Mesh, positions: Floats, cells: int = CELLS) -> Lattice:
     share = _inside(_capped(mesh, positions), low, sides / SAMPLES, SAMPLES * count)
     share = share.reshape(count[0], SAMPLES, count[1], SAMPLES, count[2], SAMPLES).mean(axis=(1, 3, 5))
     at = tuple(np.minimum((positions - low) // sides, count - 1).astype(int).T)
-    share[at] = np.maximum(share[at], SAMPLES**-3)  # what has vertices is a part of the body
+    share[at] = np.maximum(share[at], SAMPLES**-3)  # a cell with vertices is a part of the body
     kept = np.argwhere(share > 0)
-    order = np.argsort(-count)  # layers along the longest way are the smallest
+    order = np.argsort(-count)  # layers across the longest axis are the smallest
     corners = (kept[:, None] + CORNERS).reshape(-1, 3)[:, order]
     number, inverse = np.unique(corners, axis=0, return_inverse=True)
     layers = np.append(3 * np.unique(number[:, 0], return_index=True)[1], 3 * len(number))
@@ -59,7 +59,7 @@ def fill(mesh: Mesh, positions: Floats, cells: int = CELLS) -> Lattice:
 
 
 def _capped(mesh: Mesh, positions: Floats) -> tuple[Floats, Ints]:
-    """Return positions and triangles with the holes closed: fans about the middle of each border."""
+    """Return positions and triangles with the holes closed by fans about the middle of each border."""
     if not len(mesh.cap_edges):
         return positions, mesh.triangles
     loops = int(mesh.cap_loop.max()) + 1
@@ -72,8 +72,8 @@ def _capped(mesh: Mesh, positions: Floats) -> tuple[Floats, Ints]:
 def _inside(surface: tuple[Floats, Ints], low: Floats, step: Floats, count: Ints) -> Floats:
     """Return 1.0 for points of a grid inside a closed surface, else 0.0.
 
-    Each column of points is cut by the triangles above and below it; a point is inside where more of those above it
-    look up than down.
+    Each column of points is cut by the triangles above and below it; a point is inside if more of those above it face
+    up than down.
     """
     points, triangles = surface
     at = (points - low) / step - 0.5 - 1e-4 * np.array([np.pi, np.e, 0])  # no column passes through a vertex
@@ -93,7 +93,7 @@ def _inside(surface: tuple[Floats, Ints], low: Floats, step: Floats, count: Ints
     total = ab + bc + ca
     cut = ((ab > 0) & (bc > 0) & (ca > 0)) | ((ab < 0) & (bc < 0) & (ca < 0))
     z = (bc * a[t, 2] + ca * b[t, 2] + ab * c[t, 2])[cut] / total[cut]
-    below = np.clip(np.ceil(z), 0, count[2]).astype(int)  # the points under the cut: below `below`
+    below = np.clip(np.ceil(z), 0, count[2]).astype(int)  # the number of points under each cut
     cuts = np.zeros((count[0], count[1], count[2] + 1))
     np.add.at(cuts, (x[cut], y[cut], below), np.sign(total[cut]))
     turns = cuts[:, :, ::-1].cumsum(axis=2)[:, :, ::-1][:, :, 1:]
@@ -101,7 +101,7 @@ def _inside(surface: tuple[Floats, Ints], low: Floats, step: Floats, count: Ints
 
 
 def stiffness(lattice: Lattice) -> Floats:
-    """Return the stiffness (3 m, 3 m) of a lattice of Young's modulus 1 Pa [m]."""
+    """Return the stiffness (3 m, 3 m) of a lattice divided by Young's modulus [m]."""
     size = 3 * len(lattice.nodes)
     unit = _cell_stiffness(lattice.sides, POISSON)
     freedoms = (3 * lattice.cells[:, :, None] + np.arange(3)).reshape(-1, 24)
@@ -110,15 +110,15 @@ def stiffness(lattice: Lattice) -> Floats:
 
 
 def weight(lattice: Lattice) -> Floats:
-    """Return the volume (m,) that each node stands for [m3]."""
+    """Return the lumped volume (m,) of each node [m3]."""
     each = np.repeat(lattice.filled * lattice.sides.prod() / 8, 8)
     return sums_at(lattice.cells.ravel(), each, len(lattice.nodes))
 
 
 def _cell_stiffness(sides: Floats, poisson: float) -> Floats:
-    """Return the stiffness (24, 24) of a cell of Young's modulus 1 Pa [m]."""
+    """Return the stiffness (24, 24) of a cell divided by Young's modulus [m]."""
     lame, shear = poisson / ((1 + poisson) * (1 - 2 * poisson)), 1 / (2 + 2 * poisson)
-    points = (CORNERS - 0.5) / np.sqrt(3)  # of Gauss
+    points = (CORNERS - 0.5) / np.sqrt(3)  # Gauss points
     slopes = np.stack([gradients(point + 0.5) for point in points]) / sides
     mean = slopes.mean(axis=0)
     law = np.diag([2 * shear] * 3 + [shear] * 3)
@@ -136,14 +136,14 @@ def _cell_stiffness(sides: Floats, poisson: float) -> Floats:
 
 
 def gradients(at: Floats) -> Floats:
-    """Return how the weights of the corners (8, 3) of a cube change at a place (3,) in it, over its sides."""
+    """Return the gradients (8, 3) of the shape functions of the corners of a unit cube at a place (3,) in it."""
     parts = np.where(CORNERS == 1, at, 1 - at)
     signs = np.where(CORNERS == 1, 1.0, -1.0)
     return np.stack([signs[:, i] * np.delete(parts, i, axis=1).prod(axis=1) for i in range(3)], axis=1)
 
 
 def shares(lattice: Lattice, positions: Floats) -> tuple[Ints, Floats]:
-    """Return the eight nodes (n, 8) that carry each place (n, 3) [m], and their shares (n, 8)."""
+    """Return the eight nodes (n, 8) of the cell at each place (n, 3) [m], and their trilinear weights (n, 8)."""
     cell = cells_at(lattice, positions)
     origin = lattice.nodes[lattice.cells[cell, 0]]
     local = np.clip((positions - origin) / lattice.sides, 0, 1)[:, None]
@@ -151,7 +151,7 @@ def shares(lattice: Lattice, positions: Floats) -> tuple[Ints, Floats]:
 
 
 def cells_at(lattice: Lattice, positions: Floats) -> Ints:
-    """Return the cell (n,) in which each place (n, 3) [m] lies, -1 outside."""
+    """Return the cell (n,) in which each place (n, 3) [m] lies, -1 outside all cells."""
     origin = lattice.nodes[lattice.cells[:, 0]]
     low = lattice.nodes.min(axis=0)
     count = np.round(np.ptp(lattice.nodes, axis=0) / lattice.sides).astype(int)

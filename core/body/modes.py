@@ -1,6 +1,6 @@
-"""The lowest modes of a body as a solid: how it sways, sags and twists as a whole.
+"""The lowest modes of a body as a solid, in which it sways, sags and twists as a whole.
 
-Only the shape of the body and what holds it decide them; its material sets how fast they swing.
+They depend only on the shape of the body and on its pins and bones; its material scales their frequencies.
 """
 
 from __future__ import annotations
@@ -15,23 +15,23 @@ from ..base import Floats, Ints, Shorts, Singles, sums_at
 from ..mesh.surface import Mesh
 from .lattice import Lattice, cells_at, fill, gradients, shares, stiffness, weight
 
-MODES = 20  # of them: they sag as all do within 1 %, along the stiffest axis of a block within 10 %
-HOLD = 30.0  # pins hold as stiffly as a layer of the body that is a 30th of a cell thick
-RIGID = 1e-6  # of the stiffest mode: what resists less is a part that nothing holds, and moves whole
-ROUNDS = 8  # of inverse iteration, which gains the ratio of the first left out to the wanted one each round
-BESIDE = 8  # more directions than modes, so that this ratio is large
+MODES = 20  # number of modes: their sag is that of all modes within 1 %, along the stiffest axis of a block within 10 %
+HOLD = 30.0  # stiffness of pins: that of a layer of the body 1 / 30 of a cell thick
+RIGID = 1e-6  # eigenvalue over that of the stiffest mode: below it, a part that nothing holds moves as a rigid body
+ROUNDS = 8  # rounds of inverse iteration; each gains the ratio of the first eigenvalue left out to the wanted one
+BESIDE = 8  # iterated directions in addition to the modes, so that this ratio is large
 
 
 class Modes(NamedTuple):
-    """The modes of a body of Young's modulus 1 Pa and density 1 kg/m3, normal to its mass.
+    """The mass-normalised modes of a body with Young's modulus 1 Pa and density 1 kg/m3.
 
-    lattice: what they move.
-    volume: (m,) that each node stands for [m3].
+    lattice: the lattice whose nodes they move.
+    volume: (m,) lumped volume of each node [m3].
     rates: (k,) angular frequencies [rad/s].
     shapes: (k, m, 3) displacement of each node.
     turns: (k, m, 3) rotation of each node: half the curl of the displacement [1/m].
-    nodes: (n, 8) that carry each vertex, and
-    shares: (n, 8) how much of each, 0 where the vertex is held.
+    nodes: (n, 8) nodes that each vertex follows.
+    shares: (n, 8) weights of these nodes, reduced to 0 for a held vertex.
     """
 
     lattice: Lattice
@@ -49,9 +49,10 @@ def modes_of(
     """Return the lowest modes of a body.
 
     Args:
-        positions: (n, 3) of its vertices [m].
-        held: (n,) how firmly each is held: 1 does not move, 0 is free.
-        bones: (b, 2, 3) ends of bones [m]: they hold the cells that they pass through.
+        positions: (n, 3) positions of its vertices [m].
+        held: (n,) weight of the pin at each vertex, from 0 (free) to 1 (fixed).
+        bones: (b, 2, 3) ends of bones [m], which hold the cells that they pass through.
+        most: largest number of modes.
     """
     lattice = fill(mesh, positions)
     nodes, share = shares(lattice, positions)
@@ -72,14 +73,14 @@ def modes_of(
 
 
 def _along(bones: Floats, step: float) -> Floats:
-    """Return points (p, 3) along bones (b, 2, 3), no farther apart than a step [m]."""
+    """Return points (p, 3) along bones (b, 2, 3), at most a step [m] apart."""
     counts = np.ceil(np.linalg.norm(bones[:, 1] - bones[:, 0], axis=1) / step).astype(int) + 1
     pairs = zip(bones, counts, strict=True)
     return np.concatenate([np.linspace(head, tail, int(count)) for (head, tail), count in pairs])
 
 
 def _hold(k: Floats, nodes: Ints, share: Floats, springs: Floats) -> None:
-    """Add springs (n,) [m] at the vertices to the stiffness of a lattice."""
+    """Add springs (n,) to the stiffness of a lattice, in place; both are divided by Young's modulus [m]."""
     at = np.flatnonzero(springs)
     each = springs[at, None, None] * share[at][:, :, None] * share[at][:, None, :]
     for axis in range(3):
@@ -88,12 +89,14 @@ def _hold(k: Floats, nodes: Ints, share: Floats, springs: Floats) -> None:
 
 
 def _lowest(a: Floats, layers: Ints, most: int) -> tuple[Floats, Floats]:
-    """Return the lowest eigenvalues of a symmetric matrix, rising, and their vectors in columns: by inverse iteration.
+    """Return the lowest eigenvalues of a symmetric matrix in ascending order, and their vectors in columns.
+
+    The method is inverse iteration of a subspace.
 
     Args:
-        layers: where each layer of unknowns begins, and the last ends; each resists only those beside it.
+        layers: index of the first unknown of each layer, and the end; each layer is coupled to adjacent layers only.
     """
-    solve = _solver(a + 1e-9 * np.trace(a) / len(a) * np.eye(len(a)), layers)  # what nothing holds has a mode of 0
+    solve = _solver(a + 1e-9 * np.trace(a) / len(a) * np.eye(len(a)), layers)  # `a` is singular if a part is free
     found = np.random.default_rng(0).normal(size=(len(a), min(most + BESIDE, len(a))))
     for _ in range(ROUNDS):
         found = np.linalg.qr(solve(found))[0]
@@ -102,7 +105,7 @@ def _lowest(a: Floats, layers: Ints, most: int) -> tuple[Floats, Floats]:
 
 
 def _solver(a: Floats, layers: Ints) -> Callable[[Floats], Floats]:
-    """Return what solves a x = b by eliminating layer after layer."""
+    """Return a function of b that gives the solution x of a x = b, by block elimination layer by layer."""
     parts = [slice(*ends) for ends in pairwise(layers)]
     inverses, beside = [np.linalg.inv(a[parts[0], parts[0]])], [a[here, there] for here, there in pairwise(parts)]
     for part, to in zip(parts[1:], beside, strict=True):
@@ -121,7 +124,7 @@ def _solver(a: Floats, layers: Ints) -> Callable[[Floats], Floats]:
 
 
 def _turns(lattice: Lattice, shapes: Floats) -> Floats:
-    """Return half the curl (k, m, 3) of displacements (k, m, 3): the mean over the cells round each node."""
+    """Return half the curl (k, m, 3) of displacements (k, m, 3), averaged over the cells round each node."""
     slope = gradients(np.full(3, 0.5)) / lattice.sides
     inside = np.einsum("ca,kxcb->kxab", slope, shapes[:, lattice.cells])
     curl = np.stack([inside[..., i - 2, i - 1] - inside[..., i - 1, i - 2] for i in range(3)], axis=-1) / 2

@@ -1,4 +1,4 @@
-"""From a file to constants: reading, preparing and fitting as one, and its result as plain data."""
+"""From a file to constants: reading, preparing and fitting in one call, and the result as plain data."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from .touch import settle
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Calibration:
-    """What a file says about an object, and how it was read.
+    """The constants of an object from a file, and how the file was read.
 
     measurement: the file as it was read.
-    loading: its loading curve, from the first touch as fitted.
+    loading: its loading curve, with depths from the fitted first touch.
     fit: the law and its constants.
-    length: edge of the object [m], None where it is not known.
-    tip: what pressed it.
+    length: edge of the object [m], None if unknown.
+    tip: the indenter.
     surface: k, None without a length.
-    miss: where the law is farthest from the measured points, None where there is no force.
+    miss: largest error of the law at the measured points, None if no force was measured.
     notes: messages about how the file was read.
     warnings: messages about what may be wrong: a headline, and after a line break what it means.
     """
@@ -53,13 +53,13 @@ def calibrate(
     """Read a file and fit the law to it.
 
     Args:
-        path: of a force-depth file.
-        answers: of the user to earlier questions.
+        path: a force-depth file.
+        answers: the user's answers to earlier questions.
         length: edge of the object [m], for k.
-        tip: what pressed it.
+        tip: the indenter.
 
     Raises:
-        Undecided: the file leaves something open; its questions say what.
+        Undecided: the file is ambiguous; the questions of the exception ask what it leaves open.
         DimpleError: the file cannot be used.
     """
     measurement = read_measurement(path, answers)
@@ -71,13 +71,13 @@ def calibrate(
 def calibrate_by_hand(
     depth: Sequence[float], weight: Sequence[float], *, length: float | None = None, tip: Indenter = POINT
 ) -> Calibration:
-    """Fit the law to a few rows that a person noted from a scale, of which those at depth 0 tell the tare.
+    """Fit the law to a few readings of a scale, noted by hand; the tare is the mean reading at depth 0, if any.
 
     Args:
         depth: (n,) from the touch [mm].
-        weight: (n,) that the scale shows [g].
+        weight: (n,) readings of the scale [g].
         length: edge of the object [m], for k.
-        tip: what pressed it.
+        tip: the indenter.
 
     Raises:
         DimpleError: too few rows.
@@ -112,7 +112,7 @@ def _calibration(
 
 
 def _as_solid(fit: Fit, loading: LoadingCurve, tip: Indenter) -> Miss | None:
-    """Return the largest error of the law of a solid with the constants of a fit, None where that is no other."""
+    """Return the largest error of a solid's law with the fitted constants, None if it is the same two-slope law."""
     law = fit.K1.value, fit.K2.value, fit.x0.value
     power = law_power(*law[:2], "solid", tip.shape)
     if power == 1:
@@ -122,7 +122,7 @@ def _as_solid(fit: Fit, loading: LoadingCurve, tip: Indenter) -> Miss | None:
 
 
 def provenance(calibration: Calibration) -> str:
-    """Return a line that says where constants come from: file, fit, uncertainty and tip."""
+    """Return a line that states the origin of the constants: file, fit, uncertainty and tip."""
     fit, tip = calibration.fit, calibration.tip
     knee = f"K1 {fit.K1.text(1e3)} N/mm, K2 {fit.K2.text(1e3)} N/mm, x0 {fit.x0.text(1e-3)} mm"
     law = knee if fit.model == "two" else Message("one slope {K1} N/mm", K1=fit.K1.text(1e3))
@@ -140,13 +140,13 @@ def provenance(calibration: Calibration) -> str:
 
 
 def source_of_k(calibration: Calibration) -> str:
-    """Return how k was found, with its uncertainty; "" where it was not."""
+    """Return how k was found, with its uncertainty; "" if it was not found."""
     surface = calibration.surface
     return Message("k {k} N/mm (95 %) by the force balance", k=surface.k.text(1e3)) if surface else ""
 
 
 def to_record(calibration: Calibration) -> dict[str, Any]:
-    """Return a calibration as it is kept in a file: slopes in N/mm, depths in mm, forces in N; JSON can hold it."""
+    """Return a calibration as plain data for JSON: slopes in N/mm, depths in mm, forces in N."""
     c, fit, loading, m = calibration, calibration.fit, calibration.loading, calibration.measurement
     record: dict[str, Any] = {"source": m.source, "model": fit.model}
     for name, unit in (("K1", 1e3), ("K2", 1e3), ("x0", 1e-3)):

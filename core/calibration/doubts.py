@@ -1,4 +1,4 @@
-"""What may be wrong with a calibration, in words: a headline, and after a line break what it means."""
+"""Warnings about a calibration: each is a headline and, after a line break, its meaning."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from .press import LoadingCurve
 from .table import MIN_ROWS
 from .touch import SURE
 
-NOTICEABLE_FORCE = (0.06, 0.08)  # just-noticeable difference of a force, as a share of it: from, to
-_PARTS = 20  # of the depth, over which points are averaged: their noise is no error of a curve
-_SEEN = 0.05  # of the force, or of full scale: just below what can be felt
-_FAR = 0.2  # of the force, or of the depth: a part of the curve that two slopes do not tell
-_DEPTHS, _FORCES = (2e-5, 0.5), (1e-3, 2e4)  # [m], [N]: presses outside have the wrong unit more often than not
+NOTICEABLE_FORCE = (0.06, 0.08)  # lower and upper just-noticeable difference of a force, as a share of the force
+_PARTS = 20  # intervals of depth in which points are averaged, so that their noise does not count as an error
+_SEEN = 0.05  # share of the force, or of full scale: just below the just-noticeable difference
+_FAR = 0.2  # share of the force, or of the depth, from which on an error or a gap is worth a warning
+_DEPTHS, _FORCES = (2e-5, 0.5), (1e-3, 2e4)  # [m], [N] plausible ranges: outside them the unit is probably wrong
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Miss:
-    """The largest error of a force against measured points.
+    """The largest error of a curve of force at the measured points.
 
-    share: of the force there.
-    error: curve less points [N].
-    depth: where it is [m].
+    share: the error as a share of the force there.
+    error: curve minus points [N].
+    depth: where the error occurs [m].
     """
 
     share: float
@@ -36,16 +36,16 @@ class Miss:
 
 
 def largest_miss(depth: Floats, force: Floats, expected: Floats) -> Miss | None:
-    """Find where a curve is farthest from measured points, as a share of their force.
+    """Find the largest error of a curve at measured points, as a share of their force.
 
     Args:
-        depth: (n,) of the points [m].
-        force: (n,) of the points [N].
-        expected: (n,) of the curve at their depths [N].
+        depth: (n,) depths of the points [m].
+        force: (n,) forces of the points [N].
+        expected: (n,) forces of the curve at these depths [N].
 
     Returns:
-        the largest error of the means over a twentieth of the depth, of those where the force is at least 5 % of full
-        scale; None where there is no such force.
+        the largest error of the means over each twentieth of the depth, among those whose mean force is at least 5 % of
+        full scale; None if there is no force.
     """
     pressed = depth > 0
     x, f, e = depth[pressed], force[pressed], expected[pressed]
@@ -63,11 +63,11 @@ def largest_miss(depth: Floats, force: Floats, expected: Floats) -> Miss | None:
 
 
 def doubts(fit: Fit, loading: LoadingCurve, miss: Miss | None, as_solid: Miss | None) -> Iterator[str]:
-    """Yield what a reader of the constants should know: of the knee, the shape, the intervals and the units.
+    """Yield warnings about the constants: about the knee, the shape, the intervals, the units and the touch.
 
     Args:
         miss: largest error of the law.
-        as_solid: that of the law of a solid with the same constants, None where a solid has no other.
+        as_solid: largest error of a solid's law with the same constants, None if it is the same two-slope law.
     """
     deepest = float(loading.depth.max())
     if fit.model == "one":

@@ -1,7 +1,7 @@
-"""Least squares of the law of Eq. (1), with a touch and a tare, and the uncertainty of its constants.
+"""Least-squares fit of the law of Eq. (1), with a touch and a tare, and the uncertainty of its constants.
 
-With a given touch and knee the law is linear in the rest. So all pairs of a touch and a knee at a row are compared by
-running sums, and Gauss-Newton goes on from the best few.
+For a given touch and knee the law is linear in the other parameters. So running sums give the squares of every pair of
+a touch and a knee at a row, and Gauss-Newton refines the best few.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ import numpy as np
 from ..base import DimpleError, Floats
 
 PARAMETERS = ("K1", "K2", "x0", "contact", "tare")
-MIN_PIECE = 3  # distinct depths in a piece: one more than a line passes through exactly
-_KNEES = 100  # rows that are tried as a knee; Gauss-Newton finds the place between them
-_STARTS = 3  # of them that Gauss-Newton goes on from: between two rows each knee has an optimum of its own
-_EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
-_ROWS = MIN_PIECE + 1  # beyond the touch: one more than a piece
-_LEAST = 20.0  # rows: what even the smoothest systematic misfit is allowed to count as
+MIN_PIECE = 3  # distinct depths in a piece, at least: one more than determine a line
+_KNEES = 100  # depths of rows tried as a knee, at most; Gauss-Newton finds the place between them
+_STARTS = 3  # starting points of Gauss-Newton: each interval between two rows has its own optimal knee
+_EXACT = 1e-9  # share of the largest force: smaller residuals are rounding, not noise
+_ROWS = MIN_PIECE + 1  # rows beyond the touch, at least: one more than in a piece
+_LEAST = 20.0  # effective number of independent rows, at least, however strongly a systematic misfit correlates them
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Constant:
     """A fitted constant: its value, its standard error by least squares, and half the width of its 95 % interval.
 
-    The interval is wider than the standard error says where neighbouring residuals agree with one another.
+    The interval is wider than the standard error implies if neighbouring residuals are correlated.
     """
 
     value: float
@@ -34,12 +34,12 @@ class Constant:
     half_width: float
 
     def text(self, unit: float) -> str:
-        """Return value ± half of the interval in a unit."""
+        """Return value ± half-width of the interval in a unit, given as a multiple of the SI unit."""
         return plus_minus(self.value / unit, self.half_width / unit)
 
 
 def plus_minus(value: float, half_width: float) -> str:
-    """Return a value and half its interval, to two digits of the latter."""
+    """Return "value ± half-width", both rounded to two significant digits of the half-width."""
     if half_width < 1e-5 * abs(value):
         return f"{value:.4g} ± 0"
     digits = max(1 - math.floor(math.log10(half_width)), 0)
@@ -48,10 +48,10 @@ def plus_minus(value: float, half_width: float) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """Eq. (1) with a touch and a tare, and which of its parameters are fitted.
+    """Eq. (1) with a touch and a tare, and the names of its fitted parameters.
 
-    values: K1 [N/m], K2 [N/m], x0 [m], contact [m], tare [N]; with one slope K2 is K1, and x0 is infinite.
-    free: the names of those that are fitted.
+    values: K1 [N/m], K2 [N/m], x0 [m], contact [m], tare [N]; with one slope K2 equals K1, and x0 is infinite.
+    free: names of the fitted parameters.
     """
 
     values: Floats
@@ -68,7 +68,7 @@ class Law:
         return float(self.values[3])
 
     def moved(self, step: Floats) -> Law:
-        """Return the law with a step (p,) of its free parameters added."""
+        """Return the law with a step (p,) added to its free parameters."""
         values = self.values.copy()
         values[[PARAMETERS.index(name) for name in self.free]] += step
         if not self.knee:
@@ -82,7 +82,7 @@ class Law:
         return np.asarray(K1 * np.minimum(x, x0) + K2 * np.maximum(x - x0, 0))
 
     def slopes(self, x: Floats) -> Floats:
-        """Return the slopes (n, p) of the force in each free parameter at depths (n,) below the contact [m]."""
+        """Return the derivatives (n, p) of the force by each free parameter at depths (n,) below the contact [m]."""
         K1, K2, x0 = self.values[:3]
         y, beyond = np.maximum(x, 0), x > x0
         contact = -np.where(beyond, K2, K1) * (x > 0)
@@ -90,11 +90,11 @@ class Law:
         return np.stack([columns[PARAMETERS.index(name)] for name in self.free], axis=1)
 
     def residual(self, x: Floats, f: Floats) -> Floats:
-        """Return how far forces (n,) [N] at depths (n,) [m] are above the law and the tare, (n,) [N]."""
+        """Return forces (n,) [N] at depths (n,) [m] minus the law and the tare, (n,) [N]."""
         return np.asarray(f - self.values[4] - self.force(x - self.contact))
 
     def pressed_residual(self, x: Floats, f: Floats) -> Floats:
-        """Return the residuals of the rows in contact: those before it may be many, and quieter."""
+        """Return the residuals of the rows in contact only: the rows before it may be many, and have less noise."""
         return self.residual(x, f)[x > self.contact]
 
     def squares(self, x: Floats, f: Floats) -> float:
@@ -113,13 +113,13 @@ class Fit:
     contact: depth of the first touch [m].
     tare: force at the first touch [N].
     noise: standard deviation of the residuals [N].
-    correlation: of neighbouring residuals.
+    correlation: correlation of neighbouring residuals.
     full_scale: largest force above the tare [N].
-    knee_bic: by how much a knee lowers the Bayesian information criterion.
+    knee_bic: decrease of the Bayesian information criterion by a knee.
     rows: number of rows in contact.
     fitted: the law with its free parameters.
-    spread: (p, p) covariance of the free parameters, stretched to 95 %.
-    falls: the best two pieces would fall, and the constants are the best of those that rise.
+    spread: (p, p) covariance of the free parameters, scaled up to 95 % intervals.
+    falls: the best unconstrained pair of slopes contains a falling one, so the constants are the best rising pair.
     """
 
     model: str
@@ -139,7 +139,7 @@ class Fit:
 
     @property
     def misfit(self) -> float:
-        """Return the residuals' RMS as a share of full scale."""
+        """Return the standard deviation of the residuals as a share of full scale."""
         return self.noise / self.full_scale
 
     def law(self, x: Floats) -> Floats:
@@ -147,7 +147,7 @@ class Fit:
         return self.fitted.force(np.asarray(x, np.float64))
 
     def band(self, x: Floats) -> Floats:
-        """Return half the width [N] of the law's 95 % interval at depths [m] below the contact."""
+        """Return the half-width [N] of the law's 95 % interval at depths [m] below the contact."""
         slopes = self.fitted.slopes(np.asarray(x, np.float64))
         return np.sqrt(np.maximum(((slopes @ self.spread) * slopes).sum(axis=1), 0))
 
@@ -160,15 +160,15 @@ def fit_law(
     Args:
         depth: (n,) [m].
         force: (n,) [N].
-        touch: depth of the first touch [m]; where it is free, one or some to begin from.
+        touch: depth of the first touch [m]; if "contact" is free, one or several starting values.
         tare: force at the touch [N].
-        free: which of "contact" and "tare" are fitted too; their uncertainty is part of that of the constants.
+        free: which of "contact" and "tare" are fitted too; their uncertainty then widens that of the constants.
 
     Raises:
         DimpleError: too few rows.
     """
     x, f, touches = np.asarray(depth, np.float64), np.asarray(force, np.float64), np.atleast_1d(touch)
-    if len(free) == 2 and len(np.unique(x[x <= touches.max()])) < MIN_PIECE:  # nothing tells one from the other
+    if len(free) == 2 and len(np.unique(x[x <= touches.max()])) < MIN_PIECE:  # the two cannot be told apart
         free = ("contact",)
     if not free:
         x, f = x[x > touches[0]], f[x > touches[0]]
@@ -200,10 +200,10 @@ def slope_of(x: Floats, y: Floats) -> tuple[float, float]:
 def _best_starts(
     x: Floats, f: Floats, touches: Floats, tare: float, free: tuple[str, ...], *, knee: bool
 ) -> tuple[list[Law], bool]:
-    """Return the laws of least squares with a touch of those given and a knee at a row, the best first.
+    """Return the least-squares laws with one of the given touches and a knee at a row, the best first.
 
-    A law with a knee rises on both pieces, as a body of the model must: the second is whether the best of those that
-    need not rise would fall.
+    A law with a knee must rise on both pieces, as a body of the model must. The second return value says whether the
+    best law without this constraint has a falling piece.
     """
     low, span, high = float(x.min()), float(np.ptp(x)) or 1.0, float(np.abs(f - tare).max()) or 1.0
     order = np.argsort(x, kind="stable")
@@ -225,7 +225,7 @@ def _best_starts(
     for at in np.argsort(np.where(taken, squares, np.inf))[: min(_STARTS, int(taken.sum()))]:
         K1, K2 = (float(solution[at, i]) * high / span for i in (0, int(knee)))
         contact, join, offset = low + c[at] * span, low + t[at] * span, high * float(solution[at, -1]) if free else 0.0
-        if free == ("contact",):  # all rows are in contact: the first piece goes on back to no force
+        if free == ("contact",):  # all rows are in contact: extend the first piece back to zero force
             contact, offset = contact - offset / K1 if K1 > 0 else contact, 0.0
         values = np.array([K1, K2, join - contact if knee else math.inf, contact, tare + offset])
         starts.append(Law(values, (*(("K1", "K2", "x0") if knee else ("K1",)), *free)))
@@ -233,11 +233,15 @@ def _best_starts(
 
 
 def _solutions(u: Floats, v: Floats, c: Floats, t: Floats, terms: list[int]) -> tuple[Floats, Floats]:
-    """Return the least squares (p, len(terms)) for touches c and knees t (p,), and their sums of squares (p,).
+    """Return least-squares solutions (p, len(terms)) for touches c and knees t (p,), and their sums of squares (p,).
 
-    The columns of the law are min(x, t) - c and max(x - t, 0) beyond the touch, and 1. Their products with one another
-    and with the force follow from the sums of the products of (x, 1, force) over the rows before the touch, between
-    touch and knee, and beyond.
+    The columns of the law are min(x, t) - c and max(x - t, 0), both 0 before the touch, and 1. Their products with one
+    another and with the force follow from the sums of the products of (x, 1, force) over the rows before the touch,
+    between touch and knee, and beyond the knee.
+
+    Args:
+        u, v: (n,) depths and forces, in ascending order of depth.
+        terms: the columns that are fitted.
     """
     rows = np.stack([u, np.ones_like(u), v], axis=1)
     sums = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(rows[:, :, None] * rows[:, None, :], axis=0)])
@@ -255,13 +259,13 @@ def _solutions(u: Floats, v: Floats, c: Floats, t: Floats, terms: list[int]) -> 
 
 
 def _has_rows(law: Law, x: Floats) -> bool:
-    """Return whether enough rows lie on each piece; a touch or a knee may come to lie beyond them."""
+    """Return whether enough rows lie on each piece; a step may move the touch or the knee beyond the rows."""
     pressed, beyond = int((x > law.contact).sum()), int((x > law.contact + law.values[2]).sum())
     return min(pressed - beyond, beyond) >= 2 if law.knee else pressed >= _ROWS
 
 
 def _holds(law: Law, start: Law, x: Floats) -> bool:
-    """Return whether slopes that rose at the start still do, and contact and tare can still be told apart."""
+    """Return whether slopes that were positive at the start still are, and contact and tare are still determined."""
     rises = law.values[:2].min() > 0 or start.values[:2].min() <= 0
     both = {"contact", "tare"} <= set(law.free)
     return bool(rises and (not both or len(np.unique(x[x <= law.contact])) >= MIN_PIECE))
@@ -274,7 +278,7 @@ def _too_few(rows: int) -> DimpleError:
 
 
 def _settled(start: Law, x: Floats, f: Floats) -> Law:
-    """Move all free parameters together to the least squares of all rows (Gauss-Newton)."""
+    """Return the law after a Gauss-Newton least-squares fit of all free parameters to all rows."""
     best, least = start, start.squares(x, f)
     for _ in range(20):
         slopes = best.slopes(x - best.contact)
@@ -291,34 +295,34 @@ def _settled(start: Law, x: Floats, f: Floats) -> Law:
 
 
 def _correlation(residual: Floats) -> float:
-    """Return how far neighbouring residuals agree, 0 where that may be chance."""
+    """Return the correlation of neighbouring residuals, 0 if it may be chance."""
     total = float(residual @ residual)
     share = float(residual[1:] @ residual[:-1]) / total if total > 0 else 0.0
     return min(share, 0.999) if share > 2 / math.sqrt(len(residual)) else 0.0
 
 
 def independent_rows(n: int, correlation: float) -> float:
-    """Return as how many independent rows n rows count whose residuals are correlated: n (1 - r) / (1 + r)."""
+    """Return the effective number of independent rows among n rows with correlated residuals: n (1 - r) / (1 + r)."""
     return min(float(n), max(n * (1 - correlation) / (1 + correlation), _LEAST))
 
 
 def _knee_gain(one: Law, two: Law, x: Floats, f: Floats) -> float:
-    """Return by how much two slopes lower the Bayesian information criterion against one.
+    """Return the decrease of the Bayesian information criterion from one slope to two.
 
-    A knee costs 3 log n: a slope, and a place that is searched for, which weighs as two (Zhang and Siegmund,
-    Biometrics 63, 2007).
+    A knee costs 3 log n: one parameter for the slope, and two for the position because it is searched for. Source:
+    Zhang and Siegmund, Biometrics 63, 2007.
     """
-    pressed = x > min(one.contact, two.contact)  # the same rows: one slope may take the first piece for air
+    pressed = x > min(one.contact, two.contact)  # the same rows for both: one slope may take the first piece for air
     before, after = one.residual(x, f)[pressed], two.residual(x, f)[pressed]
     n = independent_rows(len(after), _correlation(after))
     floor = (_EXACT * float(np.abs(f).max())) ** 2
-    s1 = max(float((before**2).sum()) / (len(before) - 1), floor)  # of few rows two slopes take most of the scatter
+    s1 = max(float((before**2).sum()) / (len(before) - 1), floor)  # with few rows two slopes absorb the scatter
     s2 = max(float((after**2).sum()) / max(len(after) - 4, 1), floor)
     return n * math.log(s1 / s2) - 3 * math.log(max(n, 2.0))
 
 
 def t_95(freedom: float) -> float:
-    """Return the t that Student's variable stays within with 95 %, to 1 % from 3 degrees of freedom on.
+    """Return the two-sided 95 % quantile of Student's t, accurate to 1 % from 3 degrees of freedom on.
 
     Source: Abramowitz and Stegun, Handbook of Mathematical Functions, 26.7.5.
     """
@@ -326,7 +330,7 @@ def t_95(freedom: float) -> float:
 
 
 def _result(law: Law, x: Floats, f: Floats, bic: float) -> Fit:
-    """Return a fit with its errors: the covariance of its parameters is s^2 (J^T J)^-1."""
+    """Return the fit of a law with its errors: the covariance of its parameters is s^2 (J^T J)^-1."""
     residual, slopes = law.pressed_residual(x, f), law.slopes(x - law.contact)
     rows, r, p = len(residual), _correlation(residual), len(law.free)
     count = independent_rows(rows, r)

@@ -1,4 +1,4 @@
-"""What instruments call things, in English, German and Japanese, and the units they write."""
+"""The words and units in the files of instruments, in English, German and Japanese."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import unicodedata
 _POUND = 0.45359237  # [kg]
 _GRAVITY = 9.80665  # [m/s2] of the kilogram-force, by definition
 
-# unit: kind, factor to SI. Looked up as written first, then in lower case.
+# unit: (kind, factor to SI); looked up as written first, then in lower case
 UNITS: dict[str, tuple[str, float]] = {
     **dict.fromkeys(("N", "Newton", "Newtons", "ニュートン"), ("force", 1.0)),
     "mN": ("force", 1e-3), "cN": ("force", 1e-2), "daN": ("force", 10.0), "kN": ("force", 1e3),
@@ -29,11 +29,11 @@ UNITS: dict[str, tuple[str, float]] = {
                     ("other", 1.0)),
 }  # fmt: skip
 _LOWER = {name.lower(): unit for name, unit in UNITS.items() if name not in ("mN", "MPa", "mJ", "p")}
-_AMBIGUOUS = {"M", "MN", "NM", "P", "G", "MS"}  # capitals that may mean two things
+_AMBIGUOUS = {"M", "MN", "NM", "P", "G", "MS"}  # in capitals, each may mean two units
 
-KIND = {"force": "force", "depth": "length", "time": "time"}  # of the unit of a column with a role
+KIND = {"force": "force", "depth": "length", "time": "time"}  # role of a column: kind of its unit
 
-# a word of a header: its role; those of "other" win over the rest
+# role: words in headers that name it; "other" has priority over the rest
 _ROLES = {
     "force": "force load kraft standardkraft prüfkraft last druckkraft fz fx fy fn scale weight gewicht f "
     "荷重 試験力 力 圧縮力 押込力 フォース ロード",
@@ -48,13 +48,13 @@ _ROLES = {
     "判定 回数 サイクル 日付 日時 年月日",
 }
 _WORDS = {word: role for role, words in _ROLES.items() for word in words.split()}
-# a header that scales its numbers ("Force (x10 N)", "10^-3 N"): which way is not known, so it has no unit
+# a header that scales its numbers ("Force (x10 N)", "10^-3 N"): multiply or divide is unclear, so it has no unit
 _SCALED = re.compile(r"(?<![a-z])[x×*·/]\s*10|\b10\s*(\^|\*\*|[⁻⁺]|[-+]\d)", re.IGNORECASE)
 _ENDINGS = ("kraft", "weg", "zeit", "spannung", "dehnung")  # German compounds
 
 
 def unit_of(text: str) -> tuple[str, float] | None:
-    """Return the kind ("force", "length", "time", "other") and factor to SI of a unit as written, or None."""
+    """Return the kind ("force", "length", "time", "other") and the factor to SI of a unit, None if it is unknown."""
     name = unicodedata.normalize("NFKC", text).strip().strip("()[]{}<>").strip()
     if name in UNITS:
         return UNITS[name]
@@ -64,7 +64,7 @@ def unit_of(text: str) -> tuple[str, float] | None:
 
 
 def split_unit(header: str) -> tuple[str, str]:
-    """Part a header such as "Load (N)", "Weg/mm", "Force_N" or "変位[mm]" into name and unit ("" where it has none)."""
+    """Split a header such as "Load (N)", "Weg/mm", "Force_N" or "変位[mm]" into name and unit ("" if it has none)."""
     text = unicodedata.normalize("NFKC", header).strip()
     if _SCALED.search(header):
         return text, ""
@@ -77,17 +77,17 @@ def split_unit(header: str) -> tuple[str, str]:
         found = re.match(pattern, text)
         if found and unit_of(found[2]):
             return found[1].strip(), found[2]
-        if found and text[-1] in ")]>}":  # what stands in brackets is the unit, known or not
+        if found and text[-1] in ")]>}":  # text in brackets is the unit, known or not
             break
     return text, ""
 
 
 def role_of(name: str) -> str | None:
-    """Return what a column is by its name: "force", "depth", "time", "other", or None."""
+    """Return the role of a column by its name: "force", "depth", "time", "other", or None."""
     text = unicodedata.normalize("NFKC", name).lower()
     found = {_WORDS[token] for token in _tokens(text) if token in _WORDS}
     found |= {_WORDS[ending] for token in _tokens(text) for ending in _ENDINGS if token.endswith(ending)}
-    # Japanese is written without spaces: the longest words inside the text count
+    # Japanese is written without spaces: search for the longest known words inside the text
     found |= {_WORDS[word] for word in _inside(text)}
     for role in ("other", "force", "depth", "time"):
         if role in found:

@@ -1,4 +1,4 @@
-"""From an instrument's file to its measurement: depth and force in SI, in the file's own zero and sign."""
+"""From an instrument's file to its measurement: depth and force in SI, with the file's own zero and sign."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ _OTHER = {"depth": "force", "force": "depth"}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
-    """Depth and force as the instrument wrote them, in its own zero and sign.
+    """Depth and force in SI, with the instrument's own zero and sign.
 
     source: name of the file.
     depth: (n,) [m].
     force: (n,) [N].
-    depth_header: of the column the depth is from.
-    force_header: of the column the force is from.
+    depth_header: header of the column of depth.
+    force_header: header of the column of force.
     columns: numbers of both columns, counted from 1.
-    units: of depth and force, as they were taken.
-    remarks: what there is to say of how the file was read.
+    units: units of depth and force in the file, as interpreted.
+    remarks: notes and warnings from reading the file.
     """
 
     source: str
@@ -47,11 +47,11 @@ def read_measurement(path: str | Path, answers: Answers | None = None) -> Measur
     """Read a force-depth file; rows without a depth or a force are left out.
 
     Args:
-        answers: of the user to earlier questions.
+        answers: the user's answers to earlier questions.
 
     Raises:
-        Undecided: the file can be read in several ways; its questions say which, all that are open at once.
-        DimpleError: the file is not a force-depth table, or beyond the limits.
+        Undecided: the file is ambiguous; the exception has a question for each unknown column or unit.
+        DimpleError: the file is not a force-depth table, or exceeds the limits.
     """
     answers, remarks = answers or Answers(), Remarks()
     lines = load_lines(path, remarks)
@@ -80,7 +80,7 @@ def read_measurement(path: str | Path, answers: Answers | None = None) -> Measur
 
 
 def _factor_to_si(table: Table, at: int, role: str, given: str | None) -> tuple[float, str] | None:
-    """Return the factor to SI of a column and the unit; None where it is not known."""
+    """Return the factor to SI of a column and its unit, None if the unit is unknown."""
     unit = (given or table.units[at]).strip("()[]{}<> ")
     found = unit_of(unit)
     if found is None or found[0] != KIND[role]:
@@ -96,7 +96,7 @@ def _factor_to_si(table: Table, at: int, role: str, given: str | None) -> tuple[
 
 
 def _which_unit(table: Table, role: str, at: int) -> Question:
-    """Return the question in what unit a column is."""
+    """Return the question about the unit of a column."""
     reach = float(np.nanmax(np.abs(table.numbers[:, at])))
     then = "then it reaches {value:.4g} N" if role == "force" else "then it reaches {value:.4g} mm"
     candidates = []
@@ -122,10 +122,10 @@ def _whole_rows(rows: Floats, remarks: Remarks) -> Floats:
 
 
 def _choose(table: Table, answers: Answers, remarks: Remarks) -> tuple[dict[str, int], list[Question]]:
-    """Return the columns of depth and force that are known, and the questions for those that are not.
+    """Return the known columns of depth and force, and a question for each unknown one.
 
     Raises:
-        DimpleError: there is nothing to choose from, or an answer names nothing.
+        DimpleError: fewer than two columns have numbers, or an answer names no column.
     """
     if len(table.numeric) < 2:
         raise DimpleError("The table has one column of numbers; it needs a depth and a force.")
@@ -140,7 +140,7 @@ def _choose(table: Table, answers: Answers, remarks: Remarks) -> tuple[dict[str,
             options = options[:1]
         if len(options) == 1 and (table.role(options[0]) == role or table.kind(options[0]) == KIND[role]):
             chosen[role] = options[0]
-    for role, other in _OTHER.items():  # of two columns the one that is left is the other
+    for role, other in _OTHER.items():  # of two columns, the remaining one is the other role
         if (given or not any(table.names)) and role not in chosen and other in chosen:
             left = [i for i in table.numeric if i != chosen[other]]
             chosen |= {role: left[0]} if len(left) == 1 else {}
@@ -154,7 +154,7 @@ def _choose(table: Table, answers: Answers, remarks: Remarks) -> tuple[dict[str,
 
 
 def _options(table: Table, role: str) -> list[int]:
-    """Return the columns that may be a role: by unit, where their name says it or nothing; else by name."""
+    """Return the columns that may have a role by their unit or their name, if the other does not contradict it."""
     moving = [i for i in table.numeric if np.nanmin(table.numbers[:, i]) < np.nanmax(table.numbers[:, i])]
     numeric = moving or table.numeric
     named = [i for i in numeric if table.role(i) == role and table.kind(i) in (None, KIND[role])]
@@ -165,13 +165,13 @@ def _options(table: Table, role: str) -> list[int]:
 
 
 def _unnamed(table: Table) -> Sequence[int]:
-    """Return the columns that could be anything, else all with numbers."""
+    """Return the numeric columns of unknown role and unit; all numeric columns if fewer than two are unknown."""
     free = [i for i in table.numeric if table.role(i) is None and table.kind(i) is None]
     return free if len(free) > 1 else table.numeric
 
 
 def _named(table: Table, name: str, role: str) -> int:
-    """Return the column an answer means: a number counted from 1, or a header."""
+    """Return the column that an answer names by its number, counted from 1, or its header."""
     if name.isdigit() and 1 <= int(name) <= len(table.names):
         at = int(name) - 1
     else:
@@ -196,7 +196,7 @@ def _named(table: Table, name: str, role: str) -> int:
 
 
 def _alike(columns: Floats) -> bool:
-    """Return whether columns (n, c) are one but for sign and zero."""
+    """Return whether columns (n, c) are equal except for sign and zero."""
     finite = np.isfinite(columns)
     if (finite != finite[:, :1]).any():
         return False
@@ -207,12 +207,12 @@ def _alike(columns: Floats) -> bool:
 
 
 def _clocks(table: Table) -> list[int]:
-    """Return the first column that holds a time in every row, as a list that is empty where there is none."""
+    """Return a list of the first column that may be the time and is complete; empty if there is none."""
     return [i for i in _options(table, "time") if np.isfinite(table.numbers[:, i]).all()][:1]
 
 
 def _check_clock(table: Table, depth_at: int) -> None:
-    """Ask where the column called time does not run like a clock, or the depth runs like one in its stead."""
+    """Ask for the columns if the one called time does not run like a clock, or the depth does so in its place."""
     for at in _clocks(table):
         time, driven = table.numbers[:, at], table.numbers[:, depth_at]
         steps = np.diff(driven[np.isfinite(driven)])
@@ -227,7 +227,7 @@ def _check_clock(table: Table, depth_at: int) -> None:
 
 
 def _which_column(table: Table, role: str, options: Sequence[int], beside: int | None = None) -> Question:
-    """Ask for a column; of tests side by side the one next to the other column is the likeliest."""
+    """Return the question for a column; if tests stand side by side, the one next to `beside` is the likeliest."""
     near = "" if beside is None else str(min(options, key=lambda i: abs(i - beside - 0.1)) + 1)
     candidates = ((str(i + 1), _preview(table, i)) for i in options)
     return Question(f"{role}_column", Message("Which column is the {role}?", role=role), *candidates, default=near)

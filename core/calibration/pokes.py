@@ -1,7 +1,7 @@
 """A map of softness from pokes of one object: x, y, z, depth and force, as robots record them.
 
-At each place the force over that of the material's law says how many times as stiff the object is there. A vertex gets
-the mean of the nearest places, and each place is predicted from the others to know how good that is.
+At each place, the measured force divided by that of the material's law is the relative stiffness there. A vertex gets
+the mean of the nearest places; predicting each place from the others (cross-validation) gives the error of the map.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from .question import Answers, Remarks
 from .reader import find_dialect, load_lines
 from .table import Table, find_table
 
-_NEAREST = 4  # places that are averaged: the corners of the cell round a vertex
-_FEWEST = 2 * _NEAREST  # places of a map
-_SAME = 1e-3  # of the size of the object: pokes this near are at one place
-_FAR = 0.1  # of the size: pokes farther from the surface are none of this object
-_PER_WEIGHT = 2 * math.log(4.0)  # a weight of 1 is four times as soft as one of 0.5
+_NEAREST = 4  # places averaged for a vertex: on a square grid, the corners of the cell round it
+_FEWEST = 2 * _NEAREST  # places that a map needs
+_SAME = 1e-3  # share of the size of the object: pokes this close together are at one place
+_FAR = 0.1  # share of the size: pokes farther than this from the surface belong to another object
+_PER_WEIGHT = 2 * math.log(4.0)  # change of log stiffness per unit of weight: 1 is four times as soft as 0.5
 _AXES = ("x", "y", "z")
 
 
@@ -42,13 +42,13 @@ class Pokes:
 class PokeMap:
     """Softness over a mesh.
 
-    stiffness: (n,) how many times as stiff as the material each vertex is.
-    weights: (n,) softness as it is painted: 0.5 as measured, 1 four times softer, 0 four times stiffer.
-    places: how many there are.
-    pokes: how many there were.
-    error: of the force at places that are predicted from all others, RMS as a share of it.
-    without: what that error would be with one softness for all.
-    outside: share of the vertices that are softer or stiffer than a map can say.
+    stiffness: (n,) stiffness of each vertex relative to the material.
+    weights: (n,) painted softness: 0.5 as the material, 1 four times softer, 0 four times stiffer.
+    places: number of different places.
+    pokes: number of pokes.
+    error: RMS error of the force at each place as predicted from the others, as a share of the force.
+    without: the same error if all places have one softness.
+    outside: share of the vertices whose softness exceeds the range of a map.
     """
 
     stiffness: Floats
@@ -61,7 +61,7 @@ class PokeMap:
 
     @property
     def text(self) -> str:
-        """Return what was found, as a sentence."""
+        """Return a sentence about the pokes and the error of the map."""
         return Message(
             "{pokes} pokes at {places} places: each place predicted from the others, the force is off by {error:.1%} "
             "(RMS; with one softness for all {without:.1%}).",
@@ -73,11 +73,11 @@ class PokeMap:
 
 
 def read_pokes(path: str | Path) -> Pokes:
-    """Read a table of pokes; lengths are in mm and forces in N where it names no unit. Rows in the air are left out.
+    """Read a table of pokes; without units, lengths are in mm and forces in N. Rows without contact are left out.
 
     Raises:
-        Undecided: the file can be read in several ways.
-        DimpleError: it cannot be read, or lacks a column; the message says which.
+        Undecided: the file is ambiguous.
+        DimpleError: the file cannot be read, or lacks a column; the message says which.
     """
     lines = load_lines(path, remarks := Remarks())
     table = find_table(lines, find_dialect(lines), Answers(), remarks)
@@ -88,7 +88,7 @@ def read_pokes(path: str | Path) -> Pokes:
         )
     found = np.stack([_in_si(table, at, name) for name, at in columns.items()], axis=1)
     by = dict(zip(columns, found[np.isfinite(found).all(axis=1)].T, strict=True))
-    hard = np.abs(by["force"]) >= np.abs(by["force"]).max() / 2  # these tell the signs of both
+    hard = np.abs(by["force"]) >= np.abs(by["force"]).max() / 2  # these rows decide the signs of both
     depth, force = (by[name] * (-1 if by[name][hard].sum() < 0 else 1) for name in ("depth", "force"))
     pressed = (depth > 0) & (force > 0)
     if not pressed.any():
@@ -98,14 +98,14 @@ def read_pokes(path: str | Path) -> Pokes:
 
 
 def map_pokes(mesh: Mesh, material: Material, pokes: Pokes) -> PokeMap:
-    """Find softness over a mesh.
+    """Compute the softness over a mesh.
 
     Args:
-        mesh: in the size and the place of the object that was poked [m].
-        material: whose law the forces are compared with.
+        mesh: at the size and the place of the poked object [m].
+        material: its law is compared with the measured forces.
 
     Raises:
-        DimpleError: too few places, they are not on this object, or one softness is as good as a map.
+        DimpleError: the places are too few or not on this object, or one softness predicts as well as a map.
     """
     _check(mesh, pokes)
     law = np.array([material.law(depth) for depth in pokes.depths.tolist()])
@@ -135,7 +135,7 @@ def map_pokes(mesh: Mesh, material: Material, pokes: Pokes) -> PokeMap:
 
 
 def _columns(table: Table) -> dict[str, int]:
-    """Return which column is what: places by the names of the axes, depth and force by the words for them."""
+    """Return the column of each quantity: x, y and z by these names, depth and force by the known words."""
     found: dict[str, int] = {}
     for at, name in enumerate(table.names):
         word = name.strip().lower()
@@ -153,19 +153,19 @@ def _in_si(table: Table, at: int, name: str) -> Floats:
 
 
 def _near_means(points: Floats, places: Floats, logs: Floats, count: int) -> Floats:
-    """Return the means (n,) of what was measured (p,) at the `count` places (p, 3) nearest to points (n, 3)."""
+    """Return the means (n,) of `logs` (p,) at the `count` places (p, 3) nearest to each of the points (n, 3)."""
     means = np.empty(len(points))
     squares = (places**2).sum(axis=1) / 2
-    for part in np.array_split(np.arange(len(points)), len(points) // 2000 + 1):  # a matrix of 2,000 rows at a time
+    for part in np.array_split(np.arange(len(points)), len(points) // 2000 + 1):  # 2,000 rows at a time
         distances = squares - points[part] @ places.T
         means[part] = logs[np.argpartition(distances, count - 1, axis=1)[:, :count]].mean(axis=1)
     return means
 
 
 def _at_places(places: Floats, forces: Floats, law: Floats, same: float) -> tuple[Floats, Floats]:
-    """Return places (q, 3) [m] and the logarithm of stiffness there (q,).
+    """Return distinct places (q, 3) [m] and the logarithm of the relative stiffness at each (q,).
 
-    Pokes at one place are one measurement: the force over the law's, by least squares.
+    Pokes closer together than about `same` [m] are one measurement: a least-squares fit of forces (p,) to `law` (p,).
     """
     _, which, counts = np.unique(np.round(places / same), axis=0, return_inverse=True, return_counts=True)
     which = which.reshape(-1)
@@ -174,7 +174,7 @@ def _at_places(places: Floats, forces: Floats, law: Floats, same: float) -> tupl
 
 
 def _check(mesh: Mesh, pokes: Pokes) -> None:
-    """Raise a DimpleError where the pokes are not near the surface."""
+    """Raise a DimpleError if the pokes are not near the surface."""
     sample = range(0, len(pokes.places), max(len(pokes.places) // 200, 1))
     points = np.concatenate([mesh.rest_positions[~mesh.loose], mesh.rest_positions[mesh.triangles].mean(axis=1)])
     away = np.array([math.sqrt(((points - pokes.places[i]) ** 2).sum(axis=1).min()) for i in sample])

@@ -1,4 +1,4 @@
-"""From a recording to one press: its range, cycle and rows, and the work that is lost in unloading."""
+"""From a recording to one press: its range, its cycle, its rows, and the work lost in unloading."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from .question import Answers, Question, Remarks, Undecided
 from .strokes import Cycle, dip, find_cycles, oriented, spikes, still, tear, which_order
 from .table import MIN_ROWS
 
-_AGREE = 10.0  # [%] of full scale, RMS: presses of one object that differ more have changed it
-_GAINED = 0.03  # of the work: what a way back returns beyond it is no error of measurement
+_AGREE = 10.0  # [% of full scale] RMS difference of two presses above which the object has changed in between
+_GAINED = 0.03  # share of the work: if unloading returns more than this in excess, it is no error of measurement
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoadingCurve:
-    """One press of a recording, its rows in the order they were measured.
+    """One press of a recording, its rows in the order of measurement.
 
     depth: (n,) from the first touch, negative before it [m].
     force: (n,) without the tare [N].
-    unloading_depth: (m,) from the first touch [m], empty where there is no unloading.
+    unloading_depth: (m,) from the first touch [m], empty without unloading.
     unloading_force: (m,) without the tare [N].
-    inward: sign of the file's own depth where it grows inward.
-    cycle: which press it is, counted from 1.
-    cycles: how many there are.
-    touch: of the first touch, in the file's own depth but growing inward [m].
+    inward: 1 if the file's own depth grows inward, -1 if it falls.
+    cycle: number of the press, counted from 1.
+    cycles: number of presses in the recording.
+    touch: the file's own depth at the first touch, with the sign changed if needed to grow inward [m].
     tare: force at the first touch [N].
-    remarks: what there is to say of how the press was prepared.
+    remarks: notes and warnings from preparing the press.
     """
 
     depth: Floats
@@ -46,21 +46,21 @@ class LoadingCurve:
     remarks: Remarks = field(default_factory=Remarks)
 
     def begun_at(self, touch: float, tare: float) -> LoadingCurve:
-        """Return the curve from a touch [m] and without a tare [N] of its own."""
+        """Return the curve with depths from a touch [m] and without a tare [N], both given in its present zero."""
         return replace(
             self, depth=self.depth - touch, force=self.force - tare, unloading_depth=self.unloading_depth - touch,
             unloading_force=self.unloading_force - tare, touch=self.touch + touch, tare=self.tare + tare,
         )  # fmt: skip
 
     def reading(self, depth: float) -> float:
-        """Return what the file calls a depth [m] from the first touch [mm]."""
+        """Return the file's own reading [mm] for a depth [m] from the first touch."""
         return 1e3 * self.inward * (self.touch + depth)
 
     @property
     def loss(self) -> float | None:
-        """Return the share of the work that unloading does not return, None where it is not complete.
+        """Return the share of the work that unloading does not return, None if the unloading is incomplete.
 
-        It is negative where more is returned.
+        It is negative if unloading returns more work than loading took.
         """
         inside, depth = self.depth > 0, self.unloading_depth
         if len(depth) < MIN_ROWS or depth.min() > 0.2 * self.depth.max():
@@ -71,19 +71,19 @@ class LoadingCurve:
 
     @property
     def damping_ratio(self) -> float | None:
-        """Return the damping ratio of a linear body with this loss, a hint only.
+        """Return the damping ratio z of a linear body with this loss, as a hint only.
 
-        One loop from 0 to a depth X loses pi c w (X/2)^2 of the k X^2 / 2 put in; with c w = 2 z k that is pi z.
+        A cycle from 0 to a depth X loses pi c w (X/2)^2 of the work k X^2 / 2; with c w = 2 z k this share is pi z.
         """
         return None if self.loss is None else max(self.loss, 0.0) / math.pi
 
 
 def prepare(measurement: Measurement, answers: Answers | None = None) -> LoadingCurve:
-    """Find the press of a recording, in the file's own zero.
+    """Return the press of a recording, still with the file's own zero.
 
     Raises:
-        Undecided: which way presses, which of several cycles, or how deep before it was torn, is open.
-        DimpleError: there is no press in it.
+        Undecided: unclear signs or order of rows, several different cycles, or a possible tear.
+        DimpleError: there is no press in the recording.
     """
     answers, remarks = answers or Answers(), Remarks()
     depth, force = _without_spikes(measurement, remarks)
@@ -114,10 +114,13 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
 
 
 def check_loss(curve: LoadingCurve, ordered: bool) -> tuple[str, ...]:
-    """Ask for the order of the rows, or warn where it is known, if more work comes back than was put in.
+    """Return a warning if unloading returns more work than the press took; none otherwise.
+
+    Args:
+        ordered: the user has confirmed the order of the rows.
 
     Raises:
-        Undecided: the order of the rows is not known.
+        Undecided: unloading returns more work, and `ordered` is false; the question is about the order of the rows.
     """
     if curve.loss is None or curve.loss >= -_GAINED:
         return ()
@@ -139,7 +142,7 @@ def _without_spikes(measurement: Measurement, remarks: Remarks) -> tuple[Floats,
 
 
 def _in_range(depth: Floats, force: Floats, inward: int, answers: Answers, remarks: Remarks) -> tuple[Floats, Floats]:
-    """Leave out the rows outside the range that was given."""
+    """Return the rows within the range that the user gave."""
     keep = np.ones(len(depth), bool)
     if answers.from_mm is not None:
         keep &= depth >= inward * answers.from_mm / 1e3
@@ -155,7 +158,7 @@ def _in_range(depth: Floats, force: Floats, inward: int, answers: Answers, remar
 
 
 def _long_enough(cycles: list[Cycle], depth: Floats, remarks: Remarks) -> list[Cycle]:
-    """Leave out touches in passing: less than half as deep as the deepest press, or with a tenth of the rows."""
+    """Leave out brief touches: less than half as deep as the deepest press, or with under a tenth of the most rows."""
     shallowest, deepest = float(depth.min()), max(float(depth[cycle.peak]) for cycle in cycles)
     deep = [cycle for cycle in cycles if depth[cycle.peak] - shallowest >= (deepest - shallowest) / 2]
     least = max(MIN_ROWS, max(cycle.rows for cycle in deep) // 10)
@@ -167,7 +170,7 @@ def _long_enough(cycles: list[Cycle], depth: Floats, remarks: Remarks) -> list[C
 
 
 def _curve(depth: Floats, force: Floats, cycle: Cycle, inward: int) -> LoadingCurve:
-    """Return one press in the file's own zero, without the rows that are no part of it."""
+    """Return one press with the file's own zero, without rows of dwelling or of adhesion."""
     remarks = Remarks()
     x, f = depth[cycle.start : cycle.peak + 1], force[cycle.start : cycle.peak + 1]
     stands = still(x)
@@ -201,7 +204,7 @@ def _torn(curve: LoadingCurve, at: int) -> Question:
 
 
 def _choose(curves: list[LoadingCurve], answers: Answers, remarks: Remarks) -> int:
-    """Return which cycle to fit: the one that was given, else the first where the others agree with it."""
+    """Return the index of the cycle to fit: the user's choice, else the first if the others agree with it."""
     if answers.cycle is not None:
         if not 1 <= answers.cycle <= len(curves):
             raise DimpleError(
@@ -226,7 +229,7 @@ def _choose(curves: list[LoadingCurve], answers: Answers, remarks: Remarks) -> i
 
 
 def _difference(first: LoadingCurve, other: LoadingCurve) -> float:
-    """Return how far two presses are apart where both were: RMS as a share of full scale."""
+    """Return the RMS difference of two presses over their common depths, as a share of full scale."""
     shallowest = max(first.depth.min(), other.depth.min())
     grid = np.linspace(shallowest, min(first.depth.max(), other.depth.max()), 100)
     a, b = (np.interp(grid, np.maximum.accumulate(s.depth), s.force) for s in (first, other))

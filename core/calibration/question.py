@@ -1,4 +1,4 @@
-"""What a file leaves open, what the user answers, and what is said of how it was read."""
+"""Questions about an ambiguous file, the user's answers, and remarks on how the file was read."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ SIGNS = ("positive", "negative")
 
 
 def _asked(label: str, text: str, *choices: str) -> Any:
-    """Declare an answer: None where it is not given, what it is called, what it means, and what it may be."""
+    """Declare an answer, None by default: its label, its meaning, and its possible values if they are limited."""
     return field(default=None, metadata={"label": label, "text": text, "choices": choices})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answers:
-    """Answers of the user about a file; what is None is detected, and asked where that fails."""
+    """The user's answers about a file; an answer that is None is detected, or asked for if detection fails."""
 
     depth_column: str | None = _asked("Depth Column", "Header of the column of depth, or its number counted from 1")
     force_column: str | None = _asked("Force Column", "Header of the column of force, or its number counted from 1")
@@ -38,19 +38,19 @@ class Answers:
 
 
 class Candidate(NamedTuple):
-    """A possible answer: its value, and what it means, with a preview of the data."""
+    """A possible answer: its value and its meaning, with a preview of the data."""
 
     value: str
     label: str
 
 
 class Question:
-    """A question about one field of Answers, and the answers that are possible.
+    """A question about one field of Answers, and the possible answers.
 
     name: the field.
     text: the question as a sentence.
-    candidates: (value, what it means).
-    default: the value of the likeliest, "" where none is likelier.
+    candidates: the possible answers.
+    default: value of the likeliest answer, "" if all are equally likely.
     """
 
     def __init__(self, name: str, text: str, *candidates: tuple[str, str], default: str = "") -> None:
@@ -59,23 +59,23 @@ class Question:
 
 
 class Remarks:
-    """What there is to say of how a file was read: notes, and warnings of what may be wrong."""
+    """Remarks on how a file was read: notes, and warnings of possible errors."""
 
     def __init__(self) -> None:
         self.notes: list[str] = []
         self.warnings: list[str] = []
 
     def note(self, template: str, **values: Any) -> None:
-        """Note how the file was read."""
+        """Add a note on how the file was read."""
         self.notes.append(Message(template, **values))
 
     def warn(self, template: str, **values: Any) -> None:
-        """Warn of what may be wrong."""
+        """Add a warning of a possible error."""
         self.warnings.append(Message(template, **values))
 
 
 class Undecided(DimpleError):
-    """A file can be read in several ways; `questions` ask which is right, and a script gives the answers by name."""
+    """A file is ambiguous: `questions` ask what is right; a script answers them as keywords of `Answers`."""
 
     def __init__(self, *questions: Question) -> None:
         self.questions, lines = questions, []

@@ -1,4 +1,4 @@
-"""From a file to lines and cells of text; nothing here unpacks, waits or grows without bound."""
+"""From a file to lines and cells of text; no input makes it decompress, block, or use unbounded memory."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from ..messages import Message
 from .known_words_and_units import role_of, split_unit
 from .question import Question, Remarks, Undecided
 
-MAX_BYTES = 64 * 2**20  # a million rows: far more than an instrument writes
-MAX_LINE = 20_000  # characters
+MAX_BYTES = 64 * 2**20  # [bytes] largest file: a million rows, far more than an instrument writes
+MAX_LINE = 20_000  # [characters] longest line
 _NARROW = dict.fromkeys(map(ord, "\u2009\u202f\u2007"), "\u00a0")  # spaces between groups of thousands
-# how files begin that people take for tables: what they are
+# first bytes of files that people mistake for tables: kind of file
 _MAGIC = {
     b"PK\x03\x04": "a spreadsheet or a ZIP archive",
     b"\xd0\xcf\x11\xe0": "an old Excel or Word file",
@@ -48,7 +48,7 @@ def load_lines(path: str | Path, remarks: Remarks) -> list[str]:
     """Return the lines of a text file.
 
     Raises:
-        DimpleError: the file is missing, not a text table, or beyond the limits.
+        DimpleError: the file is missing, not a text table, or exceeds the limits.
     """
     data = _read(Path(path))
     for magic, kind in _MAGIC.items():
@@ -79,7 +79,7 @@ def load_lines(path: str | Path, remarks: Remarks) -> list[str]:
 
 
 def decode(data: bytes) -> tuple[str, str]:
-    """Turn bytes into text; what is not Unicode is read by the code page that yields more names of columns."""
+    """Return text and encoding of bytes; if not Unicode, use the code page that yields more known column names."""
     for mark, encoding in _MARKS:
         if data.startswith(mark):
             return data.decode(encoding, errors="replace"), encoding
@@ -112,21 +112,21 @@ def _read(path: Path) -> bytes:
 
 
 def _names(text: str) -> int:
-    """Return how many cells near the beginning of a text are the names of columns."""
+    """Return the number of known column names among the cells at the beginning of a text."""
     cells = (cell.strip(' "') for line in text.split("\n", 200)[:200] for cell in re.split(r"[;\t,=]", line))
     return sum(role_of(split_unit(cell)[0]) is not None for cell in cells if any(c.isalpha() for c in cell))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dialect:
-    """How a table is written: the delimiter of its cells and the decimal mark of its numbers."""
+    """The format of a table: the delimiter of its cells and the decimal mark of its numbers."""
 
     delimiter: str
     decimal: str
 
 
 def split(line: str, delimiter: str) -> list[str]:
-    """Split a line into cells, quotes taken off."""
+    """Split a line into cells, without their quotes."""
     if delimiter == " ":
         return [cell.strip('"') for cell in line.split()]
     if '"' not in line:
@@ -135,7 +135,7 @@ def split(line: str, delimiter: str) -> list[str]:
 
 
 def number(cell: str, decimal: str) -> float | None:
-    """Return the number a cell holds, or None: text, nothing, or not a finite number."""
+    """Return the number in a cell, None if it is text, empty, or not a finite number."""
     text = cell.strip().replace("−", "-")
     if not text or not text[-1].isdigit() and text[-1] not in ".,":
         return None
@@ -150,14 +150,14 @@ def number(cell: str, decimal: str) -> float | None:
 
 
 def number_and_unit(cell: str, decimal: str) -> tuple[float, str] | None:
-    """Return the number and what follows it in a cell such as "12.5 gf", or None."""
+    """Return the number and the text after it in a cell such as "12.5 gf", or None."""
     found = _WITH_UNIT.match(cell.strip())
     value = number(found[1], decimal) if found else None
     return None if value is None or found is None else (value, found[2])
 
 
 def is_row(cells: Sequence[str], dialect: Dialect) -> bool:
-    """Return whether cells are a row of data: two numbers or more, and no number written another way."""
+    """Return whether cells are a row of data: at least two numbers, and none in another notation."""
     count = 0
     for cell in cells:
         if any(d in cell for d in ";\t|"):
@@ -170,11 +170,11 @@ def is_row(cells: Sequence[str], dialect: Dialect) -> bool:
 
 
 def pairs(text: str) -> list[tuple[float, float]]:
-    """Return the first two numbers of each row of a text, such as one that was copied from a spreadsheet.
+    """Return the first two numbers of each row of a text, such as one copied from a spreadsheet.
 
     Raises:
         DimpleError: there are no such rows.
-        Undecided: the decimal mark could be either.
+        Undecided: the decimal mark is ambiguous.
     """
     lines = text.splitlines()
     dialect = find_dialect(lines)
@@ -184,15 +184,15 @@ def pairs(text: str) -> list[tuple[float, float]]:
 
 
 def find_dialect(lines: Sequence[str], decimal: str | None = None) -> Dialect:
-    """Find the dialect in which the most lines are rows of one width.
+    """Find the dialect in which the most lines are rows of equal width.
 
     Args:
-        lines: of the file.
-        decimal: the decimal mark where the user gave it, or None.
+        lines: the lines of the file.
+        decimal: the decimal mark if the user gave it, or None.
 
     Raises:
-        DimpleError: no dialect makes a table of the lines.
-        Undecided: the decimal mark could be either.
+        DimpleError: the lines are a table in no dialect.
+        Undecided: the decimal mark is ambiguous.
     """
     sample = sample_of(lines)
     scores: dict[Dialect, tuple[int, int]] = {}
@@ -220,7 +220,7 @@ def find_dialect(lines: Sequence[str], decimal: str | None = None) -> Dialect:
 
 
 def sample_of(lines: Sequence[str]) -> list[str]:
-    """Return lines from the beginning, the middle and the end that are not blank."""
+    """Return the non-blank lines among some from the beginning, the middle and the end."""
     if len(lines) <= 900:
         picked = list(lines)
     else:

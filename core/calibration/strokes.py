@@ -1,4 +1,4 @@
-"""The order and the signs of a recording, its strokes, and rows that are wrong, torn or pulled at."""
+"""The order and the signs of a recording, its strokes, and its outliers, tears, dwells and rows of adhesion."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from ..messages import Message
 from .question import Answers, Question, Remarks, Undecided
 from .table import MIN_ROWS, SLIGHT
 
-_TURN = 0.1  # of the range of depth: a reversal smaller than this is a tremor
-_CLEAR = 8.0  # times the noise: far beyond chance in 100,000 rows, which a Gaussian passes at 4.4
+_TURN = 0.1  # share of the range of depth: a smaller reversal is a tremor
+_CLEAR = 8.0  # times the noise: beyond chance; the largest of 100,000 Gaussian values is about 4.4 times
 
 
 def oriented(depth: Floats, force: Floats, answers: Answers, remarks: Remarks) -> tuple[Floats, Floats, int]:
     """Return depth (n,) growing inward [m], force (n,) growing with a press [N], and the sign of the file's depth.
 
     Raises:
-        Undecided: the order of the rows or the sign of a press is open.
-        DimpleError: there is no press in it.
+        Undecided: the order of the rows or the sign of a press is ambiguous.
+        DimpleError: the recording holds unloading only.
     """
     depth, force = _in_order(depth, force, answers, remarks)
     force = _pressing_sign(force, answers, remarks)
@@ -31,7 +31,7 @@ def oriented(depth: Floats, force: Floats, answers: Answers, remarks: Remarks) -
 
 
 def _in_order(depth: Floats, force: Floats, answers: Answers, remarks: Remarks) -> tuple[Floats, Floats]:
-    """Return the rows in the order they were measured; ask where they seem to stand from the last to the first."""
+    """Return the rows in the order of measurement; ask if the file seems to list them from the last to the first."""
     if answers.order == "reversed":
         remarks.note("The rows were turned round, from the last to the first.")
         return depth[::-1], force[::-1]
@@ -49,7 +49,7 @@ def _in_order(depth: Floats, force: Floats, answers: Answers, remarks: Remarks) 
 
 
 def which_order(why: str) -> Question:
-    """Ask in what order the rows stand, with the reason for asking."""
+    """Return the question about the order of the rows, with the reason for asking."""
     text = Message("{why}. In what order do its rows stand?", why=why)
     either = ("reversed", "from the last to the first"), ("written", "as they were measured")
     return Question("order", text, *either, default="reversed")
@@ -73,18 +73,18 @@ def _pressing_sign(force: Floats, answers: Answers, remarks: Remarks) -> Floats:
 
 
 def _inward(depth: Floats, force: Floats, answers: Answers) -> int:
-    """Return the sign of a depth that grows inward: with the force, up to the largest of it."""
+    """Return the sign of a depth that grows inward: that of its stronger correlation with the force."""
     if answers.inward is not None:
         return 1 if answers.inward == "positive" else -1
     peak, enough, trend = int(force.argmax()), min(2 * MIN_ROWS, len(force) // 2), 0.0
     for x, f in ((depth[side], force[side]) for side in (slice(peak + 1), slice(peak, None))):
-        if len(x) >= enough and min(np.ptp(x), np.ptp(f)) > 0:  # where a specimen is torn beyond it, the trend is less
+        if len(x) >= enough and min(np.ptp(x), np.ptp(f)) > 0:  # a tear weakens the correlation
             trend = max(trend, float(np.corrcoef(x, f)[0, 1]), key=abs)
     return 1 if trend > 0 else -1
 
 
 class Cycle(NamedTuple):
-    """The rows of one press: loading is start:peak + 1, unloading peak:end + 1 (empty where end == peak)."""
+    """The rows of one press: loading is start:peak + 1, unloading peak:end + 1 (no unloading if end == peak)."""
 
     start: int
     peak: int
@@ -92,19 +92,19 @@ class Cycle(NamedTuple):
 
     @property
     def rows(self) -> int:
-        """Return how many rows of loading there are."""
+        """Return the number of rows of loading."""
         return self.peak - self.start + 1
 
 
 def find_cycles(depth: Floats) -> list[Cycle]:
-    """Return the presses in a depth that grows inward (n,)."""
+    """Return the presses in a recording of depth (n,), growing inward."""
     found = turns(depth)
     ends = [*found[2:], found[-1]]
     return [Cycle(a, b, end) for a, b, end in zip(found, found[1:], ends, strict=False) if depth[b] > depth[a]]
 
 
 def turns(depth: Floats) -> list[int]:
-    """Return the rows at which the depth turns for good, the first and the last row included."""
+    """Return the first row, the turning points of a depth (n,) without tremors, and its last extreme."""
     found, best, rising, threshold = [0], 0, 0, _TURN * float(np.ptp(depth))
     for i, value in enumerate(depth.tolist()):
         if rising >= 0 and value > depth[best] or rising <= 0 and value < depth[best]:
@@ -120,9 +120,9 @@ def turns(depth: Floats) -> list[int]:
 
 
 def still(depth: Floats) -> Bools:
-    """Return which rows (n,) of a loading stroke are one with the next, for the depth stands: the last of them counts.
+    """Return which rows (n,) of a loading stroke to leave out because the depth stands still until the next row.
 
-    What it says is what the force has come to.
+    The last row of a dwell stays: its force is the one to which the object has relaxed.
     """
     steps = np.diff(depth)
     usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
@@ -130,7 +130,7 @@ def still(depth: Floats) -> Bools:
 
 
 def spikes(values: Floats) -> Bools:
-    """Return which single rows (n,) stand apart from both neighbours while those agree with one another."""
+    """Return which rows (n,) are outliers: single values far from both neighbours, while these agree."""
     found = np.zeros(len(values), bool)
     if len(values) < 12:
         return found
@@ -138,14 +138,14 @@ def spikes(values: Floats) -> Bools:
     usual = 1.4826 * float(np.median(np.abs(middle - np.median(middle))))
     least = _CLEAR * max(usual, 0.002 * float(np.ptp(np.sort(values)[2:-2])))
     found[1:-1] = np.abs(middle) > np.maximum(least, 2 * np.abs(values[2:] - values[:-2]))
-    # the ends have one neighbour: go on from the next two
+    # the ends have one neighbour only: extrapolate from the next two
     found[0] = abs(values[0] - 2 * values[1] + values[2]) > 2 * least and not found[1:3].any()
     found[-1] = abs(values[-1] - 2 * values[-2] + values[-3]) > 2 * least and not found[-3:-1].any()
     return found
 
 
 def tear(force: Floats) -> int | None:
-    """Return the row of the largest force (n,) of a stroke that stays below half of it from soon after on, or None."""
+    """Return the row of the largest force (n,) of a stroke if the force later stays below half of it, else None."""
     peak = int(force.argmax())
     tail = force[peak + 1 :]
     first = float(np.median(force[:3]))
@@ -153,7 +153,7 @@ def tear(force: Floats) -> int | None:
 
 
 def dip(depth: Floats, force: Floats) -> Bools:
-    """Return which rows (n,) of a stroke are pulled at before they are pressed: a tip that the object sticks to."""
+    """Return which rows (n,) of a stroke show a pull before the press, because the object sticks to the tip."""
     noise, lowest = roughness(force), int(force.argmin())
     rest = float(np.median(force[: max(3, lowest // 4)]))
     depressed = rest - float(force[lowest])
@@ -168,7 +168,7 @@ def dip(depth: Floats, force: Floats) -> Bools:
 
 
 def roughness(values: Floats) -> float:
-    """Return the standard deviation (n,) of the noise of a smooth curve, from its second differences."""
+    """Return the standard deviation of the noise of a smooth curve (n,), from its second differences."""
     second = np.diff(values, 2)
     noise = 1.4826 * float(np.median(np.abs(second))) / np.sqrt(6) if len(second) else 0.0
     steps = np.abs(np.diff(values))

@@ -1,8 +1,8 @@
 """The surface's spring constant k of Eq. (4) from a press, by the balance of forces on a string.
 
-A string of length l pressed in its middle to a depth x by F makes two sides of length h = sqrt((l/2)^2 + x^2), so its
-tension is S = F h / (2 x), and its stretch 2 h - l. Their slope is k; what S is left without stretch is tension that
-the surface had before. (Eqs. (9) and (10) of the paper give k = 2 A E / l, whatever was measured.)
+A string of length l, pressed in its middle to a depth x by F, has two sides of length h = sqrt((l/2)^2 + x^2). So its
+tension is S = F h / (2 x), and its stretch 2 h - l. The slope of S over the stretch is k; S at zero stretch is the
+tension before the press. (Eqs. (9) and (10) of the paper give k = 2 A E / l, regardless of the measurement.)
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from ..base import DimpleError, Floats
 from .fit import Constant, slope_of
 
-_CLEAR = 0.05  # of the deepest: nearer the touch the tension is 0/0, all of it noise
+_CLEAR = 0.05  # share of the largest depth: closer to the touch the tension is 0/0, pure noise
 ASSUMES = (
     "Force balance of a string of length l pressed in its middle: all of the force is carried by the surface, none by "
     "what is inside, and k is the slope of its tension over its stretch; an upper bound of what the surface adds."
@@ -25,23 +25,26 @@ ASSUMES = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surface:
-    """The surface's k [N/m], and its tension before the press [N]."""
+    """The surface's k [N/m] and its tension before the press [N]."""
 
     k: Constant
     pretension: float
 
     def to_record(self) -> dict[str, Any]:
-        """Return k [N/mm] and the tension [N] as plain data, with what they assume."""
+        """Return k [N/mm] and the tension [N] as plain data, with their assumptions."""
         k, half_width = self.k.value / 1e3, self.k.half_width / 1e3
         return {"value": k, "half_width": half_width, "pretension": self.pretension, "assumes": ASSUMES}
 
 
 def surface_constant(depth: Floats, force: Floats, length: float) -> Surface | None:
-    """Work out k, None where the press tells none.
+    """Return k and the tension before the press, None if the press does not determine a positive k.
 
     Args:
-        depth, force: (n,) of the loading, from the touch [m], [N].
+        depth, force: (n,) rows of the loading, from the touch [m], [N].
         length: l, the edge of the object [m].
+
+    Raises:
+        DimpleError: the length is not greater than 0.
     """
     if not 0 < length < math.inf:
         raise DimpleError("The length of the object must be greater than 0 mm (it is {length:g}).", length=1e3 * length)
@@ -50,7 +53,7 @@ def surface_constant(depth: Floats, force: Floats, length: float) -> Surface | N
     x, y = stretch[clear], tension[clear]
     if len(x) < 8 or np.ptp(x) == 0:
         return None
-    slope, error = slope_of(x, y)  # rows are taken as independent
+    slope, error = slope_of(x, y)  # the rows are assumed to be independent
     k = Constant(value=slope, error=error, half_width=1.96 * error)
     return Surface(k=k, pretension=float(y.mean() - slope * x.mean())) if slope > 0 else None
 

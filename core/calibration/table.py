@@ -1,4 +1,4 @@
-"""Find the table among the lines: what stands above it, what its columns are called, their units and numbers."""
+"""From lines to a table: where it begins and ends, the names and units of its columns, and their numbers."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from .known_words_and_units import is_known, role_of, split_unit, unit_of
 from .question import Answers, Question, Remarks, Undecided
 from .reader import Dialect, is_row, number, number_and_unit, split
 
-MAX_ROWS = 100_000  # rows kept of a table, far more than a fit needs; of more, every n-th
-MIN_ROWS = 8  # of a table: two for each piece of the law, with touch, tare and two to spare
-SLIGHT = 0.01  # of a range: what instruments are off by
-_NOTHING = frozenset(("", "-", "--", "---", "----", "nan", "n/a", "na", "null", "none"))  # cells left empty
+MAX_ROWS = 100_000  # rows kept of a table, far more than a fit needs; of a larger table, every n-th row
+MIN_ROWS = 8  # smallest number of rows: two for each piece of the law, one each for touch and tare, two to spare
+SLIGHT = 0.01  # share of a range: the error of instruments
+_NOTHING = frozenset(("", "-", "--", "---", "----", "nan", "n/a", "na", "null", "none"))  # cells that mean "no value"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
     """A table of text and numbers with n rows and c columns.
 
-    names: (c,) header of each column, "" where there is none.
-    units: (c,) unit of each column as written, "" where there is none.
-    numbers: (n, c) values, NaN where a cell is no number.
-    numeric: the columns that hold numbers.
+    names: (c,) name of each column, "" if it has none.
+    units: (c,) unit of each column as written, "" if it has none.
+    numbers: (n, c) values, NaN for a cell without a number.
+    numeric: indices of the columns that hold numbers.
     """
 
     names: tuple[str, ...]
@@ -37,11 +37,11 @@ class Table:
     numeric: tuple[int, ...]
 
     def title(self, at: int) -> str:
-        """Return what a column is called in a question: its name and unit, or its number."""
+        """Return the title of a column in a question: its name and unit, or its number."""
         return title_of(self.names[at], self.units[at], at)
 
     def role(self, at: int) -> str | None:
-        """Return what a column is by its name, see `role_of`."""
+        """Return the role of a column by its name, see `role_of`."""
         return role_of(self.names[at])
 
     def kind(self, at: int) -> str | None:
@@ -51,16 +51,16 @@ class Table:
 
 
 def title_of(name: str, unit: str, at: int) -> str:
-    """Return the title of a column with a name and a unit, of which either may be empty."""
+    """Return the title of a column: its name with its unit, if any, or its number if it has no name."""
     return (name + (f" ({unit})" if unit else "")) if name else Message("column {number}", number=at + 1)
 
 
 def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers, remarks: Remarks) -> Table:
-    """Find the table, the one the user chose where there are several.
+    """Find the table; of several, the one that the user chose.
 
     Raises:
         DimpleError: no table, or too few rows.
-        Undecided: several tables.
+        Undecided: several tables, and no choice.
     """
     runs = _find_runs(lines, dialect)
     if not runs:
@@ -78,7 +78,12 @@ def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers, remarks
 
 @dataclass(slots=True)
 class _Run:
-    """Rows, and lines between them that are none: first line, line after the last, lines that name columns, rows."""
+    """A run of rows, which may have other lines in between.
+
+    start, end: index of its first line, and of the line after its last.
+    header: the lines above it that name its columns.
+    lines: all lines of the run.
+    """
 
     start: int
     end: int
@@ -87,13 +92,13 @@ class _Run:
 
 
 def _find_runs(lines: Sequence[str], dialect: Dialect) -> list[_Run]:
-    """Return every run of rows long enough to be fitted, else the first; those under one header, as pages, are one."""
+    """Return the runs of rows long enough for a fit, else the first run; runs with equal headers (pages) are joined."""
     runs: list[_Run] = []
     header: list[str] = []
     open_run: _Run | None = None
     for i, line in enumerate(lines):
         if open_run and line[:1].isdigit() and open_run.end == i and len(lines) > MAX_ROWS:
-            open_run.end = i + 1  # a huge file: what begins like a row is one until its numbers are read
+            open_run.end = i + 1  # in a huge file, accept a line that begins with a digit without parsing it here
         elif is_row(cells := split(line, dialect.delimiter), dialect):
             if open_run is None:
                 open_run = _Run(i, i, header, [])
@@ -121,7 +126,7 @@ def _is_header(cells: Sequence[str]) -> bool:
 
 
 def _which_table(lines: Sequence[str], runs: Sequence[_Run]) -> Question:
-    """Ask which of several tables is the measurement."""
+    """Return the question which of several tables is the measurement."""
 
     def label(run: _Run) -> str:
         above = next((lines[i].strip() for i in range(run.start - 1, -1, -1) if lines[i].strip()), "")
@@ -180,7 +185,7 @@ def _listed_units(above: Sequence[str]) -> list[str]:
 
 
 def _filled(rows: list[list[str]]) -> list[list[str]]:
-    """Fill up rows that grow shorter towards the end: tests side by side, of which one has ended."""
+    """Pad rows that become shorter towards the end with empty cells: of tests side by side, some end earlier."""
     widths = [len(row) for row in rows]
     if widths != sorted(widths, reverse=True) or widths.count(widths[0]) < MIN_ROWS or widths[-MIN_ROWS] == widths[0]:
         return rows
@@ -188,13 +193,13 @@ def _filled(rows: list[list[str]]) -> list[list[str]]:
 
 
 def _is_numeric(cells: Sequence[str], numbers: Floats) -> bool:
-    """Return whether a column holds numbers, in all rows or in enough of them with nothing in between."""
+    """Return whether a column is numeric: most cells are numbers, or MIN_ROWS cells and most of those not empty."""
     count, filled = int(np.isfinite(numbers).sum()), sum(cell.strip().lower() not in _NOTHING for cell in cells)
     return count > 0.5 * len(cells) or (count >= MIN_ROWS and count > 0.5 * filled)
 
 
 def _column(cells: Sequence[str], decimal: str) -> tuple[Floats, str]:
-    """Return the numbers of a column, NaN where there is none, and the unit its cells carry ("12.5 gf")."""
+    """Return the numbers of a column, NaN for cells without one, and the unit in its cells ("12.5 gf"), if any."""
     values = [number(cell, decimal) for cell in cells]
     if sum(value is None for value in values) > len(values) / 2:
         pairs = [number_and_unit(cell, decimal) for cell in cells]
@@ -205,7 +210,7 @@ def _column(cells: Sequence[str], decimal: str) -> tuple[Floats, str]:
 
 
 def _header(above: Sequence[str], width: int, dialect: Dialect) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Read the names of the columns and their units from what stands above a table."""
+    """Return the names of the columns and their units from the lines above a table."""
     names, units = [""] * width, [""] * width
     near = [line for line in above if line.strip() and "=" not in line]
     for line in reversed(near):
@@ -217,21 +222,21 @@ def _header(above: Sequence[str], width: int, dialect: Dialect) -> tuple[tuple[s
             names = cells
             break
         elif len(filled) >= max(2, width - 1) and not any(names):
-            names = cells  # unknown words: kept to be shown
+            names = cells  # unknown words: keep them for display
     parted = [split_unit(name) for name in names]
     both = [(name, unit or in_name) for unit, (name, in_name) in zip(units, parted, strict=True)]
     return tuple(name for name, _ in both), tuple(unit for _, unit in both)
 
 
 def _are_units(cells: Sequence[str]) -> bool:
-    """Return whether cells are a row of units, of which one may be unknown."""
+    """Return whether cells are a row of units; one short word may be an unknown unit."""
     unknown = [cell for cell in cells if not unit_of(cell)]
     bare = all(len(cell) <= 8 and not role_of(cell) for cell in unknown)
     return not unknown or (len(unknown) == 1 and bare)
 
 
 def _fitted(line: str, width: int, dialect: Dialect) -> list[str]:
-    """Split a header line into as many cells as the table is wide."""
+    """Split a header line into as many cells as the table has columns; all are empty if it does not fit."""
     text = line.strip().lstrip("#%").strip() if dialect.delimiter == " " else line.lstrip("#% ")
     cells = split(text, dialect.delimiter)
     if dialect.delimiter == " " and len(cells) != width:
@@ -240,6 +245,6 @@ def _fitted(line: str, width: int, dialect: Dialect) -> list[str]:
         named, stray = ([role_of(split_unit(cell)[0]) for cell in part] for part in (cells[:width], cells[width:]))
         beside = {"depth", "force"} <= set(named) and not {"depth", "force"} & set(stray)  # notes beside a header
         return cells[:width] if beside else [""] * width
-    if len(cells) < width:  # as R writes it, without a name for the first column, or for the last: not known which
+    if len(cells) < width:  # R leaves out the name of the first column, others that of the last: ambiguous
         return [""] * width
     return cells[:width]

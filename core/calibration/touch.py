@@ -1,9 +1,10 @@
-"""One model of a press, force = tare + law(depth - touch), and the touch and tare that its points make likely.
+"""The most likely touch and tare of a press, with the model force = tare + law(depth - touch).
 
-A file begins in one of three ways. In the air: the force is level up to the touch, and shows the tare. At the touch, as
-a depth of 0 and no force say. Or with a force on the load cell, which was pressed already (tare 0) or not tared (touch
-at the first row). Each is fitted by least squares; the Bayesian information criterion tells air from the others. Where
-the law does not follow the first rows of a bent curve, its fit to these alone tells touch and tare.
+A file begins in one of three ways. In the air: the force is level up to the touch, at the tare. At the touch: the first
+row has no force. Or with a force on the load cell: either the object was pressed already (tare 0), or the cell was not
+tared (touch at the first row). Each case is fitted by least squares; the Bayesian information criterion decides between
+air and the others. If the law does not follow the first rows of a curved press, a fit to these rows alone gives touch
+and tare.
 """
 
 from __future__ import annotations
@@ -21,18 +22,18 @@ from .question import Answers, Question, Undecided
 from .strokes import roughness
 from .table import MIN_ROWS, SLIGHT
 
-SURE = 3.0  # standard errors: by chance once in 400 files
-_LIKELY = 2.0  # standard errors: of a force that leaves the touch open
-_FIRST = 0.1  # of the range of force: what a press begins with, far from any knee
-_TOUCHES = 80  # that are tried along the depth; Gauss-Newton finds the place between them
-_WITHIN = 1.5  # times the noise: residuals of a law that follows its rows
-_HARMLESS = 0.02  # of the range of depth: touches nearer to each other give the same constants
-# of the criterion: positive and very strong evidence (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
+SURE = 3.0  # [standard errors] significant: by chance once in 400 files
+_LIKELY = 2.0  # [standard errors] a force at the first row that may still be 0
+_FIRST = 0.1  # share of the range of force, or of depth: the beginning of a press, far from any knee
+_TOUCHES = 80  # depths that are tried as the touch; Gauss-Newton finds the place between them
+_WITHIN = 1.5  # times the noise: RMS residual up to which a law follows its rows
+_HARMLESS = 0.02  # share of the range of depth: touches closer together give the same constants
+# differences of the criterion that are positive and very strong evidence. Source: Kass and Raftery 1995
 _POSITIVE, _VERY_STRONG = 2.0, 10.0
 
 
 class _Begun(NamedTuple):
-    """A fit of all rows, and the one that its touch and tare are from: the same, or that of the first rows alone."""
+    """A fit to all rows, and the fit that gave its touch and tare: the same one, or a fit to the first rows alone."""
 
     whole: Fit
     first: Fit
@@ -44,14 +45,14 @@ class _Begun(NamedTuple):
 
 
 def settle(curve: LoadingCurve, answers: Answers | None = None) -> tuple[LoadingCurve, Fit]:
-    """Fit a press, with the touch as it is given or as the points have it.
+    """Fit a press, with the touch that the user gave or the most likely one.
 
     Returns:
-        the curve from the touch, without the tare, and the fit.
+        the curve with depths from the touch and forces without the tare, and the fit.
 
     Raises:
-        Undecided: two touches are as likely, and differ in the constants.
-        DimpleError: too few rows, or a touch far outside of them.
+        Undecided: two touches are plausible, and would give different constants.
+        DimpleError: too few rows, or a touch far outside them.
     """
     given = None if answers is None else answers.contact_mm
     fit = _likeliest(curve) if given is None else _as_given(curve, curve.inward * given / 1e3)
@@ -66,19 +67,19 @@ def _likeliest(curve: LoadingCurve) -> Fit:
     if (air := _after_air(x, f)) is not None:
         rows = len(x) if air.follows and pressed.follows else first_rows(f)
         gain = _gain(air.first, fit if air.follows else pressed.first, x[:rows], f[:rows])
-        least = _POSITIVE if fit.K1.value > fit.K1.half_width else 0.0  # else nothing is pressed at the first row
+        least = _POSITIVE if fit.K1.value > fit.K1.half_width else 0.0  # otherwise that fit shows no press there
         if 0 < least < gain < _VERY_STRONG and _differs(fit, air.whole, span):
             raise Undecided(_hidden(curve, fit, air.whole))
         fit = air.whole if gain > least else fit
     if fit.model == "two" and fit.K1.value * fit.x0.value < SLIGHT * fit.full_scale and fit.x0.value > _FIRST * span:
         raise Undecided(_soft_or_air(curve, fit))
-    if min(first - fit.contact.value, abs(fit.contact.value)) > _HARMLESS * span:  # and off the file's 0
+    if min(first - fit.contact.value, abs(fit.contact.value)) > _HARMLESS * span:  # and far from the file's 0
         raise Undecided(_loaded(curve, fit.contact.value, force))
     return fit
 
 
 def first_rows(f: Floats) -> int:
-    """Return how many rows a stroke begins with before its force has risen for good, and some beyond."""
+    """Return the number of rows of a stroke up to where its force has clearly risen, plus MIN_ROWS."""
     rest = float(np.median(f[: max(3, len(f) // 50)]))
     above = f > rest + max(_FIRST * (f.max() - rest), SURE * roughness(f))
     three = above[:-2] & above[1:-1] & above[2:]
@@ -86,10 +87,10 @@ def first_rows(f: Floats) -> int:
 
 
 def _from_the_first_row(x: Floats, f: Floats) -> tuple[_Begun, float]:
-    """Fit a press that begins at the first row or before, and return the force there [N] too.
+    """Fit a press that begins at the first row or before it; return the fit and the force at that row [N].
 
-    With no force it begins at the first row, or at a depth of 0 near it. With one it was pressed already, and with a
-    pull the load cell is off, for what is pressed does not pull.
+    Without a force there, the touch is the first row, or the depth 0 if it is near. A positive force means that the
+    object was pressed already; a negative one means that the load cell is off, since a press does not pull.
     """
     first = float(x[0])
     at = 0.0 if abs(first) < _HARMLESS * float(np.ptp(x)) else first
@@ -104,13 +105,13 @@ def _from_the_first_row(x: Floats, f: Floats) -> tuple[_Begun, float]:
 
 
 def _force_at_first(f: Floats, untared: _Begun) -> tuple[float, float]:
-    """Return the force at the first row [N] and its error, from that row alone or the rows beyond: what tells more."""
+    """Return the force at the first row [N] and its error, from that row or a fit: the more accurate one."""
     tare = untared.first.tare
     return min((float(f[0]), roughness(f)), (tare.value, tare.half_width / 2), key=lambda pair: pair[1])
 
 
 def _begun(x: Floats, f: Floats, touch: float | Floats, free: tuple[str, ...]) -> _Begun:
-    """Fit all rows as `fit_law` does; where the law then leaves the first rows, with the touch and tare of those."""
+    """Fit all rows with `fit_law`; if the law then misses the first rows, take touch and tare from a fit to these."""
     rows, whole = first_rows(f), fit_law(x, f, touch=touch, free=free)
     u, v = x[:rows], f[:rows]
     try:
@@ -120,12 +121,12 @@ def _begun(x: Floats, f: Floats, touch: float | Floats, free: tuple[str, ...]) -
     noise = rows * (_WITHIN * roughness(f)) ** 2
     if _squares(whole, u, v) <= max(noise, _squares(first, u, v) * math.exp(_VERY_STRONG / rows)):
         return _Begun(whole, whole)
-    begins = min(first.contact.value, float(np.max(touch)))  # not where the force has risen already
+    begins = min(first.contact.value, float(np.max(touch)))  # beyond it the force has risen already
     return _Begun(fit_law(x, f, touch=begins, tare=first.tare.value), first)
 
 
 def _after_air(x: Floats, f: Floats) -> _Begun | None:
-    """Fit a press that begins in the air, None where its first rows are none."""
+    """Fit a press that begins in the air, None if its first rows show no air."""
     touches, noise = x[0] + float(np.ptp(x)) * np.arange(1, _TOUCHES) / _TOUCHES, roughness(f)
     after = np.array([touch for touch in touches if _is_air(x[x < touch], f[x < touch], noise)])
     try:
@@ -135,7 +136,7 @@ def _after_air(x: Floats, f: Floats) -> _Begun | None:
 
 
 def _is_air(x: Floats, f: Floats, noise: float) -> bool:
-    """Return whether a force does not rise by more than chance, or by more than its noise."""
+    """Return whether a force does not rise significantly, or by less than its noise."""
     if len(np.unique(x)) < MIN_PIECE:
         return False
     slope, error = slope_of(x, f)
@@ -143,9 +144,9 @@ def _is_air(x: Floats, f: Floats, noise: float) -> bool:
 
 
 def _as_given(curve: LoadingCurve, touch: float) -> Fit:
-    """Fit with the touch at a depth [m]; one that was found keeps its interval.
+    """Fit with the touch at a depth [m]; if a fit finds the same touch, return that fit with its interval of the touch.
 
-    The rows before it tell the tare, and without them the first ones.
+    The rows before the touch give the tare; if there are too few, the first rows do.
     """
     x, f = curve.depth, curve.force
     first, span = float(x[0]), float(np.ptp(x))
@@ -162,12 +163,12 @@ def _as_given(curve: LoadingCurve, touch: float) -> Fit:
     untared = _begun(x, f, touch, ("tare",))
     force, error = _force_at_first(f, untared)
     pulls = force < -max(SURE * error, SLIGHT * float(np.ptp(f)))
-    late = touch > first - _HARMLESS * span  # a force there was on the load cell before
+    late = touch > first - _HARMLESS * span  # then a force there was on the load cell before the touch
     return untared.whole if late or pulls else fit_law(x, f, touch=touch)
 
 
 def _near(curve: LoadingCurve, touch: float) -> Fit | None:
-    """Return the best fit with rows before its touch, from a touch [m] nearby; None for too few rows beyond it."""
+    """Return the best fit of touch and tare, starting from a touch [m] nearby; None if too few rows lie beyond it."""
     try:
         return fit_law(curve.depth, curve.force, touch=touch, free=("contact", "tare"))
     except DimpleError:
@@ -179,9 +180,9 @@ def _squares(fit: Fit, x: Floats, f: Floats) -> float:
 
 
 def _gain(one: Fit, other: Fit, x: Floats, f: Floats) -> float:
-    """Return by how much the Bayesian information criterion prefers one fit to another.
+    """Return the advantage of one fit over another by the Bayesian information criterion.
 
-    The touch of the one was searched for, which weighs as two parameters, as with a knee.
+    The touch of the first one was searched for, so it counts as two parameters, as a knee does.
     """
     rows = independent_rows(len(x), one.correlation)
     more = 1 + len(one.fitted.free) - len(other.fitted.free)
@@ -189,14 +190,14 @@ def _gain(one: Fit, other: Fit, x: Floats, f: Floats) -> float:
 
 
 def _differs(one: Fit, other: Fit, span: float) -> bool:
-    """Return whether touches differ, and with them the constants by more than their intervals."""
+    """Return whether the touches of two fits differ, and any constant by more than its interval."""
     pairs = [(getattr(one, name), getattr(other, name)) for name in ("K1", "K2", "x0")]
     apart = any(abs(a.value - b.value) > max(a.half_width, b.half_width) for a, b in pairs)
     return apart and abs(one.contact.value - other.contact.value) > _HARMLESS * span
 
 
 def _which_touch(curve: LoadingCurve, text: str, *answers: tuple[float, str]) -> Question:
-    """Ask for the touch, with the likeliest depth [m] first."""
+    """Return the question for the touch, with the likeliest depth [m] first."""
     candidates = [(f"{curve.reading(at):.6g}", label) for at, label in answers]
     return Question("contact_mm", text, *candidates, default=candidates[0][0])
 

@@ -1,6 +1,6 @@
-"""A virtual press: a body under a round tip that goes in row by row, as under an instrument, and its file.
+"""A virtual press: a round tip presses a body row by row, as an instrument does, and the result is written to a file.
 
-Spreadsheets run cells that begin like a formula, so text from outside is quoted and never begins like one.
+Spreadsheets execute cells that begin like a formula, so text from outside is quoted and never begins like one.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from ..mesh.surface import Mesh
 from ..session import Finger, Session
 from ..vectors import dot
 
-CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
+CLEAR = 0.9  # largest depth as a share of the thickness: deeper, the tip would reach the far side
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "|", "%")
 HEADER = ("Distance x (mm)", "Force F (N)")
 ROW_S = 0.014  # [s] from one row to the next
 
 
 class Site(NamedTuple):
-    """Where a body is pressed.
+    """The place where a body is pressed.
 
     point: (3,) on the surface at rest [m].
-    inward: (3,) unit vector of the way the tip goes.
-    thickness: distance to the far side [m], inf where there is none.
+    inward: (3,) unit vector, the direction of the press.
+    thickness: distance to the far side [m], inf if there is none.
     """
 
     point: Floats
@@ -39,11 +39,11 @@ class Site(NamedTuple):
 
 
 def find_site(mesh: Mesh, above: Sequence[float] | None = None, inward: Sequence[float] = (0.0, 0.0, -1.0)) -> Site:
-    """Find where a tip meets a body.
+    """Find the place where a tip meets a body.
 
     Args:
-        above: (3,) [m] a point on the way in; left out: over the middle of the body.
-        inward: (3,) way the tip goes.
+        above: (3,) a point on the path of the tip [m]; None: the middle of the body.
+        inward: (3,) direction of the press.
 
     Raises:
         DimpleError: the tip misses the body.
@@ -62,10 +62,12 @@ def find_site(mesh: Mesh, above: Sequence[float] | None = None, inward: Sequence
 
 
 def press_rows(model: Model, radius: float, site: Site, deepest: float, rows: int) -> Iterator[tuple[float, float]]:
-    """Yield depth [m] and force [N] from the touch on; it ends before the far side, and where the body lets go.
+    """Yield depth [m] and force [N] from the touch on; stop short of the far side, or when the tip loses contact.
 
     Args:
-        radius: of the tip [m].
+        radius: radius of the tip [m].
+        deepest: depth of the last row [m].
+        rows: number of rows.
     """
     session = Session(model)
     for depth in (min(deepest, CLEAR * site.thickness) * np.arange(rows) / (rows - 1)).tolist():
@@ -78,10 +80,10 @@ def press_rows(model: Model, radius: float, site: Site, deepest: float, rows: in
 
 
 def write_press(path: str | Path, depth: Floats, force: Floats, *, about: Sequence[str] = ()) -> None:
-    """Write a press.
+    """Write a press as CSV.
 
     Args:
-        depth: (n,) [m] from the touch.  force: (n,) [N].
+        depth, force: (n,) from the touch [m], [N].
         about: lines of text above the table.
 
     Raises:
@@ -97,7 +99,7 @@ def write_press(path: str | Path, depth: Floats, force: Floats, *, about: Sequen
 
 
 def text_cell(text: str) -> str:
-    """Return text as one quoted cell that no spreadsheet takes for a formula."""
+    """Return text as one quoted cell that no spreadsheet interprets as a formula."""
     line = " ".join(text.split())
     if line.startswith(_FORMULA):
         line = "'" + line

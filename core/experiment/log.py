@@ -1,7 +1,7 @@
-"""The answers of a participant: a CSV file with a row for each consent and each answer, on the disk before the next.
+"""The answers of a participant: a CSV file with a row for each consent and answer, on the disk before the next trial.
 
-The file only grows, and is locked while it is open. A program that is killed, or a full disk, leaves at most a row
-without its last cell, which does not count: its trial is presented again.
+Rows are only appended, and the file is locked while it is open. If the program is killed or the disk is full, at most
+one row lacks its last cell; that row does not count, and its trial is presented again.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ COLUMNS: Final = (
     "event", "time", "participant", "plan", "trial", "part", "first", "first_level", "first_s", "first_times",
     "second", "second_level", "second_s", "second_times", "answer", "answer_text", "trace", "details", "end",
 )  # fmt: skip
-END: Final = "."  # the last cell of a whole row
+END: Final = "."  # last cell of a complete row
 Row = dict[str, str]
 
 
 class Log:
-    """The file of a participant, made where there is none; `rows` are its whole rows so far. Close `file` in the end.
+    """The file of a participant's answers, created if missing; `rows` are its complete rows. The caller closes `file`.
 
     Raises:
-        DimpleError: it cannot be read or written, is open elsewhere, or is another file.
+        DimpleError: it cannot be read or written, is open elsewhere, or is no file of answers.
     """
 
     def __init__(self, path: Path) -> None:
@@ -43,18 +43,18 @@ class Log:
                 self.file.seek(0)
                 self._data = self.file.readall()
                 if (head := ",".join(COLUMNS).encode() + b"\n").startswith(self._data):
-                    self._write(head[len(self._data) :])  # all of it, or what a full disk left out
+                    self._write(head[len(self._data) :])  # all of the header, or the rest of it if the disk was full
                 self.rows = parsed(path, self._data)
             except BaseException:
                 self.file.close()
                 raise
 
     def append(self, row: Row) -> None:
-        """Keep a row.
+        """Append a row and wait until it is on the disk.
 
         Raises:
-            DimpleError: it is not on the disk, so the answer is to be given again; or another program has changed the
-                file, and all rows are in a copy.
+            DimpleError: it is not on the disk, so the answer must be given again; or another program has changed the
+                file, and a copy has all rows.
         """
         with self._on_disk():
             here, mine = self.path.stat() if self.path.exists() else None, os.fstat(self.file.fileno())
@@ -71,7 +71,7 @@ class Log:
         self.rows.append(row)
 
     def keep_trace(self, trial: int, rows: Iterable[Sequence[object]]) -> str:
-        """Write what was felt in a trial to a new file; return its path from the folder of the answers.
+        """Write the trace of a trial to a new file; return its path relative to the folder of the answers.
 
         Raises:
             DimpleError: it cannot be written.
@@ -98,7 +98,7 @@ class Log:
             raise DimpleError("{path} is open already, perhaps in another Blender.", path=self.path) from None
 
     def _text(self, row: Row) -> bytes:
-        """Return a row as it is appended, on a line of its own."""
+        """Return a row as bytes to append, after a line break if the file ends within a line."""
         out, cut = io.StringIO(), self._data and not self._data.endswith(b"\n")
         csv.writer(out, lineterminator="\n").writerow([row.get(name, "") for name in COLUMNS])
         return (b"\n" if cut else b"") + out.getvalue().encode()
@@ -112,7 +112,7 @@ class Log:
 
     @contextmanager
     def _on_disk(self) -> Iterator[None]:
-        """Say in words what the disk refuses."""
+        """Turn an OSError into a DimpleError with a readable message."""
         try:
             yield
         except OSError as error:
@@ -121,10 +121,10 @@ class Log:
 
 
 def parsed(path: Path, data: bytes) -> list[Row]:
-    """Return the whole rows of a file of answers, which a spreadsheet may have saved in its own way.
+    """Return the complete rows of a file of answers, which a spreadsheet may have saved in its own CSV dialect.
 
     Raises:
-        DimpleError: it is another file.
+        DimpleError: it is no file of answers.
     """
     head, *lines = data.decode("utf-8-sig", "replace").replace("\r\n", "\n").replace("\r", "\n").split("\n")
     rows = [dict(zip(COLUMNS, cells, strict=True)) for cells in map(_cells, lines) if cells]
@@ -135,6 +135,6 @@ def parsed(path: Path, data: bytes) -> list[Row]:
 
 
 def _cells(line: str) -> list[str]:
-    """Return the cells of a whole row, none of another."""
+    """Return the cells of a line that is a complete row or the header; none for any other line."""
     ways = (next(csv.reader([line], delimiter=mark), []) for mark in ",;\t")
     return next((row for row in ways if len(row) == len(COLUMNS) and row[-1] in (END, COLUMNS[-1])), [])

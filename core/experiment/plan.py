@@ -1,6 +1,6 @@
 """The plan of an experiment: a JSON file that states every trial of every participant, in order.
 
-Nothing is drawn at random here. `dev.py core experiment` writes such files; docs/experiment.md explains each entry.
+Nothing is random here. `dev.py core experiment` writes such files; docs/experiment.md explains each entry.
 """
 
 from __future__ import annotations
@@ -16,44 +16,44 @@ from ..errors import DimpleError
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stimulus:
-    """What is presented in one interval: a real object, or the virtual one with the constants of an object."""
+    """The stimulus of one interval: a real object, or the virtual one with the constants of a labelled object."""
 
-    real: str = ""  # label of the real object, which the experimenter puts in front; "" for the virtual one
-    object: str = ""  # label of the object whose constants the virtual one has
+    real: str = ""  # label of the real object, which the experimenter puts in place; "" for a virtual one
+    object: str = ""  # label of the object whose constants the virtual one has; "" for a real one
     level: float = 1.0  # factor on its K1 and K2
-    track: str = ""  # staircase that sets the level instead, "" for none
-    beside: int = 0  # steps of the ladder above the staircase: one level alone says nothing of the slope
+    track: str = ""  # name of the staircase that sets the level instead, "" for none
+    beside: int = 0  # steps on the ladder above the staircase: a single level would not give the psychometric slope
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trial:
-    """A trial: one interval, or two in order."""
+    """A trial of one interval, or of two in order."""
 
     show: tuple[Stimulus, ...]
-    part: str = "main"  # or "practice", or "catch" with the numbers of the right answers
-    rest_s: float = 0.0  # pause before it
-    number: int = 0  # the first is 1
+    part: str = "main"  # or "practice", or "catch" with the numbers of the correct answers
+    rest_s: float = 0.0  # [s] break before the trial
+    number: int = 0  # counted from 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """An experiment: what participants read, and what they are presented."""
+    """An experiment: the texts for participants, and the trials of each."""
 
     consent: str
     instruction: str
     question: str
     answers: list[str]
-    exposure_s: float  # how long each object is felt at least
-    trial_s: float  # how long a trial takes, about
-    press_n: float  # force up to which an object is pressed, and must be rendered as it is
-    objects: dict[str, str]  # preset or material of each label
-    participants: dict[str, tuple[Trial, ...]]  # by their codes
+    exposure_s: float  # [s] least time of contact with each object
+    trial_s: float  # [s] approximate duration of a trial
+    press_n: float  # [N] force up to which objects are pressed and must be rendered faithfully
+    objects: dict[str, str]  # label: preset or material
+    participants: dict[str, tuple[Trial, ...]]  # code of the participant: trials
     ladder: list[float] = field(default_factory=list)  # levels of the staircases
-    tracks: dict[str, int] = field(default_factory=dict)  # where on the ladder each staircase begins, from 0 on
-    made: dict[str, Any] = field(default_factory=dict)  # what the maker of the plan notes of it, such as a seed
+    tracks: dict[str, int] = field(default_factory=dict)  # staircase: index on the ladder at which it begins
+    made: dict[str, Any] = field(default_factory=dict)  # notes of the program that made the plan, such as a seed
 
     def stimuli(self) -> set[tuple[str, float]]:
-        """Return label and level of every virtual stimulus that may be presented."""
+        """Return label and level of every virtual stimulus that can occur."""
         shown = [each for trials in self.participants.values() for trial in trials for each in trial.show]
         levels = [(each.object, self.ladder if each.track else [each.level]) for each in shown if each.object]
         return {(label, level) for label, some in levels for level in some}
@@ -63,7 +63,7 @@ def read_plan(path: Path) -> Plan:
     """Return the plan in a file.
 
     Raises:
-        DimpleError: it cannot be read, or which entry is wrong.
+        DimpleError: it cannot be read, or an entry is wrong or missing; the message names it.
     """
     try:
         plan = _made(Plan, json.loads(path.read_text(encoding="utf-8-sig")))
@@ -93,7 +93,7 @@ def _trial(plan: Plan, given: Any, number: int, code: str) -> Trial:
 
 
 def _made(kind: type, given: Any, *where: str) -> Any:
-    """Return a part of a plan, each entry of the kind that it is declared as."""
+    """Return a part of a plan (Plan, Trial or Stimulus) after a check that each entry has its declared type."""
     _require(_is("dict", given), *where)
     known = {each.name: each for each in fields(kind)}
     needed = [name for name, each in known.items() if each.default is each.default_factory is MISSING]
@@ -103,7 +103,7 @@ def _made(kind: type, given: Any, *where: str) -> Any:
 
 
 def _is(kind: str, value: Any) -> bool:
-    """Tell whether a value of a file is of a kind; a text is one line, a number is neither infinite nor a NaN."""
+    """Return whether a value from a file has a type, given as text; a string must be one line, a number finite."""
     if kind == "str":
         return isinstance(value, str) and value.isprintable()
     if kind in ("int", "float"):

@@ -1,4 +1,4 @@
-"""An experiment under way: the trial that is next, what was felt in it, and its answer."""
+"""A running experiment: the next trial, the samples recorded in it, and its answer."""
 
 from __future__ import annotations
 
@@ -18,28 +18,31 @@ from ..material import Material
 from .log import END, Log
 from .plan import Plan, Stimulus, Trial
 
-AXES = ("x_m", "y_m", "z_m", "fx_n", "fy_n", "fz_n")  # of a tip in a sample, after the time
+AXES = ("x_m", "y_m", "z_m", "fx_n", "fy_n", "fz_n")  # columns of a tip in a sample, after the time
 
 
 @dataclass(slots=True, kw_only=True)
 class Interval:
-    """What was presented in one interval of a trial."""
+    """The presentation of one interval of a trial."""
 
-    times: int = 1  # how often it was presented
-    needed: float = 0.0  # stiffness that the device must be able to render [N/m]
-    least_n: float = 0.0  # force of a touch
-    most_n: float = math.inf  # force up to which the stimulus is rendered as it is
-    seconds: float = 0.0  # how long it was felt, and nothing else
-    samples: list[Sequence[float]] = field(default_factory=list)  # of the device, see `Servo.sample`
+    times: int = 1  # number of presentations, interrupted ones included
+    needed: float = 0.0  # [N/m] stiffness that the device must be able to render
+    least_n: float = 0.0  # [N] force from which on there is contact
+    most_n: float = math.inf  # [N] force up to which the stimulus is rendered faithfully
+    seconds: float = 0.0  # [s] time of contact with faithful rendering throughout
+    samples: list[Sequence[float]] = field(default_factory=list)  # time, positions and forces, see `Servo.sample`
 
     def feel(self, samples: Sequence[Sequence[float]], cap: float) -> None:
-        """Take what the device did, and the stiffness that it can render now [N/m].
+        """Add samples of the device.
 
-        Where that is too low, or the press too hard, something else was felt: the time begins again.
+        If the device cannot render the stiffness, or the press is too hard, the time of contact begins again at 0.
+
+        Args:
+            cap: stiffness that the device can render now [N/m].
         """
         for sample in samples:
             passed = sample[0] - self.samples[-1][0] if self.samples else 0.0
-            self.samples.append([round(value, 6) for value in sample])  # [µs], [µm] and [µN]
+            self.samples.append([round(value, 6) for value in sample])  # to 1 µs, 1 µm and 1 µN
             force = max(math.hypot(*sample[at : at + 3]) for at in range(4, len(sample), 6))
             if force > self.most_n or cap < self.needed:
                 self.seconds = 0.0
@@ -48,14 +51,15 @@ class Interval:
 
 
 class Experiment:
-    """A participant's experiment, which continues where the file of answers ends.
+    """A participant's experiment; it resumes where the file of answers ends.
 
     Args:
-        materials: of each object, by its label.
-        stated: what else the file of answers states: version, device...
+        path: file of answers.
+        materials: label of an object: its material.
+        stated: further facts for the file of answers: version, device...
 
     Raises:
-        DimpleError: the file cannot be used, is of another participant, or anything presented has changed since.
+        DimpleError: the file cannot be used, is of another participant, or the plan or a material has changed since.
     """
 
     def __init__(
@@ -76,44 +80,44 @@ class Experiment:
             )  # fmt: skip
         self._answers = {int(row["trial"]): int(row["answer"]) for row in self.log.rows if row["event"] == "answer"}
         self.agreed, self._rested = False, 0.0
-        self.trial: Trial | None = None  # the next, with the levels that its staircases have reached
-        self.intervals: list[Interval] = []  # of that trial, as far as they were presented
+        self.trial: Trial | None = None  # the next one, with the present levels of its staircases
+        self.intervals: list[Interval] = []  # the intervals of that trial that have begun
 
     def left(self) -> list[Trial]:
-        """Return the trials that are not answered."""
+        """Return the unanswered trials."""
         return [trial for trial in self.trials if trial.number not in self._answers]
 
     @property
     def due(self) -> int:
-        """Return which interval of the trial is to be presented next, from 0 on; 2 of 2 where all were."""
+        """Return the index of the next interval of the trial, which is the number of completed ones."""
         return sum(each.seconds >= self.plan.exposure_s for each in self.intervals)
 
     @property
     def is_shown(self) -> bool:
-        """Tell whether all of the trial was presented."""
+        """Return whether all intervals of the trial are completed."""
         return self.trial is None or self.due == len(self.trial.show)
 
     @property
     def rests(self) -> bool:
-        """Tell whether the participant is still to rest."""
+        """Return whether the break before the trial is still on."""
         return time.monotonic() < self._rested
 
     def agree(self) -> None:
-        """Keep that the participant agreed, and all that is presented from now on."""
+        """Record the consent of the participant, with the plan and the constants, and go to the first trial."""
         self._append(event="consent", details=json.dumps(self.stated, default=asdict))
         self.agreed = True
         self._go_on()
 
     def begin(self, *, needed: float = 0.0, least_n: float = 0.0, most_n: float = math.inf) -> None:
-        """Begin the interval that is due, see Interval; one that was interrupted begins again."""
+        """Begin the due interval, see `Interval` for the arguments; an interrupted one begins again."""
         times = 1 + sum(each.times for each in self.intervals[self.due :])
         self.intervals[self.due :] = [Interval(times=times, needed=needed, least_n=least_n, most_n=most_n)]
 
     def answer(self, chosen: int) -> None:
-        """Keep the answer to the trial, from 1 on, and what was felt before it; go on to the next.
+        """Write the answer to the trial, counted from 1, and the trace of the trial; go to the next trial.
 
         Raises:
-            DimpleError: there is no such answer, an object was not felt for long enough, or it cannot be kept.
+            DimpleError: there is no such answer, contact with an object was too short, or it cannot be written.
         """
         trial = self.trial
         if trial is None or not 1 <= chosen <= len(self.plan.answers):
@@ -140,9 +144,9 @@ class Experiment:
         self.intervals, self._rested = [], time.monotonic() + (trial.rest_s if trial else 0.0)
 
     def _placed(self, trial: Trial, stimulus: Stimulus) -> Stimulus:
-        """Return a stimulus at the level that its staircase has reached: one step down if it was the stiffer, else up.
+        """Return a stimulus at the present level of its staircase: each time one step down if judged stiffer, else up.
 
-        That converges on the point of equality.
+        This converges on the point of subjective equality.
         """
         if not stimulus.track:
             return stimulus

@@ -1,3 +1,1 @@
-"""The surface of a body at rest: built and measured (surface), repaired, its edges and rings, hit by a ray, and the
-nearest points on it.
-"""
+"""The surface of a body at rest: construction (surface), repair, edges, one-rings (rings), and rays that hit it."""

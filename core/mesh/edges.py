@@ -1,4 +1,4 @@
-"""The edges of a surface, all from one sort: what lies beside each, and the way from face to face round a vertex.
+"""The edges of a surface, all from one sort: the faces at each, and the half-edges that lead round a vertex.
 
 Half-edge 3 f + c goes from corner c of face f to the next corner.
 """
@@ -17,11 +17,11 @@ class Edges:
     """The edges of t triangles.
 
     ends: (m, 2) vertices of every edge, sorted by (first, second), first < second.
-    count: (m,) faces beside it.
-    faces: (m, 2) the first and the last of them.
-    excess: (m,) how many more of them walk it from its first end to its second than back.
+    count: (m,) number of faces at each edge.
+    faces: (m, 2) the first and the last of these faces.
+    excess: (m,) number of faces that traverse the edge from its first end to its second, minus the others.
     of_half: (3 t,) the edge of each half-edge.
-    twin: (3 t,) the half-edge back, where two faces share the edge and are wound alike; else -1.
+    twin: (3 t,) the opposite half-edge if exactly two faces of consistent winding share the edge, else -1.
     """
 
     ends: Ints
@@ -33,20 +33,20 @@ class Edges:
 
     @property
     def consistent(self) -> bool:
-        """Tell whether all faces are wound as their neighbours are."""
+        """Return whether the winding of all neighbouring faces is consistent."""
         return not self.excess[self.count == 2].any()
 
     @property
     def adjacency(self) -> Ints:
-        """Return the pairs of faces (a, 2) that share an edge with no third."""
+        """Return the pairs of faces (a, 2) that share an edge with no third face."""
         return self.faces[self.count == 2]
 
     @property
     def border(self) -> Ints:
-        """Return the edges (c, 2) that caps must add so that every edge is walked as often one way as the other.
+        """Return the edges (c, 2) that caps must add so that every edge is traversed equally often in both directions.
 
-        The border of any set of oriented faces is made of cycles, so a cone over each part closes even a
-        non-manifold mesh: the pressure on it exerts no net force, and a wall inside counts as skin only.
+        The border of any set of oriented faces consists of cycles, so a cone over each part of it closes even a
+        non-manifold mesh: the pressure then exerts no net force, and an interior wall counts as skin only.
         """
         open_ones = np.flatnonzero(self.excess)
         walked, excess = self.ends[open_ones], self.excess[open_ones]
@@ -56,7 +56,7 @@ class Edges:
 
 
 def edges_of(triangles: Ints) -> Edges:
-    """Find the edges of triangles (t, 3) with three different corners each."""
+    """Return the edges of triangles (t, 3) with three different corners each."""
     start, end = triangles.ravel(), np.take(triangles, (1, 2, 0), axis=1).ravel()
     keys = np.minimum(start, end) << 32 | np.maximum(start, end)
     order = np.argsort(keys, kind="stable")

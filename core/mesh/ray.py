@@ -1,7 +1,7 @@
-"""A ray against a surface: what the pointer is on.
+"""Intersection of a ray with a surface: the point under the pointer.
 
-Looking at every triangle costs a millisecond for 40,000. A tree of boxes would be out of date after each step, and
-trimesh's own rays need rtree, which Blender has not.
+Testing every triangle takes a millisecond for 40,000. A tree of boxes would be out of date after each step, and
+trimesh's own rays need rtree, which Blender does not include.
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ from ..vectors import Vector
 def ray_hit(
     origin: Vector, direction: Vector, positions: Floats, triangles: Ints
 ) -> tuple[float, Vector, Vector] | None:
-    """Return the nearest crossing of a ray with a surface.
+    """Return the nearest intersection of a ray with a surface.
 
     Args:
-        origin: of the ray [m].
-        direction: of the ray, a unit vector.
+        origin: start of the ray [m].
+        direction: unit vector of the ray.
         positions: (n, 3) [m].
         triangles: (t, 3).
 
     Returns:
-        Distance [m], point [m] and unit normal on the side the ray comes from; None when it misses.
+        Distance [m], point [m] and unit normal on the side from which the ray comes; None if it misses.
     """
     o, d = np.asarray(origin, np.float64), np.asarray(direction, np.float64)
-    # projected along the ray, the ray is a point; a triangle contains it when it lies on the same side of all three
-    # edges. both triangles of an edge compute the same number for it, so that no ray slips between them
+    # in a projection along the ray, the ray is a point; a triangle contains it if it lies on the same side of all three
+    # edges. the two triangles at an edge compute the same number for it, so that no ray slips between them
     across = np.eye(3)[np.abs(d).argmin()]
     across = np.cross(d, across) / np.linalg.norm(np.cross(d, across))
     flat = (positions - o) @ np.stack([across, np.cross(d, across)], axis=1)
-    # nearly all have their corners on one side of it, along one of the two axes: a byte a corner tells
+    # most triangles lie wholly on one side of the ray along one of the two axes: a byte per vertex is enough for these
     sides = np.packbits(np.concatenate([flat > 0, flat < 0], axis=1), axis=1)[:, 0]
     a, b, c = (sides[triangles[:, corner]] for corner in range(3))
     near = triangles[(a & b & c) == 0]

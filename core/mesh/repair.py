@@ -1,6 +1,6 @@
-"""The repair of a surface: near vertices are welded, winding is made consistent, closed parts face outward.
+"""The repair of a surface: coincident vertices are welded, winding is made consistent, closed parts face outward.
 
-trimesh's own functions for these need scipy or networkx, and Blender has neither.
+trimesh's own functions for this need scipy or networkx, and Blender includes neither.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from ..base import Bools, Floats, Ints, sums_at
 from ..constants import EXACT
 from .edges import Edges, edges_of
 
-SLANTED = np.array([0.3517, 0.5843, 0.7313])  # of length 1; hardly any two points of a mesh are level along it
+SLANTED = np.array([0.3517, 0.5843, 0.7313])  # unit vector: few points of a mesh are level along it
 
 
 def connected(pairs: Ints, n: int) -> Ints:
     """Return the lowest index (n,) that each of n nodes is connected to by edges `pairs` (m, 2)."""
     label, (first, second) = np.arange(n), pairs.T
     while len(first):
-        # the label of a label changes, not that of a node: so none is cut off from what it was joined to
+        # change the label of a label, not of a node, so that no node is separated from those it was joined to
         np.minimum.at(label, np.maximum(first, second), np.minimum(first, second))
         while ((lowest := label.take(label)) != label).any():
             label = lowest
@@ -29,10 +29,9 @@ def connected(pairs: Ints, n: int) -> Ints:
 
 
 def weld(positions: Floats, cell: float) -> tuple[Ints, Ints]:
-    """Find the vertices to merge: all that are nearer than half a cell [m] along each axis, and so on from each to the
-    next.
+    """Find the vertices to merge: pairs closer than half a cell [m] along each axis, and chains of such pairs.
 
-    trimesh's own `merge_vertices` rounds to one grid, and so leaves near vertices apart where a grid line runs between.
+    trimesh's own `merge_vertices` rounds to one grid, and so misses pairs with a grid line in between.
 
     Args:
         positions: (N, 3) [m].
@@ -43,7 +42,7 @@ def weld(positions: Floats, cell: float) -> tuple[Ints, Ints]:
     along = positions @ SLANTED
     order = np.argsort(along)
     along, left, pairs = along[order], np.arange(len(order)), [np.zeros((0, 2), np.int64)]
-    for step in range(1, len(order)):  # in this order near vertices are few places apart
+    for step in range(1, len(order)):  # close vertices are few places apart in this order
         left = left[: np.searchsorted(left, len(order) - step)]
         left = left[along.take(left + step) - along.take(left) <= cell]
         if not len(left):
@@ -51,16 +50,16 @@ def weld(positions: Floats, cell: float) -> tuple[Ints, Ints]:
         both = np.stack([order.take(left), order.take(left + step)], axis=1)
         apart = np.abs(positions[both[:, 0]] - positions[both[:, 1]]).max(axis=1)
         pairs.append(both[apart < cell / 2])
-        left = left[apart > 0]  # one at the very same place is near to the same ones
+        left = left[apart > 0]  # a coincident vertex has the same neighbours
     kept, source = np.unique(connected(np.concatenate(pairs), len(positions)), return_inverse=True)
     return kept, source
 
 
 def consistent_winding(faces: Ints, edges: Edges) -> Ints:
-    """Return the faces (t, 3) wound as their neighbours are; most faces of each part keep their winding.
+    """Return the faces (t, 3) with consistent winding; most faces of each part keep theirs.
 
-    Each face stands twice, as it is and turned over, and is joined to its neighbours as they are wound alike: so each
-    part stands twice too, and a part that cannot be wound alike, a Moebius strip, once.
+    The graph has two nodes for each face, as it is and flipped, and joins those of neighbours whose windings agree. So
+    each part appears twice too, but a part that cannot be wound consistently, such as a Moebius strip, appears once.
     """
     t, (one, other) = len(faces), edges.adjacency.T
     turn = np.where(edges.excess[edges.count == 2] != 0, t, 0)
@@ -72,14 +71,14 @@ def consistent_winding(faces: Ints, edges: Edges) -> Ints:
 
 
 def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, flipped: Bools, volume: float) -> Bools:
-    """Return which faces (t,) belong to parts turned inside out; a part facing inward inside another is a cavity.
+    """Return which faces (t,) belong to parts that are inside out; an inward part inside another is a cavity and stays.
 
     Args:
         positions: (n, 3) [m].
-        faces: (t, 3) of consistent winding.
-        adjacency: (a, 2) faces that share an edge.
-        flipped: (t,) was turned over by `consistent_winding`; an open part without such a face is left as it is.
-        volume: inside all of it, holes closed [m3].
+        faces: (t, 3) with consistent winding.
+        adjacency: (a, 2) pairs of faces that share an edge.
+        flipped: (t,) flipped by `consistent_winding`; an open part without such a face is left as it is.
+        volume: volume of the whole mesh with its holes closed [m3].
     """
     inward, lowest = np.zeros(len(faces), bool), connected(adjacency, len(faces))
     if volume >= 0 and not lowest.any():  # one part
@@ -90,7 +89,7 @@ def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, flipped: Bools
     a, b, c = (corners - mean[label][:, None]).transpose(1, 2, 0)
     own = a * np.cross(b, c, axis=0)
     volumes, terms = (sums_at(label, each.sum(axis=0), len(names)) for each in (own, np.abs(own)))
-    for part in np.flatnonzero(volumes < -EXACT * terms):  # flat, it has neither an inside nor an outside
+    for part in np.flatnonzero(volumes < -EXACT * terms):  # a flat part has no inside
         mine = label == part
         if flipped[mine].any() or not edges_of(faces[mine]).excess.any():
             inward[mine] = not _inside(corners[~mine], corners[mine][0, 0])
@@ -98,7 +97,10 @@ def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, flipped: Bools
 
 
 def _inside(triangles: Floats, point: Floats) -> bool:
-    """Return whether triangles (t, 3, 3) wind round a point (3,). Source: van Oosterom and Strackee 1983."""
+    """Return whether triangles (t, 3, 3) enclose a point (3,), by their winding number.
+
+    Source: van Oosterom and Strackee 1983.
+    """
     r = triangles - point
     length = np.linalg.norm(r, axis=2)
     a, b, c = r[:, 0], r[:, 1], r[:, 2]

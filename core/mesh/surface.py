@@ -1,7 +1,7 @@
-"""The surface of a body at rest: what its shape alone decides, before any material.
+"""The surface of a body at rest: the quantities that depend on its shape only, not on the material.
 
-A broken mesh is repaired for the simulation alone (vertices are welded, normals recalculated), and `Mesh.notes` says
-what was repaired. Where that is not possible, `DimpleError` says why and what to do.
+A broken mesh is repaired for the simulation only (vertices are welded, normals recalculated), and `Mesh.notes` says
+what was repaired. If that is not possible, `DimpleError` says why and what to do.
 """
 
 from __future__ import annotations
@@ -31,8 +31,9 @@ from .edges import Edges, edges_of
 from .repair import connected, consistent_winding, inward_parts, weld
 from .rings import Rings, ordered_rings
 
-STEEPEST = 4.0  # of an edge between the long sides of slivers: more would shorten the time step and hold no
-# better; and a vertex keeps at least the inverse of its weights, where nearly all triangles round it are blunt
+# largest cotangent weight of an edge: a larger one, of slivers, would shorten the time step and add no accuracy. its
+# inverse is the smallest factor that compensates blunt triangles round a vertex
+STEEPEST = 4.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,19 +47,19 @@ class Mesh:
     triangle_springs: (t, 3) the edge from each corner to the next.
     springs: (m, 2) vertices of every edge, sorted by (first, second), first < second.
     rest_lengths: (m,) [m].
-    spring_areas: (m,) area of the triangles beside the edge [m2].
-    spring_triangles: (m, 2) two triangles beside the edge; the same one twice on a border.
-    vertex_areas: (n,) a third of the triangles round the vertex [m2].
+    spring_areas: (m,) area of the triangles at the edge [m2].
+    spring_triangles: (m, 2) two triangles at the edge; the same one twice on a border.
+    vertex_areas: (n,) a third of the area of the triangles round the vertex [m2].
     rings: ordered one-rings.
     cap_edges: (c, 2) border edges.
-    cap_loop: (c,) the hole each border edge belongs to.
-    volume: [m3], caps included.
+    cap_loop: (c,) the hole of each border edge.
+    volume: enclosed volume, caps included [m3].
     size: longest side of the bounding box [m].
-    closed: watertight.
-    pressurable: encloses a volume.
-    loose: (n,) in no triangle.
-    source: (N,) vertex of each input vertex.
-    notes: sentences on what was repaired.
+    closed: whether the surface is watertight.
+    pressurable: whether it encloses a volume.
+    loose: (n,) whether the vertex is in no triangle.
+    source: (N,) the vertex that each input vertex became.
+    notes: sentences on the repairs.
     """
 
     rest_positions: Floats
@@ -84,11 +85,11 @@ class Mesh:
 
     @cached_property
     def cotangents(self) -> Floats:
-        """Return w (m,) of every edge: half the sum of the cotangents of the angles opposite it.
+        """Return the cotangent weight w (m,) of every edge: half the sum of the cotangents of the angles opposite it.
 
-        The sum over edges of w |u_i - u_j|^2 is the integral of |grad u|^2. Where angles are so blunt that w would be
-        negative it is 0, so that no energy is; the weights round such an edge are less by as much, or a surface of
-        blunt triangles would be stiffer than its area.
+        The sum over edges of w |u_i - u_j|^2 is the integral of |grad u|^2. Where blunt angles would make w negative it
+        is set to 0, so that no energy is negative; the weights round such an edge are reduced to compensate, or a
+        surface of blunt triangles would be stiffer than its area implies.
         """
         n, ends, square = len(self.rest_positions), self.springs, self.rest_lengths**2
         cotangents = np.empty((len(self.triangles), 3))
@@ -108,10 +109,10 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     Args:
         positions: (N, 3) [m].
         triangles: (t, 3) indices into positions.
-        triangle_material: (t,) material index, all 0 when left out.
+        triangle_material: (t,) material index, 0 for all by default.
 
     Raises:
-        DimpleError: no faces, NaN or infinite coordinates, indices out of range, no area at all.
+        DimpleError: no faces, NaN or infinite coordinates, indices out of range, or no area.
     """
     positions = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
     triangles = np.asarray(triangles, dtype=np.int64).reshape(-1, 3)
@@ -195,7 +196,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
 
 
 def base_vertices(mesh: Mesh, *, up: Sequence[float] = (0, 0, 1), share: float = 0.1) -> Bools:
-    """Return which input vertices (N,) a body stands on: the lowest `share` of its height, or the rim of a sheet."""
+    """Return which input vertices (N,) are the base of a body: the lowest `share` of its height, or a sheet's rim."""
     height = mesh.rest_positions @ np.asarray(up, np.float64)
     used = ~mesh.loose
     low, span = height[used].min(), np.ptp(height[used])
@@ -208,13 +209,13 @@ def base_vertices(mesh: Mesh, *, up: Sequence[float] = (0, 0, 1), share: float =
 
 
 def input_vertices(mesh: Mesh) -> Ints:
-    """Return, for every vertex (n,) of a welded mesh, the first of the input vertices that it stands for."""
+    """Return, for every vertex (n,) of a welded mesh, the first input vertex that was merged into it."""
     first: Ints = np.unique(mesh.source, return_index=True)[1]
     return first
 
 
 def spans_a_plane(points: Floats, size: float) -> bool:
-    """Return whether points (n, 3) [m] span more than a line, compared with the size [m] of their body."""
+    """Return whether points (n, 3) [m] span more than a line, relative to the size [m] of their body."""
     if len(points) < 3:
         return False
     return bool(np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] > 1e-3 * size)
@@ -254,14 +255,14 @@ def _loops(border: Ints, n: int) -> Ints:
 
 
 def cap_centres(positions: Floats, cap_edges: Ints, cap_loop: Ints) -> tuple[Floats, Floats]:
-    """Return the mean of the border vertices of each hole (h, 3), and how many edges the hole has (h,)."""
+    """Return the mean of the border vertices of each hole (h, 3) [m], and its number of edges (h,)."""
     count = np.bincount(cap_loop).astype(float)
     centre = np.stack([sums_at(cap_loop, positions[cap_edges[:, 0], c], len(count)) for c in range(3)], axis=1)
     return centre / count[:, None], count
 
 
 def _closed(positions: Floats, triangles: Ints, edges: Edges) -> tuple[Ints, Ints, float]:
-    """Return the cap edges (c, 2), the hole each closes (c,) and the volume inside [m3]."""
+    """Return the cap edges (c, 2), the hole of each (c,) and the enclosed volume [m3]."""
     border = edges.border
     cap_loop = _loops(border, len(positions))
     x = positions - positions[triangles].mean(axis=(0, 1))

@@ -1,4 +1,4 @@
-"""A press by a pointer: its events, its fingertips, and the ways that they went."""
+"""A press by a pointer: its events, its fingertips, and their paths."""
 
 from .poke import Hit as Hit
 from .poke import Kind as Kind

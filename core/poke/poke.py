@@ -1,8 +1,9 @@
 """The poke as data: events of mouse, tablet or script become the fingertips of a session.
 
-Pure: `on_event(state, event)` returns a new state; nothing here knows Blender. Points are in the session's space [m]:
+The functions are pure: `on_event(state, event)` returns a new state. Nothing here needs Blender. Points are in the
+session's space [m]:
 
-    Hit (what a ray meets) -> Aim (where and which way to press) -> PokeTip (how far it is) -> session.Finger
+    Hit (intersection of a ray) -> Aim (place and direction of a press) -> PokeTip (its progress) -> session.Finger
 """
 
 from __future__ import annotations
@@ -15,19 +16,19 @@ from ..session import Finger
 from ..vectors import Vector, along, dot, length, scaled
 from .tip import Aim, PokeTip, leaving, led, stepped, unit
 
-STEEP = 3.0  # times farther along the view than across it: no surface that the pointer goes along, but an edge of it
-OPPOSITE = -0.2  # cosine of the angle between two normals from which on two fingertips pinch
+STEEP = 3.0  # motion along the view over that across it: more is a jump over a silhouette, not a drag over the surface
+OPPOSITE = -0.2  # cosine of the angle between two normals, below which two fingertips pinch
 
 
 class Kind(Enum):
-    """Name what can happen; the number an event carries is in brackets."""
+    """The kind of an event; the meaning of its `amount`, if it has one, is in brackets."""
 
     MOVE = auto()
     PRESS = auto()
     RELEASE = auto()
     FINGER = auto()  # [1, 2 or 3]
     TICK = auto()  # [s]
-    # what the state has no part in
+    # events that do not change the state
     PAUSE = auto()
     KEEP = auto()
     LEAVE = auto()
@@ -35,7 +36,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hit:
-    """Where a ray meets a body: point [m], unit normal outward, and which body."""
+    """The intersection of a ray with a body: point [m], outward unit normal, and index of the body."""
 
     point: Vector
     normal: Vector
@@ -46,11 +47,11 @@ class Hit:
 class PokeEvent:
     """One event of a poke.
 
-    kind: what has happened.
-    hit: what the pointer's ray meets.
+    kind: what happened.
+    hit: where the pointer's ray meets a body, None if it meets none.
     view: unit direction of that ray.
-    pressure: of the pen, 0 to 1.
-    amount: the number that the kind asks for.
+    pressure: pressure of the pen, 0 to 1.
+    amount: a number whose meaning depends on the kind.
     """
 
     kind: Kind
@@ -64,14 +65,14 @@ class PokeEvent:
 class PokeState:
     """Settings and fingertips of a poke.
 
-    radius, depth: of the next press [m].
-    force: of the next press [N].
-    by_force: that force pushes, and the depth is what comes of it.
-    press_s, release_s: how long going in and coming out take [s].
-    along_normal: press straight into the surface, as a force always does, not along the view.
-    active: the finger the pointer moves.
-    tips: of each finger, None where it is lifted.
-    pressing: the active finger follows the pointer.
+    radius, depth: radius and depth of the next press [m].
+    force: force of the next press [N].
+    by_force: press with the given force, from which the depth results.
+    press_s, release_s: duration of going in and of coming out [s].
+    along_normal: press along the normal of the surface, as a force always does, not along the view.
+    active: index of the finger that the pointer moves.
+    tips: fingertip of each finger, None if it is lifted.
+    pressing: whether the active finger follows the pointer.
     """
 
     radius: float
@@ -109,12 +110,12 @@ def _tick(state: PokeState, dt: float) -> PokeState:
 
 
 def fingers(state: PokeState, body: int) -> tuple[Finger | None, ...]:
-    """Return where each fingertip that presses a body is."""
+    """Return the fingertips for a session, None for each that does not press this body."""
     return tuple(tip.finger if tip and tip.body == body else None for tip in state.tips)
 
 
 def with_settings(state: PokeState, **settings: float | bool) -> PokeState:
-    """Return a state whose settings were changed; a press under way takes them too."""
+    """Return a state with changed settings; they apply to a press in progress too."""
     state = replace(state, **settings)  # type: ignore[arg-type]
     tip = state.tips[state.active]
     if not (state.pressing and tip):
@@ -123,7 +124,7 @@ def with_settings(state: PokeState, **settings: float | bool) -> PokeState:
 
 
 def lifted(state: PokeState, body: int) -> PokeState:
-    """Return a state whose fingertips are off a body: it has another size, so they would be elsewhere on it."""
+    """Return a state without the fingertips on a body, for when its size changes and they would be misplaced."""
     tips = tuple(None if tip and tip.body == body else tip for tip in state.tips)
     return replace(state, tips=tips, pressing=state.pressing and tips[state.active] is not None)
 
@@ -141,7 +142,7 @@ def _move(state: PokeState, event: PokeEvent) -> PokeState:
 
 
 def _leaps(way: Vector, view: Vector, radius: float) -> bool:
-    """Tell whether a way leads from one part of the surface to another behind or before it, not along it."""
+    """Return whether a motion [m] jumps to a part of the surface behind or in front, rather than along the surface."""
     deeper = abs(dot(way, view))
     return deeper > radius and deeper > STEEP * length(along(way, view, -dot(way, view)))
 
@@ -158,7 +159,7 @@ def _press(state: PokeState, event: PokeEvent) -> PokeState:
 
 
 def _pinched(state: PokeState) -> PokeState:
-    """Let two fingertips that press one body from opposite sides go towards each other."""
+    """Return a state in which two fingertips on opposite sides of one body press towards each other."""
     tip = state.tips[state.active]
     assert tip
     across = [
@@ -174,7 +175,7 @@ def _pinched(state: PokeState) -> PokeState:
     tips = list(state.tips)
     aim = replace(tip.aim, inward=there) if tip.reached == 0 else tip.aim
     tips[state.active] = replace(tip, aim=aim, goal=replace(tip.goal, inward=there))
-    tips[index] = replace(other, goal=replace(other.goal, inward=back))  # it turns on its way, without a jump
+    tips[index] = replace(other, goal=replace(other.goal, inward=back))  # it turns gradually, without a jump
     return replace(state, tips=tuple(tips))
 
 
@@ -186,7 +187,7 @@ def _release(state: PokeState) -> PokeState:
 
 
 def _choose(state: PokeState, chosen: int) -> PokeState:
-    """Choose a finger. One that presses stays, so that a pinch can be set up; chosen again it leaves."""
+    """Choose a finger. The one that presses stays, so that a pinch can be set up; if chosen again, it leaves."""
     if not 0 <= chosen < MAX_FINGERTIPS:
         return state
     if chosen == state.active:
@@ -203,7 +204,7 @@ def _amount(state: PokeState, by_force: bool) -> float:
 
 def _aim(state: PokeState, hit: Hit, view: Vector, *, by_force: bool) -> Aim:
     x, y, z = hit.normal
-    # pushed askew, a fingertip would jam: it is led sideways, and the surface would hold it with any force there
+    # a fingertip pushed at an angle would jam: a drag fixes it sideways, where the surface could resist any force
     straight = state.along_normal or by_force
     return Aim(hit.point, hit.normal, (-x, -y, -z) if straight else view)
 

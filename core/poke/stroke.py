@@ -1,4 +1,4 @@
-"""A press by hand as the ways of its fingertips, and those ways as a few keyframes."""
+"""A press by hand as the paths of its fingertips, and the reduction of these paths to a few keyframes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..vectors import Vector, along
 
 
 class Sample(NamedTuple):
-    """Where a fingertip is at a time [s]: centre (3,) [m] and radius [m]."""
+    """A fingertip at a time [s]: its centre (3,) [m] and radius [m]."""
 
     time: float
     centre: Vector
@@ -25,10 +25,10 @@ class Sample(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class Way:
-    """The way of a fingertip, from where it touches the surface at rest to where it touches it last.
+    """The path of a fingertip, from its first to its last touch of the surface at rest.
 
-    outward: unit normal of the surface where it came down.
-    samples: in the order of time.
+    outward: unit normal of the surface at the first touch.
+    samples: in order of time.
     """
 
     outward: Vector
@@ -37,10 +37,10 @@ class Way:
 
 @dataclass(slots=True, eq=False)
 class Hand:
-    """Follow the fingertips that a hand leads on one body.
+    """A recorder of the fingertips that press one body by hand.
 
-    ways: of the last press, by the number of the finger: it begins with the first fingertip that comes down, and ends
-        with the last that is lifted.
+    ways: paths of the latest press, by number of the finger. A press begins when the first fingertip comes down, and
+        ends when the last one is lifted.
     """
 
     ways: dict[int, Way] = field(default_factory=dict)
@@ -48,13 +48,14 @@ class Hand:
     _time: float = 0.0
 
     def take(self, time: float, held: Mapping[int, tuple[Finger, Touch]]) -> float | None:
-        """Take in a step of the session: its fingertips that a hand presses with, and what they touch.
+        """Record a step of the session.
 
         Args:
-            time: at the end of the step [s].
+            time: time at the end of the step [s].
+            held: the fingertips that press by hand, by number, with their contact.
 
         Returns:
-            When a press began in this step [s], None where none did.
+            The time at which a press began in this step [s], None if none did.
         """
         if time < self._time:  # the session was put back to rest
             self._down.clear()
@@ -75,18 +76,18 @@ class Hand:
 
 
 def _touching(touch: Touch) -> Vector:
-    """Return where a fingertip only just touches the surface at rest, outward of where it is."""
+    """Return the centre (3,) [m] of a fingertip moved outward until it just touches the surface at rest."""
     return along(touch.centre, touch.outward, touch.depth)
 
 
 def keys(way: Way, start: float, frame: float, frame_s: float, tolerance: float) -> tuple[Ints, Floats]:
-    """Return the keyframes of a way, which is straight from each to the next.
+    """Return keyframes for a path, to be interpolated linearly.
 
     Args:
-        start: a time of the session [s], and
-        frame: the frame that is shown then.
-        frame_s: time of a frame [s].
-        tolerance: within which the keyframes lead past the place at each frame [m].
+        start: a time of the session [s].
+        frame: the frame shown at that time.
+        frame_s: duration of a frame [s].
+        tolerance: largest deviation from the path at any frame [m].
 
     Returns:
         Frames (n,), and centre and radius (n, 4) [m] at each.
@@ -100,7 +101,7 @@ def keys(way: Way, start: float, frame: float, frame_s: float, tolerance: float)
 
 
 def corners(places: Floats, tolerance: float) -> Sequence[int]:
-    """Return which places (n, d) at even times to keep, so that the others lie on straight ways between them."""
+    """Return which places (n, d) at equal intervals to keep, so that linear interpolation gives the others."""
     kept, ends = [0], [len(places) - 1]
     while ends:
         first, last = kept[-1], ends[-1]

@@ -1,7 +1,7 @@
-"""A fingertip of a poke: where it is aimed, how far it has gone in, and how it moves on.
+"""A fingertip of a poke: its aim, its progress into the body, and its motion.
 
-A fingertip starts where its sphere touches the surface and goes in from there. A drag leads it over the surface, where
-the pointer went, not straight through the body. Points are in the session's space [m].
+A fingertip starts where its sphere touches the surface and goes in from there. A drag moves it over the surface along
+the path of the pointer, not straight through the body. Points are in the session's space [m].
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from ..constants import TRAVEL
 from ..session import Finger
 from ..vectors import Vector, along, length, scaled
 
-SLIDE_S = 0.04  # [s] a dragged fingertip lags this much: no jump tears at the skin
+SLIDE_S = 0.04  # [s] time constant with which a dragged fingertip follows, so that no jump tears at the skin
 
 
 @dataclass(frozen=True, slots=True)
 class Aim:
-    """Where a fingertip touches [m] and two unit vectors: out of the surface, and inward along the press."""
+    """The point that a fingertip touches [m], the outward unit normal there, and the unit direction of the press."""
 
     at: Vector
     outward: Vector
@@ -31,18 +31,18 @@ class Aim:
 class PokeTip:
     """One fingertip of a poke.
 
-    body: the one it presses.
-    aim: where it is now.
-    goal: where a drag leads it.
-    way: what it passes on its way there.
-    radius: of its sphere [m].
-    wanted: depth [m] or force [N].
-    by_force: it is pushed by a force.
-    reached: of what is wanted, so far.
-    depth: of one that no force pushes [m].
-    via: where it touched at even times of the last step, before its end.
-    fresh_contact: it has come down in the last step.
-    leaving: it moves out of the body.
+    body: index of the body that it presses.
+    aim: its present aim.
+    goal: the aim to which a drag moves it.
+    way: aims that it passes on the way to the goal.
+    radius: radius of its sphere [m].
+    wanted: target depth [m] or force [N].
+    by_force: whether a force pushes it.
+    reached: the part of the target reached so far [m] or [N].
+    depth: present depth if no force pushes it [m].
+    via: its places at equal intervals in the last step, without the last one [m].
+    fresh_contact: whether it came down in the last step.
+    leaving: whether it moves out of the body.
     """
 
     body: int
@@ -60,34 +60,34 @@ class PokeTip:
 
     @property
     def finger(self) -> Finger:
-        """Return where the fingertip is, for a session."""
+        """Return the fingertip in the form that a session takes."""
         if not self.by_force:
             return Finger(self.place, self.radius, via=self.via, fresh_contact=self.fresh_contact)
         return Finger(self.place, self.radius, self.reached, self.aim.inward, self.via, self.fresh_contact)
 
     @property
     def place(self) -> Vector:
-        """Return where its centre is [m]; of one that is pushed, where it touches."""
+        """Return the place of its centre [m]; if a force pushes it, the place at which it just touches."""
         touching = along(self.aim.at, self.aim.outward, self.radius)
         return touching if self.by_force else along(touching, self.aim.inward, self.depth)
 
 
 def leaving(tip: PokeTip) -> PokeTip:
-    """Return a fingertip that comes out from where it is."""
-    # from what it has reached, so that release_s holds for a press cut short too
+    """Return a fingertip that moves out from its present place."""
+    # the target becomes what it has reached, so that an unfinished press takes release_s too
     reached = tip.reached if tip.by_force else tip.depth
     return replace(tip, leaving=True, wanted=reached, reached=reached)
 
 
 def led(tip: PokeTip, goal: Aim) -> PokeTip:
-    """Return a fingertip that a drag leads elsewhere, over what it was led to before."""
+    """Return a fingertip with a new goal, which it approaches over its previous goals."""
     last = tip.way[-1] if tip.way else tip.aim
     far = length(along(tip.goal.at, last.at, -1.0)) > TRAVEL * tip.radius
     return replace(tip, way=(*tip.way, tip.goal) if far else tip.way, goal=goal)
 
 
 def stepped(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s: float) -> PokeTip | None:
-    """Return a fingertip a step dt [s] later, and where it was on its way; see `moved`."""
+    """Return a fingertip a step dt [s] later, with the places that it passed; see `moved`."""
     far = _share(dt) * sum(length(along(b, a, -1.0)) for a, b in itertools.pairwise(_places(tip)))
     parts = max(1, min(round(dt / TICK), math.ceil(far / (TRAVEL * tip.radius))))
     via, now, fresh_contact = [], tip, tip.reached == 0
@@ -101,12 +101,12 @@ def stepped(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s
 
 
 def moved(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s: float) -> PokeTip | None:
-    """Return a fingertip a time dt [s] later, None when it has left the surface.
+    """Return a fingertip a time dt [s] later, None once it has left the surface.
 
     Args:
-        amount: depth [m] or force [N] of a whole press, which takes
-        press_s: to go in and
-        release_s: to come out [s].
+        amount: depth [m] or force [N] of a full press.
+        press_s: duration of going in for a full press [s].
+        release_s: duration of coming out [s].
     """
     if tip.leaving:
         most = _travel(tip.wanted, release_s, dt)
@@ -121,7 +121,7 @@ def moved(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s: 
 
 
 def _share(dt: float) -> float:
-    """Return the share of its way that a fingertip slides in a time dt [s]."""
+    """Return the share of its remaining path that a fingertip slides in a time dt [s]."""
     return -math.expm1(-dt / SLIDE_S)
 
 
@@ -130,7 +130,7 @@ def _places(tip: PokeTip) -> list[Vector]:
 
 
 def _slid(tip: PokeTip, share: float) -> tuple[Aim, tuple[Aim, ...]]:
-    """Return where a fingertip is after a share of its way, and what it still passes."""
+    """Return the aim of a fingertip after a share of its remaining path, and the aims that it has yet to pass."""
     aims = [*tip.way, tip.goal]
     legs = [length(along(b, a, -1.0)) for a, b in itertools.pairwise(_places(tip))]
     left, here, passed = share * sum(legs), tip.aim, 0
@@ -157,6 +157,6 @@ def _toward(a: Vector, b: Vector, share: float) -> Vector:
 
 
 def unit(a: Vector, otherwise: Vector) -> Vector:
-    """Return a vector of length 1 along another, or what to take where that has no direction."""
+    """Return the unit vector along another, or `otherwise` if that is almost 0."""
     long = length(a)
     return scaled(a, 1 / long) if long > 1e-6 else otherwise

@@ -1,8 +1,8 @@
-"""A few frames whose weighted sums are an animation: what morph targets and shape keys need, instead of one a frame.
+"""A few frames whose weighted sums approximate an animation: morph targets or shape keys, fewer than one per frame.
 
-They are chosen one by one: the frame that is farthest off, until none is. How far off is judged by the worst vertex and
-by the worst normal, so the shading of a dent is as right as its shape. Each shape is a frame that was seen, so its
-normals are right whoever computes them. Weights are from 0 to 1, for some programs cut off any other.
+They are chosen one by one: always the frame with the largest error, until all are within the tolerance. The error is
+that of the worst vertex and of the worst normal, so the shading of a dent is as accurate as its shape. Each shape is a
+frame of the animation, so its normals are right in every program. Weights are from 0 to 1: some programs clip others.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
-TURN = np.radians(1.0)  # of a normal: it changes the light by at most 1.7 %; the eye tells apart 2 % (Weber's fraction)
-SWEEPS = 200  # over the weights; near enough, for what they leave is measured
+TURN = np.radians(1.0)  # [rad] tolerance of a normal: at most 1.7 % of the light; the eye distinguishes 2 % (Weber)
+SWEEPS = 200  # sweeps of coordinate descent: enough in practice; the remaining error is measured
 
 
 class Basis(NamedTuple):
-    """An animation as sums of some of its frames.
+    """An animation as weighted sums of some of its frames.
 
-    chosen: the places of those frames; the first frame is what the sums are added to.
+    chosen: the indices of these frames; their differences from frame 0 are weighted and added to it.
     weights: (frames, chosen).
-    error: the farthest that a vertex is off in any frame.
-    turn: the farthest that a normal is off in any frame [rad].
+    error: largest error of a vertex in any frame, in the units of the samples.
+    turn: largest error of a normal in any frame [rad].
     """
 
     chosen: list[int]
@@ -36,7 +36,7 @@ class Basis(NamedTuple):
 
 
 def distinct(samples: Singles) -> Basis:
-    """Return all frames of samples (frames, vertices, 3) that are not alike."""
+    """Return the exact basis of samples (frames, vertices, 3): every distinct frame is a shape of its own."""
     numbers: dict[bytes, int] = {}
     which = [numbers.setdefault(hashlib.sha256(each.tobytes()).digest(), len(numbers)) for each in samples]
     chosen = [which.index(number) for number in range(1, len(numbers))]
@@ -44,11 +44,11 @@ def distinct(samples: Singles) -> Basis:
 
 
 def reduce(samples: Singles, normals: Singles, tolerance: float) -> Basis:
-    """Return few frames with which no vertex is off by more than a tolerance, and no normal by more than `TURN`.
+    """Return a basis of few frames with no error of a vertex above a tolerance, and none of a normal above `TURN`.
 
     Args:
-        samples: (frames, vertices, 3).
-        normals: (frames, n, 3) of the surface, of length 1.
+        samples: (frames, vertices, 3) positions.
+        normals: (frames, n, 3) unit normals of the surface.
         tolerance: a length in the units of the samples.
     """
     count = len(samples)
@@ -72,12 +72,12 @@ def reduce(samples: Singles, normals: Singles, tolerance: float) -> Basis:
 
 
 def _fitted(among: Floats, of: Floats, weights: Singles) -> Singles:
-    """Return weights (frames, n) from 0 to 1 with which shapes come nearest to frames, by coordinate descent.
+    """Return the least-squares weights (frames, n) from 0 to 1 of shapes in frames, by coordinate descent.
 
     Args:
-        among: (n, n) products of the shapes with each other.
-        of: (frames, n) products of the frames with the shapes.
-        weights: (frames, n) to begin with.
+        among: (n, n) dot products of the shapes with each other.
+        of: (frames, n) dot products of the frames with the shapes.
+        weights: (frames, n) starting values.
     """
     weights = weights.astype(np.float64)
     for _ in range(SWEEPS):
@@ -87,14 +87,14 @@ def _fitted(among: Floats, of: Floats, weights: Singles) -> Singles:
 
 
 def _played(samples: Singles, chosen: list[int], weights: Singles) -> Iterator[tuple[Singles, Singles]]:
-    """Yield each frame as it is played, and as it was."""
+    """Yield each frame as reconstructed, and as recorded."""
     shapes = samples[chosen] - samples[0]
     for now, weight in zip(samples, weights, strict=True):
         yield samples[0] + np.tensordot(weight, shapes, 1), now
 
 
 def _angle(played: Singles, now: Singles) -> float:
-    """Return the largest angle [rad] between normals as they are played and as they were."""
+    """Return the largest angle [rad] between reconstructed and recorded normals."""
     length = np.linalg.norm(played, axis=1, keepdims=True)
     chord = np.linalg.norm(played / np.maximum(length, 1e-9) - now, axis=1).max()
     return float(2 * np.arcsin(min(chord / 2, 1.0)))

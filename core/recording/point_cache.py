@@ -1,4 +1,4 @@
-"""Recordings: a PC2 point cache, what Blender's Mesh Cache modifier plays.
+"""Recordings: a PC2 point cache, the format that Blender's Mesh Cache modifier plays.
 
 Format: "POINTCACHE2" NUL, then int32 version 1, int32 vertices, float32 start frame, float32 sample rate, int32
 samples, then float32 (samples, vertices, 3), little-endian.
@@ -23,14 +23,14 @@ _SAMPLES_AT = _HEADER.size - 4
 
 
 class PointCache:
-    """Write a PC2 file sample by sample; what was appended survives a crash of the program.
+    """Write a PC2 file sample by sample; appended samples survive a crash of the program.
 
-    Each sample goes to the system before the header counts it, so a torn last sample is never read, also after the
-    disk has filled. Only `close` waits for the disk itself: a power cut may cost the whole recording under way.
+    Each sample is handed to the system before the header counts it, so an incomplete last sample is never read, even if
+    the disk is full. Only `close` waits for the disk itself: a power cut may destroy an unfinished recording.
 
     Args:
         path: file to create.
-        n_vertices: vertices in each sample.
+        n_vertices: number of vertices in each sample.
         start_frame: frame of the first sample.
         sample_rate: frames from one sample to the next.
     """
@@ -39,7 +39,7 @@ class PointCache:
         self, path: str | os.PathLike[str], n_vertices: int, start_frame: float = 1.0, sample_rate: float = 1.0
     ) -> None:
         self.path, self.n_vertices, self.samples = Path(path), n_vertices, 0
-        self._file = self.path.open("w+b", buffering=0)  # nothing is left behind in a buffer when a write fails
+        self._file = self.path.open("w+b", buffering=0)  # no data stays in a buffer if a write fails
         try:
             self._write(0, _HEADER.pack(_MAGIC, 1, n_vertices, start_frame, sample_rate, 0))
         except OSError:
@@ -51,7 +51,7 @@ class PointCache:
 
         Raises:
             DimpleError: another number of vertices, or coordinates that are not numbers.
-            OSError: the disk refuses; the samples before this one are kept.
+            OSError: the sample cannot be written; the samples before it are kept.
         """
         sample = np.ascontiguousarray(positions, dtype="<f4")
         if sample.shape != (self.n_vertices, 3):
@@ -72,7 +72,7 @@ class PointCache:
         """Wait until everything is on the disk and close the file; closing twice does nothing.
 
         Raises:
-            OSError: the disk refuses; the file is closed all the same.
+            OSError: the file cannot be synchronised; it is closed nevertheless.
         """
         if self._file.closed:
             return
@@ -92,18 +92,18 @@ class PointCache:
     def _write(self, at: int, data: bytes) -> None:
         self._file.seek(at)
         left = memoryview(data)
-        while left:  # a disk that is nearly full takes a part, and refuses the next
+        while left:  # an almost full disk accepts a part, and the next write raises an error
             left = left[self._file.write(left) :]
 
 
 def open_point_cache(path: str | os.PathLike[str]) -> tuple[float, npt.NDArray[np.float32]]:
-    """Open a PC2 file without reading it whole.
+    """Open a PC2 file as a memory map.
 
     Returns:
-        start frame, positions (samples, vertices, 3) that are read from the disk as they are asked for.
+        start frame, positions (samples, vertices, 3) that are read from the disk on access.
 
     Raises:
-        DimpleError: not a PC2 file, one cut short, or one that is not sampled once a frame.
+        DimpleError: not a PC2 file, a truncated one, or one that is not sampled once per frame.
         OSError: it cannot be read.
     """
     name = Path(path).name

@@ -1,21 +1,24 @@
-"""Vertices as a graphics card has them: with one normal each. At a sharp edge one vertex becomes several."""
+"""Vertices for a graphics card, with one normal each: at a sharp edge, one vertex of the mesh becomes several."""
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
 
-MIX = np.random.default_rng(0).integers(2**63, size=4, dtype=np.uint64) | np.uint64(1)  # odd: nothing is lost
+# factors of a hash of normals; odd ones are invertible modulo 2^64, so that no bit of a normal is lost
+MIX = np.random.default_rng(0).integers(2**63, size=4, dtype=np.uint64) | np.uint64(1)
 
 
 def split(
     corners: npt.NDArray[np.int32], normals: npt.NDArray[np.float32]
 ) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """Return which corner (n,) each split vertex begins with, and the split vertex (corners,) of each corner.
+    """Return the first corner (n,) of each split vertex, and the split vertex (corners,) of each corner.
+
+    Corners share a split vertex if they have the same vertex and, in all frames, the same normal.
 
     Args:
-        corners: (corners,) the vertex of each corner of the faces.
-        normals: (frames, corners, 3) the normal there.
+        corners: (corners,) the vertex at each corner of the faces.
+        normals: (frames, corners, 3) the normal at each corner.
     """
     mixed = np.zeros(len(corners), np.uint64)
     for normal in normals:

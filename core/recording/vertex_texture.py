@@ -1,14 +1,14 @@
-"""Vertex animation textures: pictures whose pixels are where vertices are, for shaders and game engines.
+"""Vertex animation textures: pictures whose pixels are the positions of vertices, for shaders and game engines.
 
 Layout: vertex i of frame f (both from 0) is the pixel in column i % width and row f * rows + i // width, counted from
-the top left. In `offsets` red, green and blue are how far x, y and z are from where the vertex is in mesh.glb, in the
-coordinates of that mesh: Y up, as glTF has it, so Blender's (x, y, z) is (x, z, -y) there; `bounds` in layout.json are
-the lowest and highest place of any vertex in any frame. `normals.png` holds the normals in the same coordinates: 0
-stands for -1 and 65535 for 1. At a sharp edge each side has a vertex. The second UV map of the mesh points at the
-middle of a vertex's pixel in frame 0; with v upwards each later frame is rows / height lower. The EXR holds the numbers
-themselves; in the 16-bit offsets.png 0 stands for `least` and 65535 for `most`, both in layout.json, so a coordinate is
-off by at most (most - least) / 131070. Sample without filtering, and as data, not as colour. An object that moves as a
-whole does so by the animation of mesh.glb, whose time 0 is frame 0.
+the top left. In `offsets`, red, green and blue are the x, y and z of the displacement of the vertex from its position
+in mesh.glb, in the coordinates of that mesh: Y is up, as in glTF, so Blender's (x, y, z) is (x, z, -y) there. `bounds`
+in layout.json are the least and greatest coordinates of any vertex in any frame. `normals.png` holds the normals in the
+same coordinates: 0 stands for -1 and 65535 for 1. At a sharp edge each side has its own vertex. The second UV map of
+the mesh points at the centre of a vertex's pixel in frame 0; with v upwards, each later frame is rows / height lower.
+The EXR holds exact values; in the 16-bit offsets.png, 0 stands for `least` and 65535 for `most`, both in layout.json,
+so the error of a coordinate is at most (most - least) / 131070. Sample without filtering, and as data, not as colour.
+If the object moves as a whole, the animation of mesh.glb has that motion; its time 0 is frame 0.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ import numpy.typing as npt
 
 from ..base import DimpleError
 
-WIDEST = 8192  # pixels that every graphics card takes
+WIDEST = 8192  # [pixels] largest width and height of a texture that every graphics card supports
 Singles = npt.NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The layout of a texture: its width and height [pixels], and the rows of each frame."""
+    """The layout of a texture: its width and height [pixels], and its rows per frame."""
 
     width: int
     height: int
@@ -38,10 +38,10 @@ class Layout:
 
 
 def layout(vertices: int, frames: int) -> Layout:
-    """Return the layout for some vertices and frames.
+    """Return the layout for a number of vertices and of frames.
 
     Raises:
-        DimpleError: no graphics card takes a picture as large.
+        DimpleError: the picture would be too large for graphics cards.
     """
     rows = -(-vertices // WIDEST)
     width = -(-vertices // rows)
@@ -55,24 +55,24 @@ def layout(vertices: int, frames: int) -> Layout:
 
 
 def pixels(samples: Singles, where: Layout) -> Singles:
-    """Return the picture (height, width, 3), the top row first, of samples (frames, vertices, 3)."""
+    """Return the picture (height, width, 3), top row first, of samples (frames, vertices, 3)."""
     frames, vertices, _ = samples.shape
     empty = where.rows * where.width - vertices
     return np.pad(samples, ((0, 0), (0, empty), (0, 0))).reshape(frames * where.rows, where.width, 3)
 
 
 def uv(vertices: int, where: Layout) -> Singles:
-    """Return the second UV map (vertices, 2), v upwards."""
+    """Return the second UV map (vertices, 2), with v upwards."""
     number = np.arange(vertices)
     u, v = (number % where.width + 0.5) / where.width, 1 - (number // where.width + 0.5) / where.height
     return np.column_stack([u, v]).astype(np.float32)
 
 
 def write_exr(path: str | os.PathLike[str], picture: Singles) -> None:
-    """Write a picture (height, width, 3) as OpenEXR of 32-bit floats, uncompressed.
+    """Write a picture (height, width, 3) as uncompressed OpenEXR with 32-bit floats.
 
     Raises:
-        OSError: the disk refuses.
+        OSError: the file cannot be written.
     """
     height, width, _ = picture.shape
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
@@ -96,10 +96,10 @@ def write_exr(path: str | os.PathLike[str], picture: Singles) -> None:
 
 
 def write_png(path: str | os.PathLike[str], picture: Singles, least: float, most: float) -> None:
-    """Write a picture (height, width, 3) of numbers from the least to the most as PNG of 16 bits.
+    """Write a picture (height, width, 3) as 16-bit PNG, in which 0 stands for `least` and 65535 for `most`.
 
     Raises:
-        OSError: the disk refuses.
+        OSError: the file cannot be written.
     """
     height, width, _ = picture.shape
     packer = zlib.compressobj(6)

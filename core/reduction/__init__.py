@@ -1,1 +1,1 @@
-"""How many vertices of a body are simulated: proxies, what they cost, and the planner that chooses one."""
+"""The number of vertices that are simulated: proxies, their cost, and the rule that chooses one."""

@@ -1,4 +1,4 @@
-"""The binding of a fine surface to the coarse mesh of a proxy, whose motion carries it along."""
+"""The binding of a fine surface to the coarse mesh of a proxy, whose motion it follows."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..mesh.surface import Mesh
 from ..native.carry import Binding, in_rows
 from .cells import vertex_normals
 
-WHOLE = int(np.iinfo(np.uint16).max)  # what the weights of a vertex add up to
+WHOLE = int(np.iinfo(np.uint16).max)  # sum of the weights of a vertex
 _Values = TypeVar("_Values", Floats, Singles)
 
 
@@ -22,9 +22,9 @@ def bind(rest: Floats, coarse: Mesh, place: Floats, seeds: Ints, cells: Ints) ->
 
     Args:
         rest: (n, 3) rest positions of the fine surface [m].
-        place: (n, 6) where its vertices are in the space of the cells.
-        seeds: (m,) the fine vertex at which each coarse one lies.
-        cells: (n,) the coarse vertex whose cell each fine one is in.
+        place: (n, 6) its vertices in the space of the cells [m].
+        seeds: (m,) the fine vertex at which each coarse vertex lies.
+        cells: (n,) the coarse vertex to whose cell each fine vertex belongs.
     """
     lists = _followed(coarse, place, seeds, cells)
     centre, middle = rest.mean(axis=0), sums_of(*lists, coarse.rest_positions)
@@ -41,24 +41,24 @@ def bind(rest: Floats, coarse: Mesh, place: Floats, seeds: Ints, cells: Ints) ->
 
 
 def carry(binding: Binding, positions: Floats) -> Singles:
-    """Return the fine positions (n, 3) [m] for coarse positions (3, m) [m]; at rest they are those at rest to the bit.
+    """Return the fine positions (n, 3) [m] for coarse positions (3, m) [m]; at rest they are exact to the bit.
 
-    F_j is the gradient that fits the ring of seed j best and turns its normal along. Seen from j the surface is at
-    x_j + (F_j + F) (X - X_j) / 2, F the gradient at the place itself: exact for every rigid motion, and for a dent
-    that is a parabola. A vertex takes the weighted mean over its seeds, F too; the weights come and go smoothly, so
-    no facet shows.
+    F_j is the deformation gradient that best fits the one-ring of seed j and its normal. Seed j alone would move a fine
+    point X to x_j + (F_j + F) (X - X_j) / 2, where F is the gradient at X: exact for rigid motions and for parabolic
+    dents. A vertex takes the weighted mean over the seeds that it follows, for F too; the weights are smooth functions
+    of the place, so no facets show.
     """
     return native.carry(native.library(), binding, positions)[0]
 
 
 def blend(binding: Binding, values: Floats) -> Floats:
-    """Return the weighted mean (n, c) of values (m, c) of the coarse vertices that each fine one follows."""
+    """Return the weighted mean (n, c) of values (m, c) at the coarse vertices that each fine vertex follows."""
     sums = sums_of(binding.first, binding.followed, binding.weights, values)
     return np.asarray(in_rows(sums, binding.vertices) / WHOLE, np.float64)
 
 
 def sums_of(first: Ints, followed: Shorts, weights: Shorts, values: _Values) -> _Values:
-    """Return the sums (g, c, 8), by weights, of values (m, c) of the coarse vertices that each fine one follows."""
+    """Return the weighted sums (g, c, 8) of values (m, c) at the coarse vertices that each fine vertex follows."""
     count = np.diff(first)
     sums = np.zeros((len(count), values.shape[1], LANES), values.dtype)
     for part in row_parts(len(count), LANES):
@@ -72,21 +72,21 @@ def sums_of(first: Ints, followed: Shorts, weights: Shorts, values: _Values) -> 
 
 
 def _followed(mesh: Mesh, place: Floats, seeds: Ints, cells: Ints) -> tuple[Ints, Shorts, Shorts]:
-    """Return the lists of the seeds that each fine vertex follows and of their weights, sums WHOLE.
+    """Return the lists of the seeds that each fine vertex follows and of their weights, whose sum is WHOLE.
 
-    The nearest ones of two rings round its own, weighted by (1 - (d / D)^2)^2, D the distance of the first that
-    is left out: a seed's weight is 0, and so is its slope, where it comes and goes.
+    These are the nearest seeds in two rings round its own, weighted by (1 - (d / D)^2)^2, where D is the distance of
+    the first seed left out: so the weight and its slope are 0 where a seed enters or leaves the list.
     """
     around = _two_rings(mesh.springs, len(seeds))
     return native.follow_cells(native.library(), place, seeds, cells, around)
 
 
 def _two_rings(edges: Ints, m: int) -> Ints:
-    """Return the vertices (m, w) within two edges of each, itself too, in order; the rest of a row is -1."""
+    """Return the vertices (m, w) within two edges of each, itself included, in ascending order; -1 fills each row."""
     (i, j), itself = edges.T, np.arange(m) * (m + 1)
     near, far = np.divmod(distinct(np.concatenate([i * m + j, j * m + i, itself])), m)
     start = np.searchsorted(near, np.arange(m + 1))
-    count = np.diff(start)[far]  # each neighbour's row of neighbours, put in its place
+    count = np.diff(start)[far]  # insert each neighbour's own row of neighbours
     at = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count) + np.repeat(start[far], count)
     first, second = np.divmod(distinct(np.repeat(near, count) * m + far[at]), m)
     begin = np.searchsorted(first, np.arange(m))
@@ -97,12 +97,12 @@ def _two_rings(edges: Ints, m: int) -> Ints:
 
 
 def _gradient(mesh: Mesh) -> tuple[Ints, Floats, Floats]:
-    """Return directed edges (e, 2), and rows (e, 3) and (m, 3) so that F - 1 is
+    """Return directed edges (e, 2), and rows (e, 3) and (m, 3) such that F - 1 at vertex i is
 
-        sum over edges of (u_j - u_i) row_ij^T + (change of the normal) row_i^T.
+        sum over its edges of (u_j - u_i) row_ij^T + (change of the normal) row_i^T.
 
-    F minimises sum |F e - e'|^2 / |e|^2 + s |F n - n'|^2: rows are e / |e|^2 and s n times the inverse of
-    sum e e^T / |e|^2 + s n n^T. s is half the number of edges, as much as they say of each direction in the skin.
+    F minimises sum |F e - e'|^2 / |e|^2 + s |F n - n'|^2: the rows are e / |e|^2 and s n times the inverse of
+    sum e e^T / |e|^2 + s n n^T. s is half the number of edges: the weight that they give each tangential direction.
     """
     x, m = mesh.rest_positions, len(mesh.rest_positions)
     arms = np.concatenate([mesh.springs, mesh.springs[:, ::-1]])

@@ -1,6 +1,6 @@
-"""Cells on a surface: seeds spread over it, the part of it that is nearest to each, and the triangles between them.
+"""Cells on a surface: the seeds spread over it, the part nearest to each seed, and the triangles between cells.
 
-Everything goes by distance in the space of place and normal, so that the two sides of a thin part are far apart.
+All distances are in a space of position and normal, in which the two sides of a thin part are far apart.
 """
 
 from __future__ import annotations
@@ -12,22 +12,22 @@ from ..base import Bools, Floats, Ints, distinct, row_parts, sums_at, sums_of_th
 from ..constants import CREASE
 from ..mesh.surface import Mesh
 
-CREASED = 0.3  # of the vertices: where more lie on creases, these are the roughness of a scan
-BESIDE = 0.75  # of the spacing: how near to each other seeds may lie on a crease
-MANY = 40_000  # vertices that are looked at of a finer mesh, every second, third...: it is smooth between them
+CREASED = 0.3  # share of the vertices: if more lie on creases, these are the roughness of a scan, and are ignored
+BESIDE = 0.75  # smallest distance between seeds on a crease, as a share of the spacing
+MANY = 40_000  # vertices that are candidates for seeds, at most: of finer meshes every second, third... is enough
 
 
 def vertex_normals(triangles: Ints, x: Floats) -> Floats:
-    """Return unit normals (n, 3), 0 where there is none.
+    """Return unit normals (n, 3), 0 for a vertex without one.
 
-    trimesh's `mean_vertex_normals` needs scipy, which Blender has not, and is 15 times slower without.
+    trimesh's `mean_vertex_normals` is 15 times slower without scipy, which Blender does not include.
     """
     total = np.stack([sums_at(triangles.ravel(), np.repeat(f, 3), len(x)) for f in _face_vectors(triangles, x)], axis=1)
     return total / np.maximum(np.sqrt(sums_of_three(total**2)), 1e-30)[:, None]
 
 
 def _face_vectors(triangles: Ints, x: Floats) -> Floats:
-    """Return the normals (3, t) of faces, as long as twice their area."""
+    """Return the normals (3, t) of faces, of twice their area in length."""
     columns, vectors = np.ascontiguousarray(x.T), np.empty((3, len(triangles)))
     for part in row_parts(len(triangles)):
         first, along, across = (columns.take(at, axis=1) for at in triangles[part].T)
@@ -39,14 +39,21 @@ def _face_vectors(triangles: Ints, x: Floats) -> Floats:
 
 
 def spread_seeds(mesh: Mesh, place: Floats, used: Ints, count: int, spacing: float) -> Ints:
-    """Choose seeds farthest first: on creases and borders to their spacing [m], then all over."""
+    """Choose seeds by farthest-point sampling: first on creases and borders, then over the whole surface.
+
+    Args:
+        place: (n, 6) the vertices in the space of the cells [m].
+        used: the vertices that may become seeds.
+        count: number of seeds.
+        spacing: mean distance between seeds [m].
+    """
     creased = np.intersect1d(_creased(mesh), used)
     if len(creased) > CREASED * len(used):
         creased = creased[:0]
     seeds, offered = np.zeros(0, np.int64), used[:: -(-len(used) // MANY)]
     for pool, least in ((creased, BESIDE * spacing), (offered, 0.0)):
         points = place[pool]
-        if len(pool) and not len(seeds):  # the first is the point farthest from the middle
+        if len(pool) and not len(seeds):  # the first seed is the point farthest from the middle
             seeds = pool[[int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())]]
         both = np.concatenate([seeds, pool])
         chosen = native.farthest_first(native.library(), place[both], len(seeds), least**2, count - len(seeds))
@@ -66,9 +73,9 @@ def _creased(mesh: Mesh) -> Ints:
 
 
 def grow_cells(mesh: Mesh, place: Floats, seeds: Ints) -> Ints:
-    """Return the seed (n,) each vertex belongs to: the nearest one of those that its neighbours belong to.
+    """Return the seed (n,) of each vertex: the nearest one among the seeds of its neighbours.
 
-    A cell is in one piece: islands that another cell cut off go to what is round them.
+    A cell is in one piece: an island that another cell cuts off joins a cell next to it.
     """
     cells, joined = native.grow_cells(native.library(), mesh.springs, place, seeds)
     lost = np.flatnonzero(cells < 0)  # parts without a seed, and loose vertices
@@ -81,7 +88,7 @@ def grow_cells(mesh: Mesh, place: Floats, seeds: Ints) -> Ints:
 
 
 def _join_islands(ends: Ints, place: Floats, seeds: Ints, cells: Ints, joined: Bools) -> None:
-    """Give what another cell cut off from its seed to the nearest cell beside it, in place."""
+    """Assign the vertices that another cell cuts off from their seed to the nearest adjacent cell, in place."""
     i, j = np.concatenate([ends, ends[:, ::-1]]).T
     while len(beside := np.flatnonzero(joined[i] & ~joined[j])):
         end, offered = j[beside], cells[i[beside]]
@@ -93,12 +100,12 @@ def _join_islands(ends: Ints, place: Floats, seeds: Ints, cells: Ints, joined: B
 
 
 def dual(corners: Ints) -> Ints:
-    """Return the triangles (t, 3) of cells that meet in a fine triangle; two that look opposite ways are none."""
+    """Return the triangles (t, 3) of cells that meet in a fine triangle; those that occur in both windings cancel."""
     a, b, c = corners.T
     meet = corners[(a != b) & (b != c) & (c != a)]
     low = meet.argmin(axis=1)
     turned = np.take_along_axis(meet, (low[:, None] + np.arange(3)) % 3, axis=1)
-    m = int(corners.max(initial=0)) + 1  # m^3 fits for two million cells
+    m = int(corners.max(initial=0)) + 1  # m^3 fits in 64 bits up to two million cells
     ways = distinct((turned @ [m * m, m, 1]).astype(np.int64))
     first, rest = np.divmod(ways, m * m)
     second, third = np.divmod(rest, m)

@@ -1,7 +1,7 @@
 """A proxy: a coarser body that is simulated in place of a fine mesh, and the binding that moves the fine surface.
 
 Seeds are spread over the surface. Each fine vertex belongs to the cell of one seed, and where three cells meet the
-proxy has a triangle. Mass and shape-matching stiffness of a cell go to its seed, so their sums are conserved.
+proxy has a triangle. The mass and the shape-matching stiffness of a cell go to its seed, so their sums are conserved.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from ..native import Binding
 from .binding import bind
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 
-SMALLEST = 60  # vertices: fewer no longer have the shape of a body
-LARGEST = 16_000  # more take over a second to choose
-STIFFER = stiffness_of(0.0) / stiffness_of(1.0)  # what is painted so is a spacing apart
-VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
-NEAREST = 1 / 3  # of the distance that a mesh of such edges holds: nearer, what comes fast is held back by its planes
-KEPT = 4  # proxies: of bodies that are alike one is made, and of one body while its constants are tuned
+SMALLEST = 60  # [vertices] fewer no longer have the shape of the body
+LARGEST = 16_000  # [vertices] choosing more takes over a second
+STIFFER = stiffness_of(0.0) / stiffness_of(1.0)  # ratio of stiffness that counts as one spacing of distance
+VOLUME_SLACK = 0.15  # share of the volume: a proxy that is off by more is another body
+NEAREST = 1 / 3  # smallest offset over that of a mesh with such edges: smaller, the planes slow fast bodies down
+KEPT = 4  # proxies kept for reuse, by identical bodies and while the constants of a body are tuned
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,11 +38,11 @@ class Proxy:
     mesh: the fine mesh, n vertices.
     model: the coarse body that is simulated, m vertices.
     seeds: (m,) the vertex of the fine mesh at which each coarse vertex lies.
-    cells: (n,) the coarse vertex whose share of mass and stiffness each vertex of the fine mesh is.
-    painted: (n,) how much stiffer each vertex of the fine mesh was than most when the cells were made, see `painted`.
+    cells: (n,) the coarse vertex that takes the mass and stiffness of each vertex of the fine mesh.
+    painted: (n,) relative stiffness of each vertex of the fine mesh when the cells were made, see `painted`.
     still: the vertices of the fine mesh that are pinned or loose.
     spacing: mean distance between seeds [m].
-    binding: what carries the fine mesh along.
+    binding: the binding by which the fine mesh follows.
     """
 
     mesh: Mesh
@@ -56,10 +56,10 @@ class Proxy:
 
     @cached_property
     def offset(self) -> float:
-        """Return the distance [m] that it holds from what it meets so that its mesh holds its own, half of it each: a
-        proxy of long edges would else be met sooner than the mesh that it moves.
+        """Return the contact offset [m] of the proxy at which its fine mesh keeps the offset of its own edges.
 
-        Its mesh stands out of it, on average, by the volume between them over the area.
+        With the offset of its long edges, a proxy would make contact before the fine mesh does. On average the fine
+        mesh stands out from the proxy by the volume between them divided by the area.
         """
         mesh, coarse = self.mesh, self.model.mesh
         out = (mesh.volume - coarse.volume) / float(coarse.triangle_areas.sum())
@@ -67,12 +67,11 @@ class Proxy:
         return float(np.clip(wanted, NEAREST * OFFSET * self.spacing, OFFSET * self.spacing))
 
 
-_made: list[Proxy] = []  # the last ones
+_made: list[Proxy] = []  # the latest proxies, newest first
 
 
 def proxy_of(model: Model, vertices: int) -> Proxy:
-    """Return a proxy of about the given number of vertices; one that such a mesh, painted so, had before only needs
-    other constants.
+    """Return a proxy of about the given number of vertices; a kept one of an equal mesh and stiffness is reused.
 
     Raises:
         DimpleError: it cannot be made; the message says why.
@@ -118,52 +117,52 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
 
 
 def _places(mesh: Mesh, stiffer: Singles, spacing: float) -> Floats:
-    """Return where vertices are (n, 6) [m] in the space in which cells are the nearest of it."""
+    """Return the vertices (n, 6) [m] in the space of the cells: position, then an offset by normal and stiffness."""
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
-    # opposite normals put two points a spacing apart; what is painted goes along a diagonal: any way
+    # opposite normals put two points one spacing apart; stiffness shifts along a diagonal, an arbitrary direction
     shift = spacing / 2 * normals + spacing / math.sqrt(3) * stiffer[:, None]
     return np.concatenate([mesh.rest_positions, shift], axis=1)
 
 
 def _seeds_and_cells(mesh: Mesh, place: Floats, seeds: Ints) -> tuple[Ints, Ints]:
-    """Return those seeds that have triangles between their cells, and the cells (n,)."""
+    """Return the seeds (m,) whose cells are corners of triangles, and the cells (n,)."""
     for _ in range(3):
         cells = grow_cells(mesh, place, seeds)
         stands = np.zeros(len(seeds), bool)
         stands[dual(cells[mesh.triangles])] = True
         if stands.all():
             return seeds, cells
-        seeds = seeds[stands]  # a part too small for a triangle follows what is beside it
+        seeds = seeds[stands]  # a part too small for a triangle joins others
         if not len(seeds):
             break
     raise DimpleError("its pieces are too small for a proxy.")
 
 
 def painted(model: Model) -> Singles:
-    """Return how much stiffer each vertex (n,) is, by its area, than most: powers of STIFFER, from -1 to 1.
+    """Return the stiffness per area of each vertex (n,) relative to the median, as a power of STIFFER from -1 to 1.
 
-    Cells do not cross where this changes, so that a soft spot no larger than a fingertip keeps its own vertices.
+    Cells do not cross a change of it, so that even a soft spot the size of a fingertip keeps its own vertices.
     """
     known = ~model.mesh.loose
     stiffness = model.matching.k1[known] / np.maximum(model.mesh.vertex_areas[known], 1e-30)
     powers = np.log(np.maximum(stiffness, 1e-30)) / math.log(STIFFER)
     found = np.zeros(len(known), np.float32)
-    found[known] = np.clip(np.round(powers - np.median(powers), 2), -1, 1)  # what is alike is so to the bit
+    found[known] = np.clip(np.round(powers - np.median(powers), 2), -1, 1)  # equal to the bit if alike
     return found
 
 
 def with_constants(proxy: Proxy, model: Model) -> Proxy:
-    """Return a proxy that moves as another model of the same fine mesh, on the same coarse one.
+    """Return a proxy with the same coarse mesh, but the constants of another model of the same fine mesh.
 
     Raises:
-        DimpleError: its pins need another proxy.
+        DimpleError: the pins of that model need another proxy.
     """
     coarse = _constants(model, proxy.model.mesh, proxy.cells)
     return replace(proxy, model=coarse, still=np.flatnonzero(model.pinned | model.mesh.loose))
 
 
 def mean_spacing(mesh: Mesh, vertices: float) -> float:
-    """Return the distance [m] between vertices when the given number is spread evenly over a surface."""
+    """Return the distance [m] between vertices if the given number is spread evenly over a surface."""
     return float(np.sqrt(2 / np.sqrt(3) * mesh.triangle_areas.sum() / vertices))
 
 
@@ -203,7 +202,12 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
     ends = cells[fine.springs].ravel()
 
     def of_surface(values: Floats, unit: Floats) -> Floats:
-        """Return the material's own constant [N/m] on the edges of the proxy, from that of fine edges."""
+        """Return a constant of the material [N/m] on the edges of the proxy, averaged from the edges of the fine mesh.
+
+        Args:
+            values: (e,) its value on each edge of the fine mesh [N/m].
+            unit: (e,) these values for a constant of 1.
+        """
         weight = np.where(unit > 0, fine.spring_areas, 0.0)
         sums = sums_at(ends, np.repeat(values / np.maximum(unit, 1e-30) * weight, 2), m)
         return mean_of_pairs(sums / np.maximum(sums_at(ends, np.repeat(weight, 2), m), 1e-30), mesh.springs)

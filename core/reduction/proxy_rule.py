@@ -1,7 +1,7 @@
-"""How a body is simulated: its full mesh where that runs live, else the even proxy that the budget pays for.
+"""The choice of what is simulated: the full mesh if it runs live, else an evenly spaced proxy within the budget.
 
-Where no proxy can be made the full mesh runs in slow motion. Costs are counted, not timed, so a plan is the same
-whatever else the computer does.
+If no proxy can be made, the full mesh runs in slow motion. Costs are estimated from counts, not timed, so a plan does
+not depend on what else the computer does.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from ..body.model import Model
 from ..messages import Message
 from .proxy import SMALLEST, Proxy, most_of, proxy_of
 
-BUDGET = 0.6  # [s] per second for the simulation; Blender needs the rest to draw
-COST = 1.4e-8  # [s] a vertex and step: measured once (tests/bench), and kept
-ESTIMATED = 1.05  # times the budget may what runs live be expected to cost: no cost is known better than that
+BUDGET = 0.6  # [s] of simulation per second of motion; Blender needs the rest for drawing
+COST = 1.4e-8  # [s] for a vertex and substep: measured once (tests/bench), then fixed
+ESTIMATED = 1.05  # largest estimated cost that counts as live, over the budget: estimates are no more accurate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """How a body is simulated, and why.
+    """The choice of what is simulated, and the reason.
 
-    proxy: None where the full mesh is simulated.
-    asked: vertices the proxy was requested with, 0 for the full mesh.
+    proxy: None if the full mesh is simulated.
+    asked: requested number of vertices of the proxy, 0 for the full mesh.
     cost: expected processor time [s] per simulated second.
-    error: expected of the surface in a dent, against that of the full mesh [m].
+    error: expected error of the surface in a dent, relative to the full mesh [m].
     reason: a sentence for the artist.
     """
 
@@ -42,7 +42,7 @@ def plan(model: Model, *, radius: float = 0.01, budget: float = BUDGET) -> Plan:
     """Choose between the full mesh and its proxies, and make the proxy.
 
     Args:
-        radius: of the fingertips [m].
+        radius: radius of the fingertips [m].
         budget: processor time [s] for a second of motion.
 
     Raises:
@@ -54,17 +54,17 @@ def plan(model: Model, *, radius: float = 0.01, budget: float = BUDGET) -> Plan:
         because = Message(
             "The full mesh would run at {speed} real time ({work})", speed=speed_of(cost, budget), work=work_of(model)
         )
-    except DimpleError:  # for any step; a proxy has longer edges, so it may take longer steps
+    except DimpleError:  # no step is short enough; a proxy has longer edges, so it may take longer steps
         cost = math.inf
     if cost <= ESTIMATED * budget:
         return _full_mesh(cost, Message("The full mesh runs live: {work}.", work=work_of(model)))
     asked = most_of(model)
-    if cost < math.inf:  # steps grow no faster than edges shrink, so the work no faster than vertices to 3/2
+    if cost < math.inf:  # substeps grow at most as 1 / edge, so the work as vertices^1.5
         asked = min(asked, int(len(model.mass) * (budget / cost) ** (2 / 3)))
     make = partial(plan_proxy, model, radius=radius, budget=budget, because=because)
     try:
         chosen = make(max(asked, SMALLEST))
-        fewer = int(chosen.asked * budget / chosen.cost)  # they take no more steps
+        fewer = int(chosen.asked * budget / chosen.cost)  # a smaller proxy needs no more substeps
         return make(max(fewer, SMALLEST)) if chosen.cost > ESTIMATED * budget else chosen
     except DimpleError as error:
         return _full_mesh(
@@ -73,10 +73,10 @@ def plan(model: Model, *, radius: float = 0.01, budget: float = BUDGET) -> Plan:
 
 
 def plan_full_mesh(model: Model, *, budget: float = BUDGET, because: str = "As chosen") -> Plan:
-    """Return the plan that simulates the full mesh, whatever it costs.
+    """Return the plan that simulates the full mesh at any cost.
 
     Args:
-        because: how the reason of the plan begins.
+        because: beginning of the reason of the plan.
 
     Raises:
         DimpleError: the material is too stiff for the mesh.
@@ -93,11 +93,11 @@ def plan_proxy(
 ) -> Plan:
     """Return the plan that simulates a proxy of about the given number of vertices.
 
-    Where no proxy of that size can be made, somewhat larger ones are tried.
+    If no proxy of that size can be made, somewhat larger ones are tried.
 
     Args:
         radius, budget: as for `plan`.
-        because: how the reason of the plan begins.
+        because: beginning of the reason of the plan.
 
     Raises:
         DimpleError: no such proxy can be made; the message says why.
@@ -114,20 +114,20 @@ def plan_proxy(
 
 
 def surface_error(spacing: float, radius: float) -> float:
-    """Return how far [m] dents of a proxy of so long edges [m] are off under a fingertip of a radius [m].
+    """Return the expected error [m] of dents of a proxy with edges of length `spacing` [m] under a fingertip.
 
-    A dent is curved as the fingertip is, and the middle of a chord of length h is h^2 / (8 R) from its arc of radius R:
-    what the proxy cannot show. Of 30 bodies pressed by R / 2, 19 of 20 proxies keep it in 49 of 50 presses, root mean
-    square over the dent (tests/studies/charts/proxies.csv).
+    A dent has the curvature 1 / R of the fingertip. The middle of a chord of length h is h^2 / (8 R) from its arc: the
+    proxy cannot show this much. Of the proxies of 30 bodies pressed by R / 2, 95 % have an RMS error over the dent
+    within this value in 98 % of the presses (tests/studies/charts/proxies.csv).
     """
     return spacing**2 / (8 * radius)
 
 
 def _first(model: Model, vertices: int) -> tuple[Proxy, int]:
-    """Return a proxy of a number of vertices, or of up to twice as many, and that number.
+    """Return a proxy with the given number of vertices, or up to twice as many, and the number requested.
 
     Raises:
-        DimpleError: no number of vertices works; the message is that of the first.
+        DimpleError: none of these numbers works; the message is that of the first.
     """
     why: DimpleError | None = None
     for asked in (vertices * quarters // 4 for quarters in (4, 5, 6, 8)):
@@ -144,7 +144,7 @@ def _full_mesh(cost: float, reason: str) -> Plan:
 
 
 def cost_of(model: Model) -> float:
-    """Return the processor time [s] that a second of motion should take."""
+    """Return the expected processor time [s] for a second of motion."""
     return COST * len(model.mass) * model.substeps(TICK) / TICK
 
 
