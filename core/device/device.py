@@ -1,4 +1,4 @@
-"""A haptic device as Blender sees it, run by a servo process of its own, whatever line it is on."""
+"""A haptic device as Blender sees it: a servo process of its own runs it, whatever its line."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from .rendered_surface import Surface
 
 @dataclass(slots=True)
 class Device:
-    """A haptic device. It is given surfaces, not forces: a force held for a frame of Blender is not stable.
+    """A haptic device. It receives surfaces, not forces: a force held for a frame of Blender is not stable.
 
     port: path of the serial port, udp:HOST:PORT, or haply:PORT.
-    secret: of a device on the network.
-    anywhere: on the network of other computers too.
-    held_until: until when the dead-man key counts as held, as long as orders are sent [s]; 0: not held.
-    process: the servo.
+    secret: shared with a device on the network.
+    anywhere: allow devices on other computers too.
+    held_until: time until which the dead-man key counts as held, as long as orders are sent [s]; 0: not held.
+    process: the servo process.
     """
 
     port: str
@@ -38,16 +38,16 @@ class Device:
     _box: Mailbox | None = None
     _seen: int = 0
     _sampled: int = 0
-    _heard: float = 0.0  # when the servo wrote last [s]
+    _heard: float = 0.0  # when the servo last wrote [s]
     _order: Order = field(default_factory=Order)
     _report: ServoReport = field(default_factory=ServoReport)
     _errors: IO[bytes] | None = None
 
     def open(self) -> None:
-        """Start the servo; `read` then reports how that went.
+        """Start the servo; `read` then reports the outcome.
 
         Raises:
-            DimpleError: there is no Python or no pyserial to start it with, or the system refuses.
+            DimpleError: Python or pyserial is missing, or the system refuses.
         """
         self.close()
         try:
@@ -64,15 +64,15 @@ class Device:
         self._report = ServoReport()
         self._errors = tempfile.TemporaryFile()
         words = ["--mailbox", str(self._box.path), *(["--anywhere"] if self.anywhere else [])]
-        words += ["--", self.port]  # a port is no option, whatever its name
+        words += ["--", self.port]  # so that no name of a port is taken for an option
         self.process = self._start(words, self._errors)
 
     def _start(self, words: list[str], errors: IO[bytes]) -> subprocess.Popen[bytes]:
-        """Start one of its processes; a study starts one that records more."""
+        """Start the servo process; a study overrides this to record more."""
         return start(words, errors, secret=self.secret)
 
     def read(self) -> ServoReport:
-        """Return where its fingertips are, and its state; never wait."""
+        """Return the positions of its fingertips, and its state, without waiting."""
         if self._box:
             self._seen, message = self._box.read(FROM_SERVO, self._seen)
             if message:
@@ -105,19 +105,19 @@ class Device:
         self._post(replace(self._order, disarm=self._order.disarm + 1))
 
     def hold(self, until: float) -> None:
-        """Set until when the dead-man key counts as held [s of time.perf_counter]; the device's own button also counts.
+        """Hold the dead-man key until a time [s of time.perf_counter]; the device's own button also counts.
 
-        It is held for no longer than LEASE after the last call of any method that sends something.
+        It is held for no longer than LEASE after the last call of any method that sends an order.
         """
         self.held_until = until
         self.renew()
 
     def renew(self) -> None:
-        """Send the last order again, so that the key's lease is renewed."""
+        """Send the last order again to renew the key's lease."""
         self._post(self._order)
 
     def close(self) -> None:
-        """End the servo, which ends all force and frees the port; closing twice does nothing."""
+        """End the servo, which ends all force and frees the port; a second call does nothing."""
         if self.process:
             end(self.process)
         if self._box:

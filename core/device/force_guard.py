@@ -1,6 +1,6 @@
-"""What stands between a computed force and a person's hand. Nothing here may be weakened.
+"""The safety layer between a computed force and a person's hand. Nothing here may be weakened.
 
-Small state machines on an injected clock; every force of a fingertip passes `Guard.output`, and there is no other way.
+Small state machines that are given the time; every force of a fingertip passes `Guard.output`, without exception.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from .passivity import Passivity
 
 
 class Arming(Enum):
-    """How far the arming is."""
+    """The stages of arming."""
 
     OFF = 0
-    WAITING = 1  # until no force would act on the hand
+    WAITING = 1  # until the force that would act on the hand is small
     ASKED = 2  # the device has been asked to arm
     RAMP = 3
     ON = 4
@@ -30,9 +30,9 @@ class Arming(Enum):
 class Switch:
     """The arming of the device. After a disarm, whatever its reason, only a new request arms.
 
-    arming: how far it is.
+    arming: its stage.
     reason: why it is off, for the artist.
-    since: when this state, or the quiet in it, began [s].
+    since: when this stage, or the quiet in it, began [s].
     """
 
     arming: Arming = Arming.OFF
@@ -46,7 +46,7 @@ class Switch:
             self.reason = ""
 
     def disarm(self, reason: str) -> None:
-        """Take all force away, at once."""
+        """Remove all force at once."""
         if self.arming is not Arming.OFF:
             self._go(Arming.OFF)
             self.reason = reason
@@ -56,7 +56,7 @@ class Switch:
 
         Args:
             wanted: the largest force that would act on a fingertip [N].
-            now: [s].
+            now: time [s].
             held: the dead-man switch is held.
             device_on: the device itself is armed.
         """
@@ -71,7 +71,7 @@ class Switch:
                 self._go(Arming.RAMP, now)
             case Arming.ASKED if now - self.since > limits.REFUSAL_TIME:
                 self.disarm(NOT_ARMED)
-            case Arming.RAMP | Arming.ON if not device_on:  # it brakes, and its ramp begins again
+            case Arming.RAMP | Arming.ON if not device_on:  # it is braking, and its ramp will start again
                 self._go(Arming.RAMP, now)
         if self.arming is Arming.RAMP and now - self.since >= limits.RAMP_TIME:
             self._go(Arming.ON, now)
@@ -85,16 +85,16 @@ class Switch:
 
 @dataclass(slots=True)
 class BadNumbers:
-    """A count of the NaN and inf that would have been forces."""
+    """A count of NaN and inf that were computed as forces."""
 
     times: deque[float] = field(default_factory=lambda: deque(maxlen=limits.BAD_NUMBERS))
 
     def count(self, now: float) -> None:
-        """Count one more."""
+        """Count one at a time [s]."""
         self.times.append(now)
 
     def too_many(self) -> bool:
-        """Tell, once, whether there were too many."""
+        """Return whether there were too many; if so, start the count again."""
         many = len(self.times) == limits.BAD_NUMBERS and self.times[-1] - self.times[0] <= limits.LOST_TIME
         if many:
             self.times.clear()
@@ -103,7 +103,7 @@ class BadNumbers:
 
 @dataclass(slots=True)
 class Velocity:
-    """The velocity of a fingertip [m/s], filtered because of the steps of its converter."""
+    """The velocity of a fingertip [m/s], low-pass filtered against the quantization of its converter."""
 
     at: Vector | None = None
     since: float = 0.0
@@ -126,12 +126,12 @@ class Velocity:
 class Guard:
     """The limits of one fingertip, with the state they need.
 
-    peak, continuous: most force, at once and for long (10 s rms) [N].
-    motion: its velocity.
-    passivity: its energy.
-    sent: the force that acts now [N].
+    peak, continuous: largest force, momentary and sustained (10 s rms) [N].
+    motion: velocity of the fingertip.
+    passivity: energy balance of its force.
+    sent: force that acts now [N].
     square: 10 s mean of its square [N2].
-    full: it had to be limited, or yields because it gave back more than it took.
+    full: the force had to be limited, or yields because it gave back more energy than it took.
     """
 
     peak: float
@@ -147,10 +147,10 @@ class Guard:
 
         Args:
             x: position [m].
-            now: [s].
+            now: time [s].
             acted: the force [N], None for the one sent.
-            left: share of it at the end of the way, where the device lets go of an old command; what the hand gave is
-                counted with that share, what it got with the whole.
+            left: share of it at the end of the way, if the device lets go of an old command; energy that the hand gave
+                is counted with that share of the force, energy that it got with the whole.
         """
         dt = now - self.motion.since if self.motion.at else 0.0
         acted = self.sent if acted is None else acted
@@ -161,12 +161,12 @@ class Guard:
         self.square += (dot(self.sent, self.sent) - self.square) * min(max(dt, 0.0) / limits.RMS_TIME, 1.0)
 
     def skip(self) -> None:
-        """Miss a position: the next one is not compared with the last."""
+        """Skip a position: the next one is not compared with the last."""
         self.motion.stop()
         self.passivity.skip()
 
     def output(self, wanted: Vector, gain: float, dt: float) -> Vector:
-        """Return the force [N] that may act where another is wanted; where that is not a number, none."""
+        """Return the force [N] that may act for a wanted one; none if that is not a number."""
         if not is_finite(wanted):
             return self.zero()
         left = self.passivity.want(wanted, dt)
@@ -185,11 +185,11 @@ class Guard:
         return self.sent
 
     def zero(self) -> Vector:
-        """Take all force away, at once."""
+        """Remove all force at once."""
         self.sent, self.full = ZERO, False
         return ZERO
 
     @property
     def runs_away(self) -> bool:
-        """Tell whether the fingertip is faster than any hand."""
+        """Return whether the fingertip is faster than any hand."""
         return not math.sqrt(dot(self.motion.speed, self.motion.speed)) <= limits.TOP_SPEED

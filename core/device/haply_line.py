@@ -1,10 +1,10 @@
-"""A line to the Inverse3 of Haply, through the service of its maker on this computer: frames here, JSON there.
+"""A line to Haply's Inverse3 through its maker's service on this computer: frames to the servo, JSON to the service.
 
-Each message to the service sets the force of up to three devices and is answered with where they are, in metres and
-newtons, x right, y forward, z up: Blender's own axes. Service 3.1 or later.
+Each message to the service sets the force of up to three devices; the answer contains their positions. Units are metres
+and newtons; x points right, y forward, z up, as in Blender. Service 3.1 or later.
 Sources: docs.haply.co, Inverse SDK, "WebSocket Protocol" and "Basis Permutation"; the types of the crate `haply` 1.3.
-(A) is assumed: the limits and the friction of the device are not published there, nor what the service does with the
-last force while a client stands still; when a client ends, its connection does too.
+(A) marks assumptions: the limits and the friction of the device are not published there, nor what the service does with
+the last force while a client hangs; when a client ends, so does its connection.
 """
 
 from __future__ import annotations
@@ -30,25 +30,25 @@ _HELD: Final = wire.ENABLE | wire.DEADMAN
 
 
 class HaplyLine(SocketLine):
-    """A connection to the service; it answers the servo as a device of the protocol does.
+    """A connection to the service that answers the servo as a device of the protocol does.
 
-    The service sends nothing by itself, so each command paces the next position: a tick apart.
+    The service sends nothing unasked, so each command requests the next positions: one tick apart.
     """
 
     def __init__(self, service: WebSocket, name: str) -> None:
         super().__init__(service.socket, name)
         self._service = service
         self._decoder, self._pending = wire.Decoder(), b""
-        self._devices: list[str] = []  # their names, in the order of the service
+        self._devices: list[str] = []  # their ids, in the order of the service
         self._is_new = False  # service 3.5 or later, which renamed a field
         self._hello: wire.Hello | None = None
         self._session = self._states = self._ack = self._late = 0
         self._mode, self._asked = wire.IDLE, 0.0  # when the last message left [s]
-        self._trips: deque[float] = deque(maxlen=1000)  # [s]
+        self._trips: deque[float] = deque(maxlen=1000)  # round trips [s]
         self._forces: wire.Nine = wire.NO_FORCE
 
     def read(self) -> bytes:
-        """Return the frames that the newest message amounts to, b"" where none has come."""
+        """Return the frames that the newest message is converted to, b"" if none has arrived."""
         try:
             messages = self._service.read()
         except OSError as error:
@@ -64,7 +64,7 @@ class HaplyLine(SocketLine):
         return out
 
     def write(self, data: bytes) -> bool:
-        """Take the frames of the servo; set the forces; return False where they did not leave."""
+        """Take the frames of the servo and set the forces; return False if these could not be sent."""
         ask = False
         for frame in self._decoder.feed(data):
             if isinstance(frame, wire.Hello):
@@ -73,7 +73,7 @@ class HaplyLine(SocketLine):
                 held = frame.flags & _HELD == _HELD and self._mode == wire.ARMED
                 self._ack, self._forces, ask = frame.seq, frame.force if held else wire.NO_FORCE, True
             elif isinstance(frame, wire.Arm):
-                self._mode = wire.ARMED  # the ramp is the servo's
+                self._mode = wire.ARMED  # the servo ramps the force
             elif isinstance(frame, wire.Disarm):
                 self._mode, self._forces, ask = wire.IDLE, wire.NO_FORCE, True
             elif isinstance(frame, wire.Ping):
@@ -81,7 +81,7 @@ class HaplyLine(SocketLine):
         return self._ask() if ask and self._devices else True
 
     def _ask(self) -> bool:
-        """Set the forces, which asks where the devices are."""
+        """Set the forces, which also requests the positions."""
         time.sleep(max(self._asked + INVERSE3.tick - time.perf_counter(), 0.0))
         self._asked = time.perf_counter()
         field, force = "vector" if self._is_new else "values", [part * wire.FORCE_STEP for part in self._forces]
@@ -95,7 +95,7 @@ class HaplyLine(SocketLine):
             raise self._gone(error) from None
 
     def _take(self, message: dict[str, Any]) -> bytes:
-        """Return the frames of a message: the first names the devices, each has their positions."""
+        """Return the frames of a message: the first message names the devices, and each has their positions."""
         devices = {device["device_id"]: device for device in message.get("inverse3", ())}
         if not self._devices:
             if not devices:
@@ -141,7 +141,7 @@ def open_haply(path: str) -> HaplyLine:
     """Open a connection to the service at "haply:PORT" of this computer.
 
     Raises:
-        DimpleError: it is no port, or no service answers there.
+        DimpleError: the port is invalid, or no service answers there.
     """
     number = path.removeprefix(PREFIX)
     if not number.isdecimal() or not 0 < int(number) < 0x10000:

@@ -1,7 +1,7 @@
-"""Messages that two processes share in a file: the order of Blender to the servo, the servo's report and its samples.
+"""Messages between two processes in a shared file: Blender's order to the servo, the servo's report and its samples.
 
-Each message is written under a sequence number that is odd meanwhile (a seqlock), and carries its own CRC-32: a
-reader that comes in between keeps the message before, in whatever order a processor shows its stores.
+Each message has a sequence number that is odd while it is written (a seqlock), and its own CRC-32: a reader that comes
+in between keeps the previous message, in whatever order a processor makes its stores visible.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ from typing import Final
 
 from ..errors import DimpleError
 
-_HEAD: Final = struct.Struct("<III")  # sequence number, CRC-32 and bytes of the message
-_SLOT: Final = 8192  # bytes of a message and its head: two pages, twice the longest order
+_HEAD: Final = struct.Struct("<III")  # sequence number, CRC-32 and size [bytes] of the message
+_SLOT: Final = 8192  # [bytes] for a message and its head: two pages, twice the longest order
 TO_SERVO, FROM_SERVO = 0, 1
-_SAMPLE: Final = struct.Struct("<Q19d")  # its number; time of the device [s], position [m] and force [N] of each tip
-_SAMPLES: Final = 4096  # that are kept: four seconds at 1 kHz, longer than Blender stalls while there is force
+_SAMPLE: Final = struct.Struct("<Q19d")  # number; device time [s]; position [m] and force [N] of each tip
+_SAMPLES: Final = 4096  # samples kept: four seconds at 1 kHz, longer than Blender can stall while a force acts
 _SIZE: Final = 2 * _SLOT + _SAMPLES * _SAMPLE.size
-MEMORY: Final = "/dev/shm"  # files in memory, on Linux: writing a page to a disk takes milliseconds
+MEMORY: Final = "/dev/shm"  # Linux keeps files there in memory: writing a page to a disk takes milliseconds
 
 
 class Mailbox:
     """A mailbox file, mapped into memory.
 
     Args:
-        path: of the file; None makes one. The process that is given a path removes the file where the system allows
-            it: it stays mapped, and no file is left whichever process is killed. Else `close` removes it where it was
-            made.
+        path: of an existing file; None makes one. The process that opens an existing file removes it if the system
+            allows: it stays mapped, and no file is left whichever process is killed. Otherwise `close` removes it in
+            the process that made it.
 
     Raises:
         DimpleError: it cannot be made or opened.
@@ -42,14 +42,14 @@ class Mailbox:
         self._own = path is None
         try:
             self.path, self._map = _map(path)
-        except (OSError, ValueError) as error:  # ValueError: a file that is shorter
+        except (OSError, ValueError) as error:  # ValueError: the file is too short
             raise DimpleError(
                 "The mailbox of the device's servo cannot be used: {where} ({error}).",
                 where=path or _folder(), error=error
             ) from None  # fmt: skip
 
     def post(self, which: int, message: bytes) -> None:
-        """Publish a message in place of the last one."""
+        """Publish a message in place of the previous one."""
         if len(message) > _SLOT - _HEAD.size:
             raise ValueError(f"A message of {len(message)} bytes is too long.")
         at = which * _SLOT
@@ -59,11 +59,11 @@ class Mailbox:
         _HEAD.pack_into(self._map, at, (number + 1) & 0xFFFFFFFF, zlib.crc32(message), len(message))
 
     def read(self, which: int, seen: int = 0) -> tuple[int, bytes | None]:
-        """Return the number of the newest message, and the message: None where it was seen, or is being written.
+        """Return the number of the newest message, and the message: None if already seen, or still being written.
 
         Args:
             which: TO_SERVO or FROM_SERVO.
-            seen: number of the one that was read last, 0 for none.
+            seen: number of the last message read, 0 for none.
         """
         at = which * _SLOT
         number, check, size = _HEAD.unpack_from(self._map, at)
@@ -78,9 +78,9 @@ class Mailbox:
         _SAMPLE.pack_into(self._map, 2 * _SLOT + int(sample[0]) % _SAMPLES * _SAMPLE.size, *sample)
 
     def samples(self, seen: int) -> tuple[int, list[tuple[float, ...]]]:
-        """Return the number of the newest sample, and all samples after one that was seen; the oldest may be lost.
+        """Return the number of the last sample returned, and all samples after number `seen`; the oldest may be lost.
 
-        The newest may be written at this moment, so it is left for the next call.
+        The newest may still be being written, so it is left for the next call.
         """
         rows = _SAMPLE.iter_unpack(self._map[2 * _SLOT :])
         found = sorted(row for row in rows if row[0] > seen)[:-1]
@@ -94,7 +94,7 @@ class Mailbox:
 
 
 def _map(path: Path | None) -> tuple[Path, mmap.mmap]:
-    """Return a mailbox file and its bytes; None makes one."""
+    """Return a mailbox file and its mapped bytes; None makes a file."""
     handle, name = (
         tempfile.mkstemp(dir=_folder(), prefix="dimple-", suffix=".mail")
         if path is None
@@ -102,7 +102,7 @@ def _map(path: Path | None) -> tuple[Path, mmap.mmap]:
     )
     try:
         if path is None:
-            os.write(handle, bytes(_SIZE))  # a full disk is reported now, and not when a message is posted
+            os.write(handle, bytes(_SIZE))  # so that a full disk is reported now, not when a message is posted
         mapped = mmap.mmap(handle, _SIZE)
         if path is not None and os.name == "posix":
             path.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""What the servo tells the artist of device and line: why there is no force, and what to do."""
+"""The servo's messages to the artist about device and line: why there is no force, and what to do."""
 
 from . import wire
 

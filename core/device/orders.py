@@ -1,4 +1,4 @@
-"""What Blender and the servo tell each other: Blender's order and the servo's report, as JSON."""
+"""The messages between Blender and the servo, as JSON: Blender's order and the servo's report."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .limits import LEASE, STATE_GAP
 from .rendered_surface import Law, Surface
 from .wire import FINGERS as TIPS
 
-LONGEST_NOTE: Final = 1000  # characters, with the values: longer than any sentence that an artist reads
+LONGEST_NOTE: Final = 1000  # [characters] with the values: longer than any sentence that an artist reads
 
 
 class LinkState(Enum):
@@ -22,17 +22,17 @@ class LinkState(Enum):
 
     OPENING = 0
     READY = 1
-    LOST = 2  # the line is gone: connect again; or the device fell silent: READY when it answers again, not armed
-    REFUSED = 3  # of another protocol, another baud rate, in use...
+    LOST = 2  # the line is gone: connect again; or the device is silent: READY once it answers, not armed
+    REFUSED = 3  # other protocol, other baud rate, port in use...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Order:
-    """What Blender wants of the servo.
+    """What Blender requests of the servo.
 
-    arm, disarm: counters; one more is one more request.
-    held_until: until when the dead-man key counts as held, on the clock of both [s]; to be renewed within LEASE.
-    surfaces: up to three.
+    arm, disarm: counters of the requests; an increment is a new one.
+    held_until: time until which the dead-man key counts as held, on their common clock [s]; to be renewed within LEASE.
+    surfaces: one for each of up to three fingertips.
     """
 
     arm: int = 0
@@ -41,11 +41,11 @@ class Order:
     surfaces: tuple[Surface | None, ...] = ()
 
     def is_held(self, now: float) -> bool:
-        """Tell whether the dead-man key is held; a time too far ahead is not of this clock, so it does not count."""
+        """Return whether the dead-man key is held; a time too far ahead is of another clock and does not count."""
         return 0 < self.held_until - now <= LEASE + STATE_GAP
 
     def is_fresh(self, now: float, oldest: float) -> bool:
-        """Tell whether no surface is older than a time [s]; a stamp that is not a number is not fresh."""
+        """Return whether no surface is older than a time [s]; a stamp that is not a number is not fresh."""
         return all(s is None or -STATE_GAP <= now - s.stamp <= oldest for s in self.surfaces)
 
 
@@ -53,8 +53,8 @@ class TipState(NamedTuple):
     """A fingertip of the device, as the servo reports it.
 
     position: [m].
-    force: sent to it [N].
-    least_energy: lowest observed energy [J].
+    force: force sent to it [N].
+    least_energy: lowest observed balance of energy taken minus given [J].
     masked: its sensor is not trusted.
     full: its force had to be limited.
     """
@@ -69,13 +69,13 @@ class TipState(NamedTuple):
 class ServoReport(NamedTuple):
     """The state of device and link, as the servo reports it.
 
-    states: STATEs taken.
-    lost: missing in their sequence.
-    unsent: answers that the line did not take.
+    states: number of STATEs taken.
+    lost: number of STATEs missing in the sequence.
+    unsent: answers that the line did not accept.
     wrong: frames refused by their CRC or form.
-    stale: older than the newest.
-    rate: STATEs a second [1/s].
-    delay_p50, delay_p99: from a STATE to the arrival of its answer [s].
+    stale: STATEs that arrived late or twice.
+    rate: rate of the STATEs [1/s].
+    delay_p50, delay_p99: median and 99th percentile of the time from a STATE to the arrival of its answer [s].
     cap: largest stiffness to render [N/m].
     peak: largest force of a fingertip [N].
     note: "" or a sentence for the artist.
@@ -119,7 +119,7 @@ def _surface(place: Any, normal: Any, anchor: Any, law: Any, friction: float, st
 
 
 def pack_report(report: ServoReport) -> bytes:
-    """Return a report as bytes; a note that is too long is cut off, without its values."""
+    """Return a report as bytes; a note that is too long is truncated and loses its values."""
     link, arming, *rest, note = report
     said = whole if len(whole := kept(note)) <= LONGEST_NOTE else str.__str__(note)[:LONGEST_NOTE]
     return json.dumps((link.value, arming.value, *rest, said), ensure_ascii=False).encode()

@@ -1,4 +1,4 @@
-"""The energy that a fingertip's force takes from a hand and gives it: it may not give more.
+"""The energy that a fingertip's force takes from a hand and gives back: it may not give more than it took.
 
 Nothing here may be weakened.
 """
@@ -23,24 +23,24 @@ def _is_far(x: Vector, before: Vector) -> bool:
 
 @dataclass(slots=True)
 class Passivity:
-    """The energy that a fingertip's force took from the hand; damps where it gave back more than it took.
+    """The energy that a fingertip's force took from the hand; the force is damped if it gave back more.
 
-    A piece of the path is counted when it is longer than the noise of the converters: the force follows their noise,
-    and tick by tick that would look like energy (K sigma^2 each).
+    Energy is counted by segments of the path longer than the noise of the converters: the force follows their noise,
+    and counted tick by tick that would look like energy (K sigma^2 per tick).
 
-    stored: energy taken less energy given, of this touch [J].
-    least: the lowest it ever was [J].
-    idle_since: since when no force acts [s].
-    at: the last position [m].
-    begin: where the piece under way began [m].
-    total: the sum of the forces along it [N].
-    count: their number.
-    share: of the force that is left, less once the touch gave back too much.
-    floor: stored energy below which it falls [J].
-    owed: stored energy above which it comes back: the hand has paid by pressing on [J].
-    unwanted: for how long no force has been wanted [s].
+    stored: energy taken minus energy given in this touch [J].
+    least: minimum of `stored` so far [J].
+    idle_since: when the force became zero [s].
+    at: last position [m].
+    begin: start of the current segment [m].
+    total: sum of the forces along it [N].
+    count: number of those forces.
+    share: of a wanted force that is left, less than 1 once the touch gave back too much.
+    floor: stored energy below which the share falls [J].
+    owed: stored energy above which the share recovers: the hand has paid by pressing on [J].
+    unwanted: how long no force has been wanted [s].
 
-    Source: Hannaford and Ryu, time-domain passivity control; the force that yields is ours.
+    Source: Hannaford and Ryu, time-domain passivity control; the yielding force is our addition.
     """
 
     stored: float = 0.0
@@ -56,8 +56,8 @@ class Passivity:
     unwanted: float = 0.0
 
     def observe(self, force: Vector, x: Vector, now: float) -> None:
-        """Take the force [N] that acted until the fingertip came to x [m]."""
-        if self.at and self.count and _is_far(x, self.at):  # a long step is a piece of its own, with its own force
+        """Take the force [N] that acted until the fingertip reached x [m]."""
+        if self.at and self.count and _is_far(x, self.at):  # a long step is a segment of its own, with its own force
             self._count(self.at)
         self.total, self.count, self.at = along(self.total, force, 1.0), self.count + 1, x
         if self.begin is None or _is_far(x, self.begin):
@@ -67,10 +67,10 @@ class Passivity:
         elif self.idle_since is None:
             self.idle_since = now
         elif now - self.idle_since > limits.QUIET_TIME:
-            self.stored = min(self.stored, 0.0)  # what was dissipated pays for nothing later
+            self.stored = min(self.stored, 0.0)  # energy dissipated in this touch is no credit for the next
 
     def _count(self, x: Vector) -> None:
-        """Count the piece under way, which ends at x [m]."""
+        """Count the energy of the current segment, which ends at x [m]."""
         self.stored -= dot(self.total, along(x, self.begin or x, -1.0)) / self.count
         self.least = min(self.least, self.stored)
         if self.stored < self.floor:
@@ -79,18 +79,18 @@ class Passivity:
         self.begin, self.total, self.count = x, ZERO, 0
 
     def skip(self) -> None:
-        """Drop the piece under way: a sensor failed."""
+        """Drop the current segment, because a sensor failed."""
         self.at, self.begin, self.total, self.count = None, None, ZERO, 0
 
     def lose(self) -> None:
-        """Note that the device let go: a fingertip that sank in is pushed out with no more than the hand gave."""
+        """Note that the device let go: a fingertip that sank in gets back no more energy than the hand gave."""
         self.floor = min(limits.SPARE, self.stored - limits.GRAIN_ENERGY)
         self.owed = max(self.owed, self.floor)
 
     def want(self, force: Vector, dt: float) -> Vector:
-        """Return what is left of a force [N] wanted for a time [s]; wanted none for a while, the touch is over.
+        """Return what is left of a force [N] wanted for a time [s]; after a while without one the touch is over.
 
-        What was taken away comes back slowly, as a force that is armed does; at once it would push the hand.
+        A reduced force recovers as slowly as the force after arming; a sudden recovery would push the hand.
         """
         self.unwanted = 0.0 if force != ZERO else self.unwanted + dt
         if self.unwanted > limits.QUIET_TIME:
@@ -101,13 +101,13 @@ class Passivity:
         return scaled(force, self.share)
 
     def afford(self, force: Vector, speed: Vector) -> Vector:
-        """Return the force [N], less where at a speed [m/s] it would give more than is left before that is known."""
+        """Return the force [N], less if at a speed [m/s] it would overspend the energy left before that is counted."""
         given, left = limits.KNOWN_LATE * dot(force, speed), max(self.stored - self.floor, 0.0)
         return scaled(force, left / given) if given > left else force
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
-        """Return the force [N], damped so that what was given too much is taken back."""
-        taken = dot(speed, speed) * dt  # [J] by a damper of 1 N s/m; of a fingertip at rest it underflows
+        """Return the force [N], damped so that excess energy is taken back."""
+        taken = dot(speed, speed) * dt  # [J] that a damper of 1 N s/m takes; underflows for a fingertip at rest
         if self.stored >= 0 or force == ZERO or taken <= 0:
             return force
         return along(force, speed, -min(-self.stored / taken, limits.MOST_DAMPING))
@@ -115,13 +115,13 @@ class Passivity:
 
 @dataclass(slots=True)
 class SentForces:
-    """The forces of the last commands, and which of them acts: that of the one which the device acknowledged.
+    """The forces of the recent commands; the one that acts belongs to the command that the device acknowledged.
 
-    The device ramps its force by itself where its dead-man switch was released, be it by a command after a silence.
+    The device ramps its force by itself after its dead-man switch was released, even by the command sent in a silence.
 
-    sent: by the sequence numbers of their commands [N]; of those that release the dead-man switch none.
-    since: when the device first acknowledged the command that acts, on its clock [s].
-    ramp_since: when its ramp began, if it ramps, on its clock [s].
+    sent: forces by sequence number of their command [N]; commands that release the dead-man switch are left out.
+    since: when the device first acknowledged the acting command, on its clock [s].
+    ramp_since: when its ramp began, if it is ramping, on its clock [s].
     """
 
     sent: dict[int, Forces] = field(default_factory=dict)
@@ -129,20 +129,20 @@ class SentForces:
     ramp_since: float = 0.0
 
     def send(self, seq: int, forces: Forces | None) -> None:
-        """Take the forces [N] of a command that is sent, None where it releases the dead-man switch."""
+        """Take the forces [N] of a command that is sent, None if it releases the dead-man switch."""
         self.sent.pop(seq - 0x100 & 0xFFFF, None)  # older than a device can acknowledge
         if forces:
             self.sent[seq] = forces
 
     def restarts_ramp(self, before: DeviceState | None, state: DeviceState) -> bool:
-        """Tell whether the device's ramp began again after the STATE before."""
+        """Return whether the device's ramp started again after the previous STATE."""
         was_armed = before is not None and before.status & MODE == ARMED
         return state.status & MODE == RAMP and (was_armed or state.ack not in self.sent)
 
     def between(self, spec: Spec, before: DeviceState | None, state: DeviceState, now: float) -> tuple[Forces, float]:
-        """Return the forces [N] that acted from a STATE to the next, and the share of them that is left at its end.
+        """Return the forces [N] that acted between two STATEs, and the share of them that is left at the second.
 
-        now: of the second STATE, on the device's clock [s].
+        now: time of the second STATE, on the device's clock [s].
         """
         none = (ZERO,) * FINGERS
         acted = self.sent.get(before.ack, none) if before else none

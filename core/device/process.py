@@ -1,4 +1,4 @@
-"""Processes that end with ours, run by Blender's own Python."""
+"""Processes that end when Blender does, run by Blender's own Python."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..errors import DimpleError
 from .limits import ANSWER_TIME
 
 START: Final = Path(__file__).with_name("start.py")
-SECRET: Final = "DIMPLE_DEVICE_SECRET"  # in the environment of a process, where no other account can read it
+SECRET: Final = "DIMPLE_DEVICE_SECRET"  # environment variable of the process: no other account can read it
 
 
 def start(
@@ -23,13 +23,13 @@ def start(
     """Start a process that ends when its standard input closes.
 
     Args:
-        words: of its command line, see servo_process.py.
-        errors: file for what it writes to standard error, None for none.
-        script: what Python runs; its first argument is the folder of pyserial.
-        secret: of a device on the network.
+        words: arguments of its command line, see servo_process.py.
+        errors: file for its standard error, None to discard it.
+        script: the script that Python runs; its first argument is the folder of pyserial.
+        secret: shared with a device on the network.
 
     Raises:
-        DimpleError: there is no Python or no pyserial to start it with, or the system refuses.
+        DimpleError: Python or pyserial is missing, or the system refuses.
     """
     serial = importlib.util.find_spec("serial")
     if serial is None or serial.origin is None:
@@ -46,7 +46,7 @@ def start(
 
 
 def end(process: subprocess.Popen[bytes]) -> None:
-    """Close the standard input of a process and wait for it to end; kill one that does not."""
+    """Close the standard input of a process and wait for it to end; kill it if it does not."""
     if process.stdin:
         process.stdin.close()
     try:
@@ -57,7 +57,7 @@ def end(process: subprocess.Popen[bytes]) -> None:
 
 
 def python() -> str:
-    """Return Blender's own Python: in some builds of Blender sys.executable is None, or Blender itself.
+    """Return the path of Blender's own Python: in some builds sys.executable is None, or Blender itself.
 
     Raises:
         DimpleError: none is found.

@@ -1,4 +1,4 @@
-"""How many STATEs of the device arrived and how many were lost, by their sequence numbers."""
+"""The numbers of STATEs that arrived from the device and that were lost, by their sequence numbers."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from .limits import LOSS_FRAMES
 
 @dataclass(slots=True)
 class Received:
-    """Counts of STATEs: used, missing in the sequence, and stale (older than the newest, or seen before).
+    """Counts of STATEs: taken, missing in the sequence, and stale (older than the newest, or duplicates).
 
-    recent: of the last LOSS_FRAMES that were sent, when each came [s] and the number that were missing before it.
-    sent: the number of these.
+    recent: for each that arrived of the last LOSS_FRAMES sent, its time [s] and the number missing before it.
+    sent: number of STATEs that `recent` covers, the missing ones included.
     """
 
     taken: int = 0
@@ -38,11 +38,11 @@ class Received:
 
     @property
     def lost_share(self) -> float:
-        """Return the share of the last STATEs that is missing, 0 of too few."""
+        """Return the share of the recent STATEs that is missing, 0 if they are too few."""
         return 1 - len(self.recent) / self.sent if self.sent >= LOSS_FRAMES / 10 else 0.0
 
     @property
     def rate(self) -> float:
-        """Return the rate of the last STATEs [1/s], 0 of too few."""
+        """Return the rate of the recent STATEs [1/s], 0 if they are too few."""
         passed = self.recent[-1][0] - self.recent[0][0] if len(self.recent) >= LOSS_FRAMES / 10 else 0.0
         return (len(self.recent) - 1) / passed if passed > 0 else 0.0

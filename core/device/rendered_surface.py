@@ -1,9 +1,9 @@
-"""The force on a fingertip, 1000 times a second, on the surface that Blender carried to it 60 times a second.
+"""The force on a fingertip, evaluated 1000 times a second on a surface that Blender updates 60 times a second.
 
 Blender sends the plane of the surface under each fingertip and the constants of the law there. Depth, force and
-friction are evaluated here, where the fingertip is now, by the law that presses the body: a force held for a frame
-would be stable only below 217 N/m, and a slope would be wrong beyond the knee. What is steeper than the device can
-render is rendered as steep as it can.
+friction are evaluated here, at the present position of the fingertip, by the law that presses the body: a force held
+for a frame would be stable only below 217 N/m, and a single slope would be wrong beyond the knee. A slope steeper than
+the device can render is limited to what it can.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ..material import law_force
 from ..vectors import ZERO, Vector, along, capped, dot, is_finite, scaled
 from .limits import FADE_TIME, FARTHEST, LEVEL, LOST_TIME, PASSIVE_SHARE, SIDEWAYS, SLOWEST_FRAME, STATE_GAP, STIFFEST
 
-FINE = 1e-4  # [m] between two depths at which a law is looked at: 0.1 N at 1 N/mm
+FINE = 1e-4  # [m] between two depths at which the slope of a law is evaluated: 0.1 N at 1 N/mm
 
 
 class Law(NamedTuple):
@@ -24,8 +24,8 @@ class Law(NamedTuple):
 
     K1, K2: slopes up to the knee and beyond [N/m].
     x0: depth of the knee [m].
-    power: of the depth with which the force begins.
-    factors: on the force of a tip that is not the measuring one, at depths that grow with the square of their index; ()
+    power: exponent of the depth in the initial force, 1 for two straight pieces.
+    factors: on the force of a tip other than the measuring one, at depths that grow with the square of the index; ()
         for none.
     deepest: the last of these depths [m].
     """
@@ -38,7 +38,7 @@ class Law(NamedTuple):
     deepest: float = 0.0
 
     def factor(self, depth: float) -> tuple[float, float]:
-        """Return the factor of the tip at a depth [m], the last one beyond the deepest, and its slope times x."""
+        """Return the tip's factor at a depth [m], constant beyond the deepest, and its slope times that depth."""
         if not self.factors:
             return 1.0, 0.0
         last = len(self.factors) - 1
@@ -48,7 +48,7 @@ class Law(NamedTuple):
         return self.factors[k] + (at - k) * step, step * at / 2 if at < last else 0.0
 
     def force(self, depth: float, cap: float) -> float:
-        """Return the force [N] at a depth [m], no steeper than a cap [N/m]: a function of the depth alone."""
+        """Return the force [N] at a depth [m], its slope limited to a cap [N/m]: a function of the depth alone."""
         factor, growth = self.factor(depth)
         if not factor > 0:
             return 0.0
@@ -59,7 +59,7 @@ class Law(NamedTuple):
 
 
     def steepest(self, force: float) -> float:
-        """Return the stiffness [N/m] that a device must render, so that the law is not changed up to a force [N]."""
+        """Return the stiffness [N/m] that a device must be able to render for an unchanged law up to a force [N]."""
         depth = steepest = 0.0
         while self.force(depth, math.inf) < force and depth < FARTHEST:
             factor, growth = self.factor(depth)
@@ -73,12 +73,12 @@ class Law(NamedTuple):
 class Surface:
     """The surface under one fingertip, in the space of the device.
 
-    place: of the fingertip's centre where it begins to touch [m].
+    place: position of the fingertip's centre at which contact begins [m].
     normal: unit vector out of the body.
-    anchor: place [m] of the fingertip's centre to which friction holds it, None where it does not touch.
+    anchor: position [m] to which friction holds the fingertip's centre, None if it does not touch.
     law: the measured law there.
     friction: Coulomb coefficient.
-    stamp: when the simulation was there [s].
+    stamp: time at which the simulation evaluated the surface [s].
     """
 
     place: Vector
@@ -89,12 +89,12 @@ class Surface:
     stamp: float
 
     def depth(self, x: Vector) -> float:
-        """Return how deep a fingertip at x [m] is [m], negative where it is clear."""
+        """Return the depth [m] of a fingertip at x [m], negative if it does not touch."""
         return dot(along(self.place, x, -1.0), self.normal)
 
 
 def is_sane(surface: Surface) -> bool:
-    """Tell whether the numbers of a surface are finite and plausible: a unit normal, and no negative ones."""
+    """Return whether the numbers of a surface are finite and plausible: a unit normal, and no negative constant."""
     places, law = (surface.place, surface.anchor or surface.place), surface.law
     return (
         all(map(is_finite, (*places, surface.normal)))
@@ -112,8 +112,8 @@ def stiffness_cap(viscous: float, period: float, delay: float) -> float:
 
     Args:
         viscous: friction b of the device [N s/m].
-        period: of its tick T [s].
-        delay: from sensor to motor t_d [s].
+        period: T of its tick [s].
+        delay: t_d from sensor to motor [s].
 
     Source: Colgate and Brown's condition for a passive wall, with a delay; tests.haptics.walls finds the same limit.
     """
@@ -121,24 +121,24 @@ def stiffness_cap(viscous: float, period: float, delay: float) -> float:
 
 
 def left_at(age: float) -> float:
-    """Return the share of the force that is left when a surface has an age [s]: of a frozen simulation it fades."""
+    """Return the share of the force that is left at an age [s] of its surface: if the simulation hangs, it fades."""
     if age < -STATE_GAP:
-        return 0.0  # not of this clock
+        return 0.0  # from the future: a stamp of another clock
     return min(max((FADE_TIME - age) / (FADE_TIME - LOST_TIME), 0.0), 1.0)
 
 
 @dataclass(slots=True)
 class Contact:
-    """The contact of one fingertip with the newest surface, taken over without a jump of the force.
+    """The contact of one fingertip with the newest surface; a new surface causes no jump of the force.
 
-    Friction is a spring to an anchor, which the fingertip draws along where it pulls harder than friction holds.
+    Friction is a spring to an anchor, which the fingertip drags along if it pulls harder than friction holds.
 
-    surface: the newest, None where there is none.
+    surface: the newest, None if there is none.
     cap: largest stiffness that is rendered [N/m].
-    anchor: where friction holds the fingertip's centre [m], None where it does not touch.
-    stick: stiffness of that spring [N/m], of the depth at which the surface was taken or touched.
-    jump: the force on the surface before less that on this one [N]; it decays over one frame.
-    arrived: when the surface came [s].
+    anchor: position to which friction holds the fingertip's centre [m], None if it does not touch.
+    stick: stiffness of that spring [N/m], from the depth at which the surface was taken or touched.
+    jump: force on the previous surface minus that on this one [N]; it decays over one frame.
+    arrived: when the surface arrived [s].
     frame: period of the simulation [s].
     """
 
@@ -151,7 +151,7 @@ class Contact:
     frame: float = SLOWEST_FRAME
 
     def take(self, surface: Surface | None, x: Vector, now: float, cap: float) -> None:
-        """Take a new surface, None for none, while the fingertip is at x [m]."""
+        """Take a new surface, or None, while the fingertip is at x [m]."""
         before = self.force(x, now)
         self.frame = min(now - self.arrived, SLOWEST_FRAME)
         self.surface, self.cap, self.arrived, self.jump, self.stick = surface, cap, now, ZERO, 0.0
@@ -166,11 +166,11 @@ class Contact:
         if self.surface is None:
             return jump
         whole = along(jump, self._press(self.surface, x), left_at(now - self.surface.stamp))
-        # what is left of the force before must not pull
+        # the remainder of the previous force must not pull inwards
         return along(whole, self.surface.normal, -min(dot(whole, self.surface.normal), 0.0))
 
     def _press(self, surface: Surface, x: Vector) -> Vector:
-        """Evaluate law and friction at x [m]; draw the anchor along."""
+        """Evaluate law and friction at x [m]; drag the anchor along."""
         depth, normal = surface.depth(x), surface.normal
         push = surface.law.force(depth, self.cap)
         if not push > 0:

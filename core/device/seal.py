@@ -1,8 +1,8 @@
 """The seal of a datagram: on a network only someone who knows the secret of a device can move the hand on it.
 
-A datagram is: number of the end that it is for, number of the end that it is from (8 bytes each, drawn when that end
-starts), its place in the sequence (8 bytes, little-endian), whole frames, and a keyed BLAKE2s (16 bytes) of all that.
-A datagram that somebody else made, or that was made for another session, is dropped, and so is one that came before.
+A datagram is: number of the receiving end, number of the sending end (8 bytes each, drawn at random when that end
+starts), its sequence number (8 bytes, little-endian), whole frames, and a keyed BLAKE2s (16 bytes) of all that.
+A datagram by anybody else or for another session is dropped, and so is a replayed one.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import struct
 from hashlib import blake2s
 from typing import Final
 
-NOBODY: Final = bytes(8)  # the number of an end that is not known yet
-SHORTEST_SECRET: Final = 16  # characters: 64 bits where they are hexadecimal
+NOBODY: Final = bytes(8)  # stands for an end whose number is not known yet
+SHORTEST_SECRET: Final = 16  # [characters] 64 bits if they are hexadecimal
 _HEAD: Final = struct.Struct("<8s8sQ")
 _MAC_SIZE: Final = 16
 
@@ -29,7 +29,7 @@ class Seal:
     def __init__(self, secret: str) -> None:
         self._key = blake2s(secret.encode()).digest()
         self.own, self.other, self._count = secrets.token_bytes(8), NOBODY, 0
-        self._newest: dict[bytes, int] = {}  # by the end that they are from
+        self._newest: dict[bytes, int] = {}  # last sequence number taken from each sending end
 
     def close(self, frames: bytes) -> bytes:
         """Return frames as a datagram for the other end."""
@@ -38,7 +38,7 @@ class Seal:
         return body + self._mac(body)
 
     def open(self, datagram: bytes) -> bytes:
-        """Return the frames of a datagram, b"" where it is not the other end's, not for this one, or not new."""
+        """Return the frames of a datagram, b"" if it is not from the other end, not for this one, or not new."""
         body, mac = datagram[:-_MAC_SIZE], datagram[-_MAC_SIZE:]
         if len(body) < _HEAD.size or not hmac.compare_digest(mac, self._mac(body)):
             return b""
@@ -46,7 +46,7 @@ class Seal:
         newest = self._newest.get(other, 0)
         if not self._is_mine(to) or count <= newest or (newest and other != self.other):
             return b""
-        self.other = other  # a new one started; one that was left never comes back
+        self.other = other  # a new end may take over; the one that it replaced is refused from now on
         self._newest[other] = count
         return body[_HEAD.size :]
 

@@ -1,4 +1,4 @@
-"""The serial line to a device: bytes in and out, never waiting, and one exception for every way to lose it."""
+"""The serial line to a device: non-blocking reads and writes, and one exception for every way to lose it."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ from .limits import POLL_TIME
 
 WINDOWS: Final = os.name == "nt"
 EDGE_TRIGGERED: Final = hasattr(select, "epoll")
-MAX_BYTES: Final = 65536  # read at once: no datagram is longer
+MAX_BYTES: Final = 65536  # [bytes] largest read: no datagram is longer
 IN_USE: Final = {errno.EAGAIN, errno.EWOULDBLOCK, errno.EBUSY}
 
 
 class LineLost(DimpleError):
-    """The line is gone: open it again, arm again."""
+    """The line is lost: it must be opened and armed again."""
 
 
 class SerialLine:
-    """An open serial line; all methods but `close` raise LineLost where it is gone."""
+    """An open serial line; all methods but `close` raise LineLost if it is lost."""
 
     def __init__(self, port: Any, name: str) -> None:
         self.name = name
         self._port, self._lost = port, lost_errors()
 
     def read(self) -> bytes:
-        """Return all there is, b"" where there is nothing."""
+        """Return all waiting bytes, b"" if there are none."""
         try:
             data = b"" if WINDOWS else take(self._port.fileno())
-            # with nothing to come only pyserial's attempt shows that the other end is gone
+            # if nothing is waiting, only a read by pyserial shows that the other end is gone
             return data or self._port.read(max(self._port.in_waiting, 1))
         except self._lost as error:
             raise self._gone(error) from None
 
     def write(self, data: bytes) -> bool:
-        """Send bytes; return False where the line did not take them all; the rest is not sent later."""
+        """Send bytes; return False if the line did not accept them all; the rest is not sent later."""
         try:
-            # pyserial retries a full queue for ever, and asking for room first can take milliseconds (Poller)
+            # pyserial retries forever on a full queue, and a query for room first can take milliseconds (see Poller)
             sent = self._port.write(data) if WINDOWS else os.write(self._port.fileno(), data)
         except BlockingIOError:
             sent = 0
@@ -50,7 +50,7 @@ class SerialLine:
         return bool(sent == len(data))
 
     def wait(self, seconds: float) -> bool:
-        """Wait for bytes, at most for a time [s]; tell whether there are some, or `read` will raise."""
+        """Wait for bytes for at most a time [s]; return whether there are any, or `read` will raise."""
         try:
             if not WINDOWS:
                 return bool(select.select([self._port.fileno()], [], [], seconds)[0])
@@ -62,11 +62,11 @@ class SerialLine:
             raise self._gone(error) from None
 
     def fileno(self) -> int:
-        """Return the descriptor, for select beside others (not on Windows)."""
+        """Return the descriptor, for a select with others (not on Windows)."""
         return int(self._port.fileno())
 
     def close(self) -> None:
-        """Close the line; a lost one too."""
+        """Close the line, even a lost one."""
         try:
             self._port.close()
         except self._lost:
@@ -80,9 +80,9 @@ class SerialLine:
 
 
 def lost_errors() -> tuple[type[Exception], ...]:
-    """Return all that an unplugged port raises: pyserial's own, the system's, and those pyserial lets through.
+    """Return the exceptions that an unplugged port raises: pyserial's, the system's, and those pyserial lets through.
 
-    in_waiting raises a bare OSError or termios.error, a port closed under its reader TypeError.
+    in_waiting raises a bare OSError or termios.error; a port that is closed during a read raises TypeError.
     """
     import serial
 
@@ -99,10 +99,10 @@ def open_line(path: str, baud: int) -> SerialLine:
 
     Args:
         path: /dev/ttyUSB0, COM3, or a pseudo-terminal.
-        baud: bits a second.
+        baud: rate [bit/s].
 
     Raises:
-        DimpleError: it is in use, not there, not allowed, or cannot do this baud rate.
+        DimpleError: the port is in use, missing, not permitted, or cannot run at this baud rate.
     """
     import serial
 
@@ -112,15 +112,15 @@ def open_line(path: str, baud: int) -> SerialLine:
     except errors as error:
         raise DimpleError(_refusal(path, baud, error)) from None
     try:
-        port.set_low_latency_mode(True)  # of a USB adapter: 1 ms instead of 16
+        port.set_low_latency_mode(True)  # latency of a USB adapter: 1 ms instead of 16 ms
     except errors:
-        pass  # a pseudo-terminal has no such mode, other systems set it otherwise
+        pass  # a pseudo-terminal has no such mode; other systems set it elsewhere
     return SerialLine(port, path)
 
 
 def _refusal(path: str, baud: int, error: Exception) -> str:
     number, text = getattr(error, "errno", None), str(error)
-    if number in IN_USE or "PermissionError(13" in text:  # the latter is on Windows
+    if number in IN_USE or "PermissionError(13" in text:  # the latter on Windows
         return Message(
             "{path} is in use by another program, or another Blender. Close that one, then connect again.", path=path
         )
@@ -144,12 +144,11 @@ def ports() -> list[tuple[str, str]]:
 
 
 class Poller:
-    """Watch descriptors. Each is returned once for all that has come since, and when its other end is gone.
+    """Watch descriptors. Each is returned once for all bytes that arrived since, and when its other end closes.
 
-    On Linux to ask a terminal whether it has bytes (select, or a read where nothing is there) waits for the kernel
-    worker that delivers them. A real-time process takes the processor from that worker just as it is notified;
-    whatever else computes there then keeps the worker, and so the question, waiting for 1 to 4 ms. A terminal that is
-    watched edge-triggered need not be asked.
+    On Linux a query whether a terminal has bytes (select, or a read without any) waits for the kernel worker that
+    delivers them. A real-time process takes the processor from that worker just as it is notified; any other load on
+    that processor then delays the worker, and so the query, by 1 to 4 ms. An edge-triggered watch needs no query.
     """
 
     def __init__(self, *descriptors: int) -> None:
@@ -160,17 +159,17 @@ class Poller:
                 self._epoll.register(each, select.EPOLLIN | select.EPOLLET)
 
     def wait(self, seconds: float) -> list[int]:
-        """Return the descriptors where bytes have come, at most after a time [s]."""
+        """Return the descriptors on which bytes have arrived, after at most a time [s]."""
         if not EDGE_TRIGGERED:
             return select.select(self._descriptors, [], [], seconds)[0]
-        if seconds < 1e-3:  # epoll counts in milliseconds
+        if seconds < 1e-3:  # epoll has a resolution of a millisecond
             select.select([self._epoll], [], [], seconds)
             seconds = 0
         return [each for each, _ in self._epoll.poll(seconds)]
 
 
 def take(descriptor: int) -> bytes:
-    """Return the bytes that are there, b"" where there are none."""
+    """Return the waiting bytes, b"" if there are none."""
     try:
         return os.read(descriptor, MAX_BYTES)
     except BlockingIOError:

@@ -1,7 +1,7 @@
 """The servo: it answers each STATE of the device with forces. Pure: bytes and a time in, bytes out.
 
 The device sets the rate, so the servo needs no timer. It evaluates the law at the newest position of each fingertip on
-the surface that Blender carried there (surface.py says why), and every force passes the finger's Guard.
+the surface that Blender last sent (rendered_surface.py says why), and every force passes the finger's Guard.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ UNCONNECTED = (LinkState.OPENING, LinkState.LOST)
 class Servo:
     """The servo of a device.
 
-    order: what Blender wants; replace it whenever it changes.
+    order: what Blender requests; replace it whenever it changes.
     link: state of the connection.
     note: "" or a sentence for the artist.
-    cap: largest stiffness to render [N/m]; it falls as soon as the delay grows, and rises only while nothing is
-        touched: a wall that stiffens under a finger pushes it out.
-    unsent: answers that the line did not take.
+    cap: largest stiffness to render [N/m]; it falls as soon as the delay grows, and rises only while no force acts: a
+        wall that stiffens under a finger pushes it out.
+    unsent: answers that the line did not accept.
     """
 
     def __init__(self, *, nonce: int = 1) -> None:
@@ -44,11 +44,11 @@ class Servo:
         self._began = self._asked = self._pinged = -math.inf
         self._fingers = self._make_fingers()
         self._switch, self._bad, self._received = Switch(), BadNumbers(), Received()
-        self._old_fault = False  # the device's latched fault is older than the request to arm, and may be cleared
+        self._old_fault = False  # the device's latched fault precedes the request to arm, and may be cleared
         self._state: wire.DeviceState | None = None
-        self._heard = self._device_time = 0.0  # when the last STATE came, on our clock and on the device's [s]
+        self._heard = self._device_time = 0.0  # when the last STATE arrived, on our clock and on the device's [s]
         self._measured: wire.LinkReport | None = None
-        self._late = 0.0  # share of the last STATEs that had no answer within a tick
+        self._late = 0.0  # share of the recent STATEs that had no answer within a tick
         self._sent = SentForces()
         self.unsent = 0
         self.cap = stiffness_cap(self.spec.viscous, self.spec.tick, self.delay)
@@ -59,10 +59,10 @@ class Servo:
 
     @property
     def delay(self) -> float:
-        """Return the delay t_d [s] from sensor to motor, in the mean: a force acts from the device's next tick on.
+        """Return the mean delay t_d [s] from sensor to motor: a force acts from the device's next tick on.
 
-        An answer that is late acts some ticks later, the slowest of a hundred by as many as its round trip takes. The
-        energy that a delayed wall gives grows with the mean. Until it is measured, two ticks are assumed.
+        A late answer acts later by the 99th percentile of the round trip, in whole ticks. The energy that a delayed
+        wall gives grows with the mean delay. Until it is measured, two ticks are assumed.
         """
         tick = self.spec.tick
         if not self._measured:
@@ -70,7 +70,7 @@ class Servo:
         return tick * (1 + self._late * max(math.ceil(self._measured.rtt_p99_us * 1e-6 / tick) - 1, 1))
 
     def step(self, now: float, incoming: bytes) -> bytes:
-        """Take the bytes that came in at a time [s]; return those to send."""
+        """Take the bytes that have arrived by a time [s]; return those to send."""
         if self._began == -math.inf:
             self._began = now
         newest = None
@@ -114,12 +114,12 @@ class Servo:
         )  # fmt: skip
 
     def sample(self) -> tuple[float, ...]:
-        """Return the number of STATEs taken, then time of the device [s], position [m] and force [N] of each tip."""
+        """Return the number of STATEs taken, the device's time [s], then position [m] and force [N] of each tip."""
         vectors = [vector for finger in self._fingers for vector in (finger.at, finger.guard.sent)]
         return (self._received.taken, self._device_time, *(part for vector in vectors for part in vector))
 
     def _send_hello(self, now: float) -> bytes:
-        """Return a HELLO each limits.LOST_TIME until a device answers; give up after limits.ANSWER_TIME."""
+        """Return a HELLO every limits.LOST_TIME until a device answers; give up after limits.ANSWER_TIME."""
         if self.link is LinkState.OPENING and now - self._began > limits.ANSWER_TIME:
             self.link, self.note = LinkState.REFUSED, Message(NO_ANSWER, baud=wire.BAUD)
         if self.link is LinkState.REFUSED or now - self._asked < limits.LOST_TIME:
@@ -153,12 +153,12 @@ class Servo:
         return state
 
     def _measure(self, report: wire.LinkReport) -> None:
-        """Take the share of the STATEs since the last REPORT that had no answer within a tick."""
+        """Compute the share of the STATEs since the last REPORT that had no answer within a tick."""
         before = self._measured or report._replace(ticks=0, answered=0, late=0)
         ticks, answered, late = ((a - b) & 0xFFFFFFFF for a, b in zip(report[2:5], before[2:5], strict=True))
         if ticks:
-            least = 0.5 if report.rtt_p50_us * 1e-6 > self.spec.tick else 0.0  # whatever the device counts
-            # one STATE is still under way
+            least = 0.5 if report.rtt_p50_us * 1e-6 > self.spec.tick else 0.0  # at least half are late then
+            # the answer to one STATE is still on its way
             self._late = min(max(1 - (answered - late + 1) / ticks, least), 1.0)
         self._measured = report
 
@@ -173,7 +173,7 @@ class Servo:
         return b""
 
     def _take_fault(self, fault: wire.Fault) -> None:
-        """Disarm on a FAULT of the device; while waiting, an old fault and a late refusal do not count."""
+        """Disarm on a FAULT of the device; while waiting to arm, an old fault or a late refusal does not count."""
         if self._switch.arming is not Arming.WAITING or not (self._old_fault or fault.code == wire.FAULT_ARM_REFUSED):
             self._stop(FAULTS.get(fault.code, "The device disarmed itself."))
 
@@ -191,7 +191,7 @@ class Servo:
             since = self.spec.tick * max(ticks, 1)
             finger.sense(state.place[3 * i : 3 * i + 3], masked, since, self._device_time, acted[i], left)
         self._take_surfaces(now)
-        # a frozen simulation counts as a released key; the quiet is judged by surfaces that have not begun to fade
+        # a simulation that hangs counts as a released key; quiet is judged only on surfaces that do not yet fade
         oldest = limits.LOST_TIME if self._switch.arming is Arming.WAITING else limits.LEASE
         held = self.order.is_held(now) or bool(state.buttons & wire.DEADMAN_BUTTON)
         held = held and self.order.is_fresh(now, oldest)
@@ -210,7 +210,7 @@ class Servo:
         return out + self._command((*words, *wire.NO_FORCE[len(words) :]), flags)
 
     def _take_surfaces(self, now: float) -> None:
-        """Give the fingers the newest surfaces, as stiff as the delay allows; drop one that is not made of numbers."""
+        """Give the fingers the newest surfaces, as stiff as the delay allows; drop one that is not sane."""
         if self.order.surfaces is self._surfaces:
             return
         before, self._surfaces = self._surfaces, self.order.surfaces
@@ -226,7 +226,7 @@ class Servo:
             finger.contact.take(surface, finger.at, now, self.cap)
 
     def _update_forces(self, now: float, dt: float, *, held: bool, device_on: bool) -> bytes:
-        """Give each finger its force; return the ARM frame where it is due."""
+        """Give each finger its force; return the ARM frame if it is due."""
         wanted: list[Vector] = [finger.contact.force(finger.at, now) for finger in self._fingers]
         for force in wanted:
             if not is_finite(force):
@@ -242,7 +242,7 @@ class Servo:
         return wire.encode(wire.Arm(self._session)) if new else b""
 
     def _check(self, steady: bool) -> bytes:
-        """Disarm where a limit is exceeded; return the frame.  steady: time passed normally, here and there."""
+        """Disarm if a limit is exceeded; return the frame.  steady: time passed normally, here and on the device."""
         if not steady:
             return self._end(STOOD_STILL, wire.FAULT_LINK)
         if any(finger.bad >= limits.FAILED_TICKS for finger in self._fingers):
@@ -258,7 +258,7 @@ class Servo:
         return b""
 
     def _handle_silence(self, now: float) -> bytes:
-        """Take the force away where no STATE comes; return the frames for it."""
+        """Remove the force if no STATE arrives; return the frames for it."""
         silent = now - self._heard
         if self._state is None:
             if silent > limits.ANSWER_TIME:

@@ -1,4 +1,4 @@
-"""One finger of the servo: from what the device reports to a place, from a force to a command."""
+"""One finger of the servo: turns the device's reports into a position, and a force into a command."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class ServoFinger:
     """One finger.
 
     guard: its limits.
-    contact: with the surface under it.
-    at: its last place that was trusted [m].
-    known: there is one.
-    bad: places since then that were not trusted.
+    contact: its contact with the surface under it.
+    at: last trusted position [m].
+    known: whether there is one.
+    bad: number of untrusted positions since then.
     """
 
     guard: Guard
@@ -31,15 +31,15 @@ class ServoFinger:
     def sense(
         self, words: tuple[int, ...], masked: bool, since: float, time: float, acted: Vector, left: float
     ) -> None:
-        """Take a place.
+        """Take a position.
 
         Args:
-            words: of a STATE.
+            words: its three words in a STATE.
             masked: the device itself does not trust it.
-            since: the last place, by the device's ticks [s].
+            since: time since the last position, by the device's ticks [s].
             time: of the device [s].
-            acted: the force of the motors since the last place [N].
-            left: share of it that is left by now.
+            acted: force of the motors since the last position [N].
+            left: share of that force that is left by now.
         """
         x, y, z = words
         at = x * PLACE_STEP, y * PLACE_STEP, z * PLACE_STEP
@@ -52,11 +52,11 @@ class ServoFinger:
         self.guard.move(self.at, time, acted, left)
 
     def forget(self) -> None:
-        """Trust the next place wherever it is: no force acts."""
+        """Trust the next position wherever it is, because no force acts."""
         self.known, self.bad = False, 0
         self.guard.skip()
 
     def command(self) -> tuple[int, int, int]:
-        """Return the words of the force that acts; it never exceeds the guard's ceiling."""
+        """Return the force that acts as words of a command; it never exceeds the guard's ceiling."""
         x, y, z = self.guard.sent if self.known else ZERO
         return round(x / FORCE_STEP), round(y / FORCE_STEP), round(z / FORCE_STEP)

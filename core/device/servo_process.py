@@ -1,7 +1,7 @@
 """The servo as a process of its own, as Blender starts it: line, mailbox and lifeline, with `Servo.step` between them.
 
-Its standard input is the lifeline: when Blender ends, however it does, the pipe closes. The device is then disarmed,
-and the process ends with it.
+Its standard input is the lifeline: the pipe closes when Blender ends, for whatever reason. The servo then disarms the
+device, and the process ends.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from .wire import BAUD
 
 
 def main(words: list[str]) -> int:
-    """Run the servo of a command line until standard input closes; return its exit code."""
+    """Run the servo with the arguments of a command line until standard input closes; return its exit code."""
     parser = argparse.ArgumentParser(prog="start.py")
     add_options(parser)
     options = parser.parse_args(words)
@@ -52,16 +52,16 @@ def run(make_servo: Callable[..., Servo], options: argparse.Namespace) -> int:
     """Serve a line until standard input closes, and leave the device without force.
 
     Args:
-        make_servo: Servo, or of a study one that keeps a log.
+        make_servo: Servo, or a function of a study that makes one with a log.
         options: see `add_options`.
 
     Returns:
-        The exit code: 0, or 2 where the line was refused or lost; the reason is in the last report.
+        The exit code: 0, or 2 if the line was refused or lost; the last report says why.
     """
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     priority.request_priority()
     priority.keep_processors_awake()
-    gc.disable()  # nothing here is in a cycle, and a collection would be late for a tick
+    gc.disable()  # nothing here forms cycles, and a collection would delay a tick
     box, servo = Mailbox(options.mailbox), None
     try:
         servo = make_servo(nonce=os.getpid() & 0xFFFF)
@@ -86,10 +86,10 @@ def run(make_servo: Callable[..., Servo], options: argparse.Namespace) -> int:
 
 
 def serve(servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float], bytes | None]) -> None:
-    """Answer the device until Blender is gone or the device refused.
+    """Answer the device until Blender ends or the device is refused.
 
     Raises:
-        LineLost: the line is gone.
+        LineLost: the connection is lost.
     """
     seen, posted, ordered = 0, 0.0, time.perf_counter()
     while (data := listen(ordered)) is not None:
@@ -110,9 +110,9 @@ def serve(servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float]
 
 
 def listener(line: SerialLine) -> Callable[[float], bytes | None]:
-    """Return a function that waits for the next bytes of the line, given when the last order came [s].
+    """Return a function that waits for the next bytes of the line; its argument is when the last order came [s].
 
-    The function returns b"" where no bytes came, and None where Blender is gone.
+    The function returns b"" if no bytes came, and None if Blender has ended.
     """
     if WINDOWS:
 
@@ -135,7 +135,7 @@ def listener(line: SerialLine) -> Callable[[float], bytes | None]:
 
 
 def release(servo: Servo, line: SerialLine) -> None:
-    """Disarm the device, if it can still be reached, and free the port."""
+    """Disarm the device if it can still be reached, and close the port."""
     try:
         line.write(servo.close())
         time.sleep(2 * STATE_GAP)  # until the bytes have left

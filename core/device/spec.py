@@ -1,4 +1,4 @@
-"""The numbers of a haptic device, as it reports them; a device whose numbers are not safe is refused."""
+"""The specification of a haptic device, as it reports it; a device whose numbers are not safe is refused."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from .limits import HARD_CEILING, LOST_TIME, STATE_GAP, TOP_SPEED, ZERO_TIME
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spec:
-    """The numbers of a device in SI units; until it reports its own, those of the Haptic Master are assumed.
+    """The specification of a device in SI units; until it reports its own, that of the Haptic Master is assumed.
 
-    fingers: fingertips, one to three.
-    peak_force, continuous_force: at a fingertip, at once and for long (root of the mean square of 10 s) [N].
-    viscous: friction as it acts at a fingertip [N s/m]: how stiff a surface can be follows from it.
+    fingers: number of fingertips, one to three.
+    peak_force, continuous_force: largest force at a fingertip, momentary and sustained (10 s rms) [N].
+    viscous: friction at a fingertip [N s/m]; it limits the stiffness that can be rendered.
     tick_hz: rate of its positions [1/s].
-    hold, zero, latch: without commands the last force is held for `hold`, is zero by `zero` and the brake acts, and at
-        `latch` there is a fault that stays until it is cleared and armed again [s].
-    tip_speed: a fingertip that is faster is a fault [m/s].
+    hold, zero, latch: ages of the last command [s]: up to `hold` its force is held, by `zero` it is zero and the brake
+        acts, and at `latch` a fault occurs that lasts until it is cleared and the device armed again.
+    tip_speed: a faster fingertip is a fault [m/s].
     """
 
     fingers: int = wire.FINGERS
@@ -34,7 +34,7 @@ class Spec:
     tip_speed: float = 1.5
 
     def left(self, age: float) -> float:
-        """Return the share of a force that still acts when its command is so old [s]."""
+        """Return the share of a force that still acts at an age of its command [s]."""
         return min(max((self.zero - age) / (self.zero - self.hold), 0.0), 1.0)
 
     @property
@@ -43,7 +43,7 @@ class Spec:
         return 1 / self.tick_hz
 
     def info(self, nonce: int, session: int) -> wire.Info:
-        """Return the INFO of a device with these numbers."""
+        """Return the INFO of a device with this specification."""
         return wire.Info(
             nonce=nonce, major=wire.PROTOCOL[0], minor=wire.PROTOCOL[1], session=session, fingers=self.fingers,
             tick_hz=self.tick_hz, hold_ms=round(1e3 * self.hold), zero_ms=round(1e3 * self.zero),
@@ -54,7 +54,7 @@ class Spec:
 
 
 def spec_of(info: wire.Info) -> Spec:
-    """Return the numbers in a device's INFO.
+    """Return the specification in a device's INFO.
 
     Raises:
         DimpleError: it speaks another protocol, or a number is not safe.
@@ -81,8 +81,8 @@ def spec_of(info: wire.Info) -> Spec:
          and spec.hold <= STATE_GAP and spec.zero <= ZERO_TIME and spec.latch <= LOST_TIME),
         (Message("its top speed must be above 0, {most:g} m/s at most", most=TOP_SPEED),
          0 < spec.tip_speed <= TOP_SPEED),
-        (Message("its friction must be 20 N s/m at most"), spec.viscous <= 20),  # the stiffest surface follows from it
-        # a force is held for 5 ms at most, on both ends: a slower device would drop it between two ticks
+        (Message("its friction must be 20 N s/m at most"), spec.viscous <= 20),  # it sets the stiffest surface
+        # both ends hold a force for 5 ms at most: a slower device would drop it between two ticks
         (Message("its rate must be from 250 to 2000 Hz, and its tick shorter than a force is held"),
          250 <= spec.tick_hz <= 2000 and spec.tick < spec.hold),
     ):  # fmt: skip

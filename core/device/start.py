@@ -1,6 +1,6 @@
-"""Start with the standard library and pyserial alone: `python -I -S start.py FOLDER OPTIONS`.
+"""Start the servo process with the standard library and pyserial alone: `python -I -S start.py FOLDER OPTIONS`.
 
-Isolated from the environment and from site-packages, so that no package installed on this computer interferes.
+FOLDER contains pyserial. Environment variables and site-packages are ignored, so that no other package interferes.
 """
 
 import sys

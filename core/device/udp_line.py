@@ -1,7 +1,7 @@
 """A line to a device on the network: a UDP socket in place of a serial port, with the same frames.
 
-A datagram holds whole frames under a seal (seal.py). What is lost, late or doubled there is dropped by its sequence
-number; a device that falls silent has no force after 5 ms and is lost after 100 ms.
+A datagram holds whole frames under a seal (seal.py). Sequence numbers reveal lost frames; late and duplicate ones are
+dropped. A device that falls silent has no force after 5 ms and is lost after 100 ms.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class SocketLine(SerialLine):
     """An open socket in place of a serial port."""
 
     def wait(self, seconds: float) -> bool:
-        """Wait for bytes, at most for a time [s]; tell whether there are some."""
+        """Wait for bytes for at most a time [s]; return whether there are any."""
         return bool(select.select([self._port], [], [], seconds)[0])
 
 
@@ -35,20 +35,20 @@ class UdpLine(SocketLine):
         self._seal = seal
 
     def read(self) -> bytes:
-        """Return the frames of all datagrams there are, b"" where there is nothing."""
+        """Return the frames of all waiting datagrams, b"" if there are none."""
         parts = []
         while True:
             try:
                 parts.append(self._seal.open(self._port.recv(MAX_BYTES)))
             except BlockingIOError:
                 return b"".join(parts)
-            except ConnectionRefusedError:  # nobody listens there now: silence, which the servo judges
+            except ConnectionRefusedError:  # nothing listens there now: silence, which the servo handles
                 continue
             except OSError as error:
                 raise self._gone(error) from None
 
     def write(self, data: bytes) -> bool:
-        """Send frames; return False where they did not leave."""
+        """Send frames; return False if they could not be sent."""
         try:
             return bool(self._port.send(self._seal.close(data)))
         except (BlockingIOError, ConnectionRefusedError):
@@ -62,11 +62,11 @@ def open_udp(path: str, secret: str, *, anywhere: bool = False) -> UdpLine:
 
     Args:
         path: the address.
-        secret: of the device.
-        anywhere: other computers than this one too.
+        secret: shared with the device.
+        anywhere: allow other computers than this one.
 
     Raises:
-        DimpleError: it is no address, on a computer that is not allowed, without a secret, or cannot be reached.
+        DimpleError: the address is invalid, not allowed or cannot be reached, or the secret is too short.
     """
     host, _, number = path.removeprefix(PREFIX).rpartition(":")
     if not host or not number.isdecimal() or not 0 < int(number) < 0x10000:
@@ -88,7 +88,7 @@ def open_udp(path: str, secret: str, *, anywhere: bool = False) -> UdpLine:
             )  # fmt: skip
         port = socket.socket(family, kind, protocol)
         port.setblocking(False)
-        port.connect(address)  # from now on only that address is heard
+        port.connect(address)  # from now on only datagrams of that address are received
     except OSError as error:
         if port:
             port.close()

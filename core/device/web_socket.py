@@ -1,4 +1,4 @@
-"""A WebSocket client on this computer, as much as a device's service needs: text messages, whole, never waiting.
+"""A non-blocking WebSocket client for whole text messages to a device's service on this computer.
 
 Source: RFC 6455.
 """
@@ -16,18 +16,18 @@ from .limits import ANSWER_TIME
 
 _GUID: Final = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
 _CONTINUED, _TEXT, _CLOSE, _PING, _PONG = 0x0, 0x1, 0x8, 0x9, 0xA
-LONGEST: Final = 1 << 20  # bytes of a message
+LONGEST: Final = 1 << 20  # [bytes] largest message
 
 
 class WebSocket:
-    """An open connection; `read` and `write` raise OSError where it is gone.
+    """An open connection; `read` and `write` raise OSError if it is lost.
 
     Args:
-        number: of the port on this computer.
+        number: port on this computer.
 
     Raises:
-        OSError: nobody answers there.
-        DimpleError: what answers is no WebSocket.
+        OSError: nothing answers there.
+        DimpleError: what answers is not a WebSocket.
     """
 
     def __init__(self, number: int) -> None:
@@ -38,7 +38,7 @@ class WebSocket:
         except BaseException:
             self.socket.close()
             raise
-        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)  # a force does not wait for the next one
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)  # send each force at once
         self.socket.setblocking(False)
 
     def _greet(self, number: int) -> None:
@@ -56,7 +56,7 @@ class WebSocket:
             raise DimpleError("What answers at port {number} of this computer is no device's service.", number=number)
 
     def read(self) -> list[str]:
-        """Return the messages that have come."""
+        """Return the messages that have arrived."""
         while True:
             try:
                 data = self.socket.recv(1 << 16)
@@ -80,11 +80,11 @@ class WebSocket:
         return messages
 
     def write(self, message: str) -> bool:
-        """Send a message; return False where there is no room: it is not sent later."""
+        """Send a message; return False if the one before is still being sent: this one is then dropped."""
         return self._send(_TEXT, message.encode())
 
     def _frame(self) -> tuple[int, bool, bytes] | None:
-        """Return kind, whether it is the last of its message, and payload of the next frame that is whole."""
+        """Return the kind, whether it ends a message, and payload of the next complete frame; None without one."""
         if len(self._in) < 2:
             return None
         size, at = self._in[1] & 0x7F, 2
@@ -100,9 +100,9 @@ class WebSocket:
         return first & 0x0F, bool(first & 0x80), payload
 
     def _send(self, kind: int, payload: bytes) -> bool:
-        size, fits = len(payload), not self._out  # another frame would be taken for the rest of a half one
+        size, fits = len(payload), not self._out  # no frame may start inside a half-sent one
         head = bytes((0x80 | kind, 0x80 | size)) if size < 126 else bytes((0x80 | kind, 0xFE)) + size.to_bytes(2, "big")
-        self._out = self._out or head + bytes(4) + payload  # masked by zeros: no proxy is in between
+        self._out = self._out or head + bytes(4) + payload  # a mask of zeros suffices: no proxy is in between
         try:
             self._out = self._out[self.socket.send(self._out) :]
         except BlockingIOError:

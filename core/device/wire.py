@@ -1,9 +1,9 @@
 """The frames between a haptic device and its host, as bytes; PROTOCOL.md has the fields and their units.
 
 A frame is a payload of at most 33 bytes, little-endian, and its CRC-32, coded by COBS so that 0x00 appears nowhere in
-it, then 0x00. Up to 33 bytes CRC-32 finds every error of five bits or fewer. A reader that comes in late, or loses
-bytes, is in step again at the next 0x00.
-COBS: each run up to a 0x00 is preceded by one more than its length, which takes the place of the 0x00. Source:
+it, then 0x00. At this length CRC-32 detects every error of five bits or fewer. A reader that joins late or loses bytes
+is synchronized again at the next 0x00.
+COBS: each run of bytes up to a 0x00 is preceded by its length plus one, and the 0x00 is left out. Source:
 Cheshire and Baker, Consistent Overhead Byte Stuffing.
 """
 
@@ -14,18 +14,18 @@ import zlib
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-PROTOCOL: Final = (2, 0)  # major: a difference is refused; minor: more frame types, skipped where they are unknown
-MOST_PAYLOAD: Final = 33  # bytes
+PROTOCOL: Final = (2, 0)  # major: a difference is refused; minor: adds frame types, skipped if unknown
+MOST_PAYLOAD: Final = 33  # [bytes] largest payload
 FINGERS: Final = 3
-PLACE_STEP: Final = 2e-5  # [m] of a word: 0.65 m to either side
-FORCE_STEP: Final = 1e-3  # [N] of a word: 32 N at most
-BAUD: Final = 921600  # bits a second of a serial line; it carries 2000 STATEs a second
+PLACE_STEP: Final = 2e-5  # [m] unit of a position word: range 0.65 m to either side
+FORCE_STEP: Final = 1e-3  # [N] unit of a force word: range 32 N
+BAUD: Final = 921600  # [bit/s] rate of a serial line, enough for 2000 STATEs a second
 
 ENABLE, DEADMAN, CLEAR = 1, 2, 4  # Command.flags
 IDLE, ARMING, RAMP, ARMED, BRAKE, FAULT = range(6)  # DeviceState.status & MODE
 MODE: Final = 7
 LIMITED: Final = 8  # DeviceState.status: a limit reduces the force
-MASKED: Final = 16  # DeviceState.status: this << finger, its sensor is not trusted
+MASKED: Final = 16  # DeviceState.status: MASKED << finger: its sensor is not trusted
 # Fault.code and Disarm.reason
 FAULT_NONE, FAULT_WATCHDOG, FAULT_SENSOR, FAULT_SPEED = range(4)
 FAULT_ARM_REFUSED, FAULT_VERSION, FAULT_LINK, FAULT_HOST = range(4, 8)
@@ -37,7 +37,7 @@ NO_FORCE: Final[Nine] = (0,) * 9
 
 
 class DeviceState(NamedTuple):
-    """STATE, from the device at each tick: where the fingertips are."""
+    """STATE, from the device at each tick: positions of the fingertips."""
 
     session: int
     seq: int
@@ -49,7 +49,7 @@ class DeviceState(NamedTuple):
 
 
 class Command(NamedTuple):
-    """CMD, from the host for each STATE: the forces."""
+    """CMD, from the host in answer to each STATE: the forces."""
 
     session: int
     seq: int
@@ -60,7 +60,7 @@ class Command(NamedTuple):
 
 
 class Hello(NamedTuple):
-    """HELLO, from the host: begin a session."""
+    """HELLO, from the host: request a new session."""
 
     nonce: int
     major_min: int
@@ -68,7 +68,7 @@ class Hello(NamedTuple):
 
 
 class Info(NamedTuple):
-    """INFO, from the device for a HELLO of the same nonce: what it is, and the number of the new session."""
+    """INFO, from the device, answers a HELLO of the same nonce: its specification, and the number of a new session."""
 
     nonce: int
     major: int
@@ -106,7 +106,7 @@ class Ping(NamedTuple):
 
 
 class Fault(NamedTuple):
-    """FAULT, from the device at once and every 100 ms while it is latched."""
+    """FAULT, from the device: sent at once, then every 100 ms while the fault is latched."""
 
     session: int
     code: int
@@ -115,9 +115,9 @@ class Fault(NamedTuple):
 
 
 class LinkReport(NamedTuple):
-    """REPORT, from the device for a PING of the same nonce: the link, measured on the device's clock.
+    """REPORT, from the device, answers a PING of the same nonce: the link, measured on the device's clock.
 
-    The round trips are those of the last 1000 STATEs, from its tick to the whole answer to it or to a newer one.
+    The round trips are those of the last 1000 STATEs, from the tick until the answer to it or a newer one has arrived.
     """
 
     session: int
@@ -147,11 +147,11 @@ _TYPES: Final[dict[type, tuple[int, struct.Struct]]] = {
     Fault: (0x18, struct.Struct("<BBBBH")),
     LinkReport: (0x19, struct.Struct("<BBHIIIHHHHHHH")),
 }
-_NESTED: Final = {DeviceState: (5, 14), Command: (4, 13)}  # numbers of a payload that are one field
+_NESTED: Final = {DeviceState: (5, 14), Command: (4, 13)}  # range of numbers that form one field
 
 
 def _maker(kind: type) -> Callable[[tuple[int, ...]], Frame]:
-    """Return the function that makes a frame from the numbers of a payload, its type among them."""
+    """Return the function that makes a frame from the numbers of a payload, the first of which is its type."""
     make: Callable[[tuple[object, ...]], Frame] = kind._make  # type: ignore[attr-defined]
     if kind not in _NESTED:
         return lambda numbers: make(numbers[1:])
@@ -163,11 +163,11 @@ _MAKERS: Final = {
     number: (layout.size + 4, layout.unpack_from, _maker(kind)) for kind, (number, layout) in _TYPES.items()
 }
 _CRC: Final = struct.Struct("<I")
-_LONGEST: Final = MOST_PAYLOAD + 4 + 1  # bytes between two 0x00
+_LONGEST: Final = MOST_PAYLOAD + 4 + 1  # [bytes] largest number between two 0x00: payload, CRC-32, one byte of COBS
 
 
 def encode(frame: Frame) -> bytes:
-    """Return the bytes of a frame on the line, the closing 0x00 with them.
+    """Return the bytes of a frame on the line, including the closing 0x00.
 
     Raises:
         struct.error: a number does not fit its field.
@@ -181,7 +181,7 @@ def encode(frame: Frame) -> bytes:
 
 
 def size(kind: type) -> int:
-    """Return the bytes of a frame type on the line."""
+    """Return the size of a frame type on the line [bytes]."""
     return _TYPES[kind][1].size + 4 + 2
 
 
@@ -194,7 +194,7 @@ def stuff(block: bytes) -> bytes:
 
 
 def unstuff(code: bytes) -> bytes | None:
-    """Return the bytes of a COBS code without its closing 0x00, None where it is none."""
+    """Return the decoded bytes of a COBS code without its closing 0x00, None if it is invalid."""
     runs, at, end = [], 0, len(code)
     while at < end:
         if not code[at]:
@@ -206,9 +206,9 @@ def unstuff(code: bytes) -> bytes | None:
 
 
 class Decoder:
-    """Find the frames in a stream of bytes, wherever it is cut; frames of an unknown type are skipped.
+    """Find the frames in a stream of bytes, however it is cut; frames of an unknown type are skipped.
 
-    refused: pieces between two 0x00 that were lost to errors on the line.
+    refused: number of pieces between two 0x00 that were lost to errors on the line.
     """
 
     def __init__(self) -> None:
@@ -218,7 +218,7 @@ class Decoder:
     def feed(self, data: bytes) -> list[Frame]:
         """Return the frames that end in the next bytes, oldest first."""
         pieces = (self._rest + data).split(b"\0")
-        self._rest = pieces.pop()[: _LONGEST + 1]  # enough to be refused, once its end comes
+        self._rest = pieces.pop()[: _LONGEST + 1]  # one byte too many is enough to refuse it at its end
         return [frame for piece in pieces if piece and (frame := self._frame(piece)) is not None]
 
     def _frame(self, piece: bytes) -> Frame | None:
@@ -237,5 +237,5 @@ class Decoder:
 
 
 def seq_newer(seq: int, than: int) -> bool:
-    """Tell whether a 16-bit sequence number comes after another."""
+    """Return whether a 16-bit sequence number comes after another."""
     return 0 < (seq - than) & 0xFFFF < 0x8000

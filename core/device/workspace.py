@@ -1,4 +1,4 @@
-"""The place of a device in a session: fingertips on the way in, and the surface under each on the way out."""
+"""The place of a device in a session: converts fingertips into the session, and the surface under each back."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .orders import ServoReport
 from .rendered_surface import Law, Surface
 
 LawAt = Callable[[Sequence[float]], Sequence[float]]
-OtherTip = tuple[float, LawAt]  # its radius [m], and its forces [N] at depths [m] where it is
+OtherTip = tuple[float, LawAt]  # its radius [m], and its forces [N] as a function of depths [m] at its place
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,8 +25,8 @@ class Workspace:
     """The place of the device in a session: x_session = origin + scale * turn @ x_device.
 
     origin: (3,) [m].
-    scale: how much larger the session is. Forces are divided by it, so that the rendered stiffness is the material's
-        at every scale.
+    scale: size of the session relative to the device's space. Forces are divided by it, so that the rendered stiffness
+        is the material's at every scale.
     turn: (3, 3) rotation.
     """
 
@@ -35,12 +35,12 @@ class Workspace:
     turn: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
     def to_session(self, at: Vector) -> Vector:
-        """Return where a point of the device [m] is in the session [m]."""
+        """Return the position in the session [m] of a point of the device [m]."""
         a, b, c = self.turn
         return along(self.origin, (dot(a, at), dot(b, at), dot(c, at)), self.scale)
 
     def to_device(self, at: Vector) -> Vector:
-        """Return where a point of the session [m] is on the device [m]."""
+        """Return the position in the device's space [m] of a point of the session [m]."""
         return scaled(self.turned(along(at, self.origin, -1.0)), 1 / self.scale)
 
     def turned(self, way: Vector) -> Vector:
@@ -50,7 +50,7 @@ class Workspace:
 
 
 def fingers(report: ServoReport, workspace: Workspace, radius: float) -> list[Finger | None]:
-    """Return a device's fingertips of a radius [m] in a session; None for one whose sensor is not trusted."""
+    """Return a device's fingertips as those of a session, of a radius [m]; None for one with an untrusted sensor."""
     return [None if tip.masked else Finger(workspace.to_session(tip.position), radius) for tip in report.tips]
 
 
@@ -62,7 +62,7 @@ def surfaces_of(
 
 
 def other_tip(session: Session, index: int) -> OtherTip | None:
-    """Return what a fingertip of a session is, None where it is the tip that measured the materials."""
+    """Return the radius and law of a session's fingertip, None if it is lifted or is the tip that measured them all."""
     finger = session.fingers[index] if index < len(session.fingers) else None
     if finger is None:
         return None
@@ -75,13 +75,13 @@ def other_tip(session: Session, index: int) -> OtherTip | None:
 def surface_of(
     touch: Touch | None, workspace: Workspace, now: float, other: OtherTip | None = None
 ) -> Surface | None:
-    """Return the surface under a fingertip in the space of the device, None where there is none.
+    """Return the surface under a fingertip in the space of the device, None if there is none.
 
     Args:
-        touch: how it meets a body.
-        workspace: where the device is in the session.
-        now: [s] of the clock that the servo reads too.
-        other: the tip, where it is not the one that measured.
+        touch: its contact with a body.
+        workspace: the place of the device in the session.
+        now: time of the clock that the servo also reads [s].
+        other: the tip, if it is not the one that measured.
     """
     if touch is None or touch.triangle < 0:
         return None
@@ -96,7 +96,7 @@ def surface_of(
 
 
 def anchor_of(touch: Touch) -> Vector:
-    """Return where friction holds the centre of a fingertip that touches [m]: its force is a spring to there."""
+    """Return the anchor [m] to which friction, as a spring, holds the centre of a touching fingertip."""
     pressed, push = dot(touch.force, touch.outward), law_force(touch.depth, *touch.law)
     if not (pressed > 0 and push > 0):
         return touch.centre
@@ -104,7 +104,7 @@ def anchor_of(touch: Touch) -> Vector:
 
 
 def _factors(law: tuple[float, float, float, float], radius: float, law_at: LawAt) -> tuple[tuple[float, ...], float]:
-    """Return the factors of a tip on a law, and the deepest of their depths [m]."""
+    """Return the factors of a tip on the force of a law, and the deepest of their depths [m]."""
     deepest = FARTHEST * max(radius, law[2])
     depths = [deepest * (max(k, 0.25) / (FACTORS - 1)) ** 2 for k in range(FACTORS)]
     pairs = [(force, law_force(x, *law)) for force, x in zip(law_at(depths), depths, strict=True)]

@@ -1,12 +1,13 @@
-"""The native core: the library, found, loaded and tested, or the reason why there is none here.
+"""The native core: find, load and test its library, or say why there is none here.
 
 The library lies beside this file (a developer's machine) or in the wheel `dimple_native` (an installed extension).
-It is used only if its ABI number is this file's and a small body moves in it as it should (`check`).
+It is used only if its ABI number equals `constants.ABI` and a small body moves correctly in it (`check`).
 
-The C, by subject. Door: dimple.h, api, scene_door, many; constants.h has every number. Step: step, slices, rings,
-integrate, fill, pose, sleep. Fingertips: foot, fingertip, skin_contact, facets, reach. Bodies and props that meet:
-scene, tree, query, proximity, gaps, planes, bounds, batch, crossings, islands, touching, props, falling, body_rolling.
-Proxies: cells, seeds, flips, carriers, carry. variant.c compiles them for each precision and instruction set.
+The C files by subject. Interface: dimple.h, api, scene_door, many; constants.h has every number. Step: step, slices,
+rings, integrate, fill, pose, sleep. Fingertips: foot, fingertip, skin_contact, facets, reach. Contact of bodies and
+props: scene, tree, query, proximity, gaps, planes, bounds, batch, crossings, islands, touching, props, falling,
+body_rolling. Proxies: cells, seeds, flips, carriers, carry. variant.c compiles them for each precision and
+instruction set.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
-BITS = {"native": 32, "native64": 64}  # of the state, by the name of a backend
+BITS = {"native": 32, "native64": 64}  # precision of the state, by backend
 
 _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_create": (POINTER(c_void_p), POINTER(BodyDef), c_int32, c_int32),
@@ -54,7 +55,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_wake_body": (c_void_p,),
     "dm_set_state": (c_void_p, c_void_p, c_void_p),
     "dm_get_state": (c_void_p, c_void_p, c_void_p),
-    "dm_step": None,  # its arguments are made once, and quicker to hand over unchecked
+    "dm_step": None,  # its arguments are made once, and passed faster unchecked
     "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p),
     "dm_get_law": (c_void_p, c_int64, c_void_p, c_double, c_int64, c_void_p, c_void_p),
     "dm_carry": (POINTER(CBinding), c_void_p, c_void_p, c_void_p),
@@ -80,7 +81,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
 
 
 def places() -> list[Path]:
-    """Return where the library may be, the first first."""
+    """Return the paths where the library may be, in order of preference."""
     wheel = importlib.util.find_spec("dimple_native")
     folders = [Path(__file__).parent, *map(Path, (wheel and wheel.submodule_search_locations) or ())]
     return [folder / LIBRARY for folder in folders]
@@ -90,7 +91,7 @@ def library() -> ctypes.CDLL:
     """Return the library in use; the first call loads and tests it.
 
     Raises:
-        DimpleError: none runs here, and what to do.
+        DimpleError: no library runs here; the message says what to do.
     """
     if not _loaded:
         _loaded.append(_tested())
@@ -121,7 +122,7 @@ def create(
     """Return a body at rest that owns its state.
 
     Args:
-        surface: the model below whose surface at rest fingertips are measured, where `model` is its proxy.
+        surface: model from whose surface at rest the depths of fingertips are measured, if `model` is its proxy.
         backend: "native" (single precision) or "native64".
 
     Raises:
@@ -133,7 +134,7 @@ def create(
 
 
 def instructions(instruction_set: int = BEST) -> str:
-    """Return the name of an instruction set, "" where this machine lacks it."""
+    """Return the name of an instruction set, "" if this machine lacks it."""
     name: bytes = library().dm_instructions(instruction_set)
     return name.decode()
 
@@ -142,7 +143,7 @@ def load(path: Path) -> ctypes.CDLL:
     """Load a library and check its ABI number.
 
     Raises:
-        OSError: it is broken or of another machine.  NativeError: it is of another version.
+        OSError: it is damaged or for another machine.  NativeError: its version is another.
     """
     library = ctypes.CDLL(str(path))
     library.dm_abi.restype = c_int32
@@ -164,12 +165,12 @@ def load(path: Path) -> ctypes.CDLL:
 
 
 def use_cores(share: float = 1.0) -> None:
-    """Step whatever is stepped from now on by threads on this share of the cores; the bits do not depend on it."""
+    """Use threads on this share of the cores for every step from now on; the results are the same, bit for bit."""
     library().dm_set_workers(max(1, round(share * (os.cpu_count() or 1))))
 
 
 def use(own: ctypes.CDLL) -> None:
-    """Run on this library from now on: a test's own build."""
+    """Use this library from now on: a test's own build."""
     _loaded.append(own)
 
 

@@ -1,4 +1,4 @@
-"""A body that owns its state in the library, and the structures of dimple.h by which it is moved and read."""
+"""A body that owns its state in the library, and the structures of dimple.h that control and read it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ BEST, BASE, AVX2 = range(3)  # instruction sets
 
 
 class NativeError(RuntimeError):
-    """A call that the library refused, and why. code: its number in dimple.h, 0 for reasons of Python's."""
+    """A call that was refused, and why. code: the library's code of dimple.h, 0 if Python refused the call."""
 
     def __init__(self, reason: str, code: int = 0) -> None:
         super().__init__(reason)
@@ -29,7 +29,7 @@ class NativeError(RuntimeError):
 
 
 class Fingertip(Structure):
-    """Where one fingertip goes during a call: dm_fingertip."""
+    """The motion of one fingertip during a call: dm_fingertip."""
 
     _fields_ = fields(
         first="d3", last="d3", radius="d", force="d", inward="d3", factors="p", factors_end="d", down="n", fresh="n"
@@ -38,7 +38,7 @@ class Fingertip(Structure):
 
 
 class CMotion(Structure):
-    """What happens to a body during a call: dm_motion."""
+    """The motion imposed on a body during a call: dm_motion."""
 
     _fields_ = [
         *fields(ticks="n", substeps="n", tick="d"),
@@ -48,7 +48,7 @@ class CMotion(Structure):
 
 
 class CTouch(Structure):
-    """How a fingertip meets a body: dm_touch."""
+    """The contact of a fingertip with a body: dm_touch."""
 
     _fields_ = fields(
         impulse="d3", centre="d3", depth="d", outward="d3", force="d3", slope="d", friction="d", law="d4", triangle="n"
@@ -56,7 +56,7 @@ class CTouch(Structure):
 
 
 class CFrame(Structure):
-    """What a call came to: dm_frame."""
+    """The result of a call: dm_frame."""
 
     _fields_ = [
         ("touches", CTouch * MAX_FINGERTIPS),
@@ -72,7 +72,7 @@ def _letters(kind: Any) -> str:
 
 
 def _packed(kind: Any, each: Any) -> list[struct.Struct]:
-    """Return a structure as flat numbers, of its three fingertips or touches none, the first, ...; the rest are 0."""
+    """Return the layouts of a structure as flat numbers with only its first 0, 1, 2 or 3 fingertips or touches."""
     numbers, size = _letters(each), ctypes.sizeof(each)
     return [
         struct.Struct(_letters(kind).replace(3 * numbers, f"{count * numbers}{(3 - count) * size}x"))
@@ -91,11 +91,11 @@ class Body:
     """A body in the library, which owns its state; freed with this object.
 
     Args:
-        model: what moves.
-        library: that runs it.
-        surface: the model below whose surface at rest fingertips are measured, where `model` is its proxy.
-        bits: 32 or 64, of the state.
-        instruction_set: BEST, or another where a test compares them.
+        model: the simulated model.
+        library: the library that runs it.
+        surface: model from whose surface at rest the depths of fingertips are measured, if `model` is its proxy.
+        bits: 32 or 64, precision of the state.
+        instruction_set: BEST, or another if a test compares them.
 
     Raises:
         NativeError: the library refused it.
@@ -113,24 +113,24 @@ class Body:
         self.library = library
         self.model, self._surface = model, surface or model
         self._shape, self._pinned = model.matching.rest.shape, int(model.pinned.sum())
-        self._placed: Floats | None = model.matching.rest  # where it is, while that is known
+        self._placed: Floats | None = model.matching.rest  # positions of the vertices, None if unknown
         self._motion, self._frame, self._handle = CMotion(), CFrame(), c_void_p()
         with Arrays() as arrays:
             definition = define(self.library, model, self._surface, arrays)
             self._call("dm_create", byref(self._handle), byref(definition), bits, instruction_set)
         weakref.finalize(self, self.library.dm_destroy, self._handle.value)
-        # what every step hands over: made once
+        # the arguments of every step, made once
         self._step = self.library.dm_step
         self._step_arguments = self._handle, byref(self._motion), byref(self._frame)
 
     def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
-        """Give the living body the numbers of other models of the same meshes.
+        """Give the living body the constants of other models of the same meshes.
 
         Args:
-            surface: as at the start; left out, a proxy keeps the one it has.
+            surface: as in the constructor; by default a proxy keeps its present one.
 
         Raises:
-            NativeError: a number that is none, or another mesh.
+            NativeError: an invalid number, or another mesh.
         """
         surface = surface or (model if self._surface is self.model else self._surface)
         if model.mesh is not self.model.mesh or surface.mesh is not self._surface.mesh:
@@ -142,15 +142,15 @@ class Body:
     def set_rest(
         self, rest: Floats, rate: Floats | None = None, *, surface: Floats | None = None, gain: Floats | None = None
     ) -> None:
-        """Give the living body another shape at rest (3, n) [m], and with it lengths and volume.
+        """Give the living body another shape at rest (3, n) [m], and with it rest lengths and volume.
 
         Args:
-            rate: over the next motion it comes there at this rate (3, n) [m/s]; None: at once.
-            surface: (3, m) of that below which fingertips are measured, where the body is a proxy [m].
-            gain: (3, n) by which its speeds grow [m/s].
+            rate: velocity (3, n) at which it gets there during the next motion [m/s]; None: at once.
+            surface: surface at rest (3, m) from which depths of fingertips are measured, if the body is a proxy [m].
+            gain: (3, n) added to the velocities of its vertices [m/s].
 
         Raises:
-            NativeError: a number that is none, or a proxy without its surface.
+            NativeError: an invalid number, or a proxy without its surface.
         """
         with Arrays() as arrays:
             if any(np.shape(each) != self._shape for each in (rest, rate, gain) if each is not None):
@@ -161,7 +161,7 @@ class Body:
             self._call("dm_set_rest", self._handle, *given)
 
     def wake(self) -> None:
-        """Let the body move again where it sleeps: what it rested on may be gone."""
+        """Let a sleeping body move again: what it rested on may be gone."""
         self._call("dm_wake_body", self._handle)
 
     @property
@@ -170,7 +170,7 @@ class Body:
         return float(self.library.dm_rest_volume(self._handle))
 
     def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
-        """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s], the shape at rest at rest."""
+        """Set the positions (3, n) [m] and velocities (3, n) [m/s] of the vertices, and stop the shape at rest."""
         with Arrays() as arrays:
             at, speed = (arrays.double(a) for a in (positions, velocities))
             if np.shape(positions) != self._shape or (velocities is not None and np.shape(velocities) != self._shape):
@@ -179,14 +179,14 @@ class Body:
         self._placed = np.array(positions, np.float64)
 
     def positions(self) -> Floats:
-        """Return where the vertices are, (3, n) [m]."""
+        """Return the positions of the vertices (3, n) [m]."""
         if self._placed is None:
             self._placed = np.empty(self._shape)
             self._call("dm_get_state", self._handle, self._placed.ctypes.data, None)
         return self._placed.copy()
 
     def velocities(self) -> Floats:
-        """Return how fast the vertices move, (3, n) [m/s]."""
+        """Return the velocities of the vertices (3, n) [m/s]."""
         v = np.empty(self._shape)
         self._call("dm_get_state", self._handle, None, v.ctypes.data)
         return v
@@ -195,9 +195,9 @@ class Body:
         """Run the ticks of a motion.
 
         Raises:
-            NativeError: the motion has a number that is none.
+            NativeError: the motion has an invalid number.
         """
-        pins = self.pack(motion, self._motion)  # they live until the call is over
+        pins = self.pack(motion, self._motion)  # kept alive until the call returns
         code = self._step(*self._step_arguments)
         del pins
         if code:
@@ -205,13 +205,13 @@ class Body:
         return self.unpack(motion, self._frame)
 
     def law(self, fingertip: int, depths: Floats, factors: tuple[Floats, float] | None = None) -> Floats:
-        """Return the forces (d,) [N] of the law on a fingertip where it is down, if it were at depths (d,) [m] there.
+        """Return the forces (d,) [N] of the law that a fingertip would get at depths (d,) [m] at its place.
 
         Args:
-            factors: as of its motion.
+            factors: as in its motion.
 
         Raises:
-            NativeError: no such fingertip, or a number that is none.
+            NativeError: no such fingertip, or an invalid number.
         """
         table, end = factors or (None, 0.0)
         with Arrays() as arrays:
@@ -226,7 +226,7 @@ class Body:
         return self._handle
 
     def pack(self, motion: Motion, to: CMotion) -> list[Floats]:
-        """Write a motion as the library reads it; return the arrays it points to."""
+        """Write a motion in the layout of the library; return the arrays it points to."""
         ticks, substeps, tick, tips, pins = motion
         numbers: list[Any] = [ticks, substeps, tick]
         arrays: list[Floats] = []
@@ -250,7 +250,7 @@ class Body:
         return arrays
 
     def unpack(self, motion: Motion, frame: CFrame) -> Frame:
-        """Return what a motion that has been run came to."""
+        """Return the result of a motion that has been run."""
         tips = motion.fingertips
         a = _PACKED_FRAME[len(tips)].unpack_from(frame)
         touches: list[Touch | None] = []
@@ -267,7 +267,7 @@ class Body:
         return Frame(tuple(touches), volume, pressure, ticks, finite != 0, moved != 0)
 
     def _places(self, pins: PinMotion) -> list[Floats]:
-        """Return where pins start and end, as the library reads it."""
+        """Return the start and end positions of pins, as the library reads them."""
         shape = 3, self._pinned
         arrays = [np.ascontiguousarray(a, np.float64) for a in (pins.start, pins.end)]
         if arrays[0].shape != shape or arrays[1].shape != shape:
@@ -281,12 +281,12 @@ class Body:
 
 
 def step_many(bodies: Sequence[Body], motions: Sequence[Motion]) -> list[Frame]:
-    """Run a motion of each of several bodies of one library; the bits are those of `Body.step`.
+    """Run one motion for each of several bodies of one library; the results are those of `Body.step`, bit for bit.
 
     Raises:
-        NativeError: a motion has a number that is none, or a body is there twice; none has moved.
+        NativeError: a motion has an invalid number, or a body appears twice; no body has moved.
     """
-    if len(bodies) <= 1:  # quicker to call alone
+    if len(bodies) <= 1:  # a direct call is faster
         return [body.step(motion) for body, motion in zip(bodies, motions, strict=True)]
     library, count = bodies[0].library, len(bodies)
     kept = [body.pack(motion, body._motion) for body, motion in zip(bodies, motions, strict=True)]

@@ -1,4 +1,4 @@
-"""The call that carries a fine surface by the motion of a proxy, what it is given, and its structure of dimple.h."""
+"""The call that carries a fine surface along with a proxy, its arguments, and its structure of dimple.h."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..constants import LANES
 from .body import NativeError
 from .definition import Arrays, fields
 
-NODES = 8  # corners of a cell
+NODES = 8  # corners of a cell of the lattice
 _Values = TypeVar("_Values", Floats, Singles)
 
 
@@ -29,20 +29,20 @@ class CBinding(Structure):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Binding:
-    """What carries a fine surface of n vertices along with a coarse mesh of m.
+    """The data by which a coarse mesh of m vertices carries a fine surface of n.
 
-    Eight vertices after the other have one list of the coarse vertices that any of them follows; g are these eights.
+    Each of g groups of eight consecutive vertices shares one list of the coarse vertices that any of them follows.
 
     vertices: n.
-    first: (g + 1,) where the list of each eight begins.
-    followed: (p,) the coarse vertices in all lists.
-    weights: (p, 8) the weights of their motions; those of a vertex add up to `reduction.binding.WHOLE`.
-    places: (g, 6, 8) [m] x, y and z at rest, and from where a gradient acts.
-    centre: (3,) from which shifts are measured [m].
+    first: (g + 1,) start of the list of each group.
+    followed: (p,) coarse vertices in all lists.
+    weights: (p, 8) weights of their motions; those of a vertex add up to `reduction.binding.WHOLE`.
+    places: (g, 6, 8) [m] x, y and z at rest, and the vector that multiplies the gradient.
+    centre: (3,) point from which shifts are measured [m].
     coarse_rest: (m, 3) rest positions of the coarse mesh [m], and corners: (t, 3) of its triangles.
-    arms: (e, 2) directed edges of the coarse mesh, by their first end, and starts: (m + 1,) where those of each begin.
-    spread: (e, 3) the rows that turn the motion along an edge into a gradient [1/m].
-    upright: (m, 3) the rows that turn the change of a normal into a gradient.
+    arms: (e, 2) directed edges of the coarse mesh, sorted by first end, and starts: (m + 1,) start of each vertex's.
+    spread: (e, 3) rows that convert the motion along an edge into a gradient [1/m].
+    upright: (m, 3) rows that convert the change of a normal into a gradient.
     """
 
     vertices: int
@@ -65,12 +65,12 @@ class Binding:
 
 
 def in_rows(eights: _Values, vertices: int) -> _Values:
-    """Return values (g, c, 8) of vertices, eight by eight, as rows (n, c)."""
+    """Return values (g, c, 8) of vertices in groups of eight as rows (n, c)."""
     return eights.transpose(0, 2, 1).reshape(-1, eights.shape[1])[:vertices]
 
 
 def carry(library: ctypes.CDLL, binding: Binding, positions: Floats) -> tuple[Singles, Singles]:
-    """Return where a surface (n, 3) [m] is, and the motions (m, 12) that carried it.
+    """Return the positions (n, 3) [m] of the carried surface, and the motions (m, 12) that carried it.
 
     Args:
         positions: of the coarse mesh, (3, m) [m].
@@ -86,7 +86,7 @@ def carry(library: ctypes.CDLL, binding: Binding, positions: Floats) -> tuple[Si
 
 
 def carry_by_nodes(library: ctypes.CDLL, by: Shorts, shares: Singles, values: Floats) -> Singles:
-    """Return what vertices (n, 3) have of values (m, 3) of the eight nodes (n, 8) that carry each, by shares (n, 8)."""
+    """Interpolate values (m, 3) of nodes to vertices (n, 3), each carried by eight nodes (n, 8) with shares (n, 8)."""
     carried, padded = np.empty((len(by), 3), np.float32), np.empty((len(values), 4), np.float32)
     if by.shape != shares.shape or by.shape[1:] != (NODES,) or values.shape[1:] != (3,):
         raise NativeError("an array has the wrong size")

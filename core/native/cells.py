@@ -1,4 +1,4 @@
-"""The calls that make cells on a fine surface and say what its vertices follow, and their structure of dimple.h."""
+"""The calls that grow cells on a fine surface and list what its vertices follow, and their structure of dimple.h."""
 
 from __future__ import annotations
 
@@ -21,15 +21,14 @@ class CCells(Structure):
 
 
 def grow_cells(library: ctypes.CDLL, ends: Ints, place: Floats, seeds: Ints) -> tuple[Ints, Bools]:
-    """Return the seed (n,) each vertex belongs to by now, -1 where none spreads to, and whether its cell joins it to
-    its seed (n,).
+    """Return the seed (n,) of each vertex, -1 if no cell reaches it, and whether its cell connects it to the seed (n,).
 
-    Each vertex takes the nearest of the seeds that its neighbours have; of two as near, the first.
+    Each vertex takes the nearest of its neighbours' seeds, the first of two that are equally near.
 
     Args:
-        ends: (m, 2) edges.
-        place: (n, 6) of the vertices [m].
-        seeds: the vertices that are.
+        ends: (m, 2) vertices of the edges.
+        place: (n, 6) positions of the vertices in the space of the cells [m].
+        seeds: indices of the vertices that are seeds.
 
     Raises:
         NativeError: a vertex that does not exist, or no memory.
@@ -44,10 +43,10 @@ def grow_cells(library: ctypes.CDLL, ends: Ints, place: Floats, seeds: Ints) -> 
 def follow_cells(
     library: ctypes.CDLL, place: Floats, seeds: Ints, cells: Ints, around: Ints
 ) -> tuple[Ints, Shorts, Shorts]:
-    """List the nearest of the seeds round the cell of each vertex, and their weights.
+    """List the nearest of the seeds around the cell of each vertex, and their weights.
 
     Args:
-        around: (m, w) seeds round each cell, the rest of a row -1.
+        around: (m, w) seeds around each cell, each row padded with -1.
 
     Returns:
         first (g + 1,), followed (p,) and weights (p, 8) of a `Binding`.
@@ -57,7 +56,7 @@ def follow_cells(
     """
     eights = -(-len(place) // LANES)
     first, room = np.empty(eights + 1, np.int64), LANES * FOLLOWED * eights
-    followed, weights = np.empty(room, np.uint16), np.empty((room, LANES), np.uint16)  # most of it is never touched
+    followed, weights = np.empty(room, np.uint16), np.empty((room, LANES), np.uint16)  # most of it stays untouched
     with Arrays() as arrays:
         surface = _surface(arrays, np.empty((0, 2), np.int64), place, seeds)
         given = byref(surface), arrays.index(cells), around.shape[1], arrays.index(around)
@@ -66,13 +65,13 @@ def follow_cells(
 
 
 def farthest_first(library: ctypes.CDLL, places: Floats, taken: int, least: float, most: int) -> Ints:
-    """Choose points one by one, each the farthest from all chosen before.
+    """Choose points one by one, each the farthest from all those chosen before.
 
     Args:
-        places: (n, 6) [m].
-        taken: how many of the first were chosen before.
-        least: square of a distance that is too near [m2].
-        most: to choose.
+        places: (n, 6) positions in the space of the cells [m].
+        taken: number of leading points that count as chosen already.
+        least: squared distance at or below which a point is too near to be chosen [m2].
+        most: largest number of points to choose.
     """
     chosen = np.empty(max(most, 0), np.int64)
     with Arrays() as arrays:

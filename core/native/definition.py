@@ -1,4 +1,4 @@
-"""A model as the library asks for it: the structures dm_body_def and dm_constants of dimple.h, field by field."""
+"""A model in the layout of the library: the structures dm_body_def and dm_constants of dimple.h, field by field."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _TYPES: dict[str, Any] = {"p": c_void_p, "n": c_int64, "i": c_int32, "d": c_doub
 
 
 def fields(**kinds: str) -> list[tuple[str, Any]]:
-    """Return the fields of a structure: p array, n int64, i int32, d double, d3 three of them..."""
+    """Return the fields of a structure by type codes: p array, n int64, i int32, d double, d3 three doubles..."""
     return [(name, _TYPES[kind[0]] * int(kind[1:]) if kind[1:] else _TYPES[kind]) for name, kind in kinds.items()]
 
 
@@ -30,7 +30,7 @@ class Constants(Structure):
 
 
 class BodyDef(Structure):
-    """What a body is: dm_body_def."""
+    """The definition of a body: dm_body_def."""
 
     _fields_ = fields(
         vertices="n", rest="p", loose="p", width="n", ring="p", ring_spring="p", springs="n", ends="p",
@@ -68,7 +68,7 @@ class Arrays:
 
 
 def define(library: ctypes.CDLL, model: Model, surface: Model, arrays: Arrays) -> BodyDef:
-    """Return what the library asks for of a model, and of the one below whose surface fingertips are measured."""
+    """Return the definition of a body by its model, and by the one from whose surface depths are measured."""
     definition, mesh, springs = BodyDef(), model.mesh, model.springs
     library.dm_default_body_def(byref(definition))
     rings = springs.rings

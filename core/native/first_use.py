@@ -1,4 +1,4 @@
-"""What a library must do before it is used: let a small body fall and swing as it must."""
+"""The test of a library before its first use: a small body must fall and swing correctly."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .motion import Motion
 
 
 def check(library: ctypes.CDLL, *, ticks: int = 4, stretch: float = 1.1, gravity: float = 9.81) -> None:
-    """Let a stretched octahedron go: it swings, and its centre falls as if it did not.
+    """Let go of a stretched octahedron: it must swing, while its centre of mass falls freely.
 
     Raises:
         NativeError: it does not.
@@ -37,7 +37,7 @@ def check(library: ctypes.CDLL, *, ticks: int = 4, stretch: float = 1.1, gravity
 
 
 def octahedron(gravity: float) -> Model:
-    """Return a soft one in the air."""
+    """Return a soft octahedron in the air."""
     corners = np.concatenate([np.eye(3), -np.eye(3)]) * 0.05
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
     material = Material(K1=600, K2=7000, x0=0.01, k=600, mass=0.1)

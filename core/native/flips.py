@@ -12,7 +12,7 @@ from .definition import Arrays
 
 
 def flip_edges(library: ctypes.CDLL, points: Floats, triangles: Ints) -> Ints:
-    """Return triangles (t, 3) on the same points (n, 3), blunt edges flipped where the surface is nearly flat there.
+    """Return triangles (t, 3) on the same points (n, 3), edges flipped towards Delaunay where the surface is flat.
 
     Raises:
         NativeError: a vertex that does not exist, or no memory.

@@ -1,4 +1,4 @@
-"""What happens to a body during one call, and what comes of it: the same for the native core and its numpy twin."""
+"""The input and the result of one call for a body, the same for the native core and its numpy reference."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from ..vectors import Vector
 
 
 class FingertipMotion(NamedTuple):
-    """Where one fingertip goes: straight from start to first in the first tick, then evenly to last.
+    """The path of one fingertip: straight from start to first in the first tick, then evenly to last.
 
     start, first, last: centres (3,) [m].
     radius: of the fingertip [m].
-    fresh: it was not down before, or elsewhere.
-    force: that pushes it on from there, to the depth at which the law answers it [N], 0 for none.
-    inward: unit vector (3,) of that.
-    factors: of the force of a tip that is another than the measuring one, see `other_tip.factors`.
+    fresh: it was lifted before, or down elsewhere.
+    force: force that pushes it on from there, to the depth at which the law balances it [N]; 0 for none.
+    inward: unit vector (3,) of that force.
+    factors: on the force of a tip other than the measuring one, see `other_tip.factors`.
     """
 
     start: Vector
@@ -36,9 +36,9 @@ class FingertipMotion(NamedTuple):
 
 
 class PinMotion(NamedTuple):
-    """Where pinned vertices are led: an even way from start to end, (3, pinned) [m] in the order of the vertices.
+    """The path of pinned vertices: evenly from start to end, (3, pinned) [m] in the order of the vertices.
 
-    first, last: the share of that way at the end of the first tick and of the last.
+    first, last: share of that path covered at the end of the first tick and of the last.
     """
 
     start: Floats
@@ -48,13 +48,13 @@ class PinMotion(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """What happens to a body in some ticks.
+    """The motion imposed on a body for a number of ticks.
 
-    ticks: how many.
-    substeps: equal ones in each tick.
-    tick: [s].
-    fingertips: up to three, None where one is lifted.
-    pins: where pinned vertices are led, None where they rest.
+    ticks: their number.
+    substeps: number of equal substeps in a tick.
+    tick: duration [s].
+    fingertips: up to three, None for a lifted one.
+    pins: path of the pinned vertices, None if they rest.
     """
 
     ticks: int
@@ -65,17 +65,17 @@ class Motion(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """How a fingertip meets a body at the end of a call.
+    """The contact of a fingertip with a body at the end of a call.
 
-    impulse: that the body gave it in the call (3,) [N s].
-    centre: where it is (3,) [m].
-    depth: below the surface at rest, from where the skin was met [m], negative where it is clear.
-    outward: unit vector (3,) of the surface there.
-    force: on it (3,) [N], of the measured law, outward, and of friction.
+    impulse: impulse (3,) that the body gave it during the call [N s].
+    centre: its position (3,) [m].
+    depth: below the surface at rest, from where it met the skin [m]; negative if it does not touch.
+    outward: outward unit normal (3,) of the surface there.
+    force: force (3,) on it [N]: the measured law along `outward`, and friction.
     slope: of the law there [N/m].
-    friction: Coulomb's coefficient there.
-    law: K1, K2 [N/m], x0 [m] and power there, with what is painted and the factor of another tip at this depth.
-    triangle: of the surface, the nearest.
+    friction: Coulomb coefficient there.
+    law: K1, K2 [N/m], x0 [m] and power there, including painted maps and the factor of another tip at this depth.
+    triangle: index of the nearest triangle of the surface.
     """
 
     impulse: Vector
@@ -90,14 +90,14 @@ class Touch(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """What a call came to.
+    """The result of a call.
 
-    touches: one for each fingertip, None where it is lifted.
+    touches: one for each fingertip, None for a lifted one.
     volume: [m3] and
     pressure: [Pa] when the forces were last evaluated.
-    ticks: done.
-    finite: False where the body has blown up in the last of them.
-    moved: False where it was asleep all the time, at rest, and is where it was.
+    ticks: number of ticks done.
+    finite: False if the body blew up in the last of them.
+    moved: False if the body slept throughout, at rest and in place.
     """
 
     touches: tuple[Touch | None, ...]

@@ -14,16 +14,16 @@ from ..native import motion
 from ..native.motion import Motion
 from .frame import Frame
 
-TICKS_AT_ONCE = 8  # ticks of 1 ms between looks at the wall clock: half a frame at 60 Hz
+TICKS_AT_ONCE = 8  # most ticks of 1 ms between two looks at the wall clock: half a frame at 60 Hz
 
 
 class Clock:
-    """Time in whole ticks, whatever the steps are that it is advanced by; what is left over is carried to the next.
+    """Time in whole ticks, whatever the duration of the steps; the remainder of a step is carried over to the next.
 
-    tick: [s].
-    time: at the end of the last step [s].
-    ticks: that are over.
-    begin, end: of the step under way [s].
+    tick: duration [s].
+    time: time at the end of the last step [s].
+    ticks: number of ticks done.
+    begin, end: of the current step [s].
     """
 
     def __init__(self, tick: float) -> None:
@@ -50,15 +50,15 @@ class Clock:
 
     @property
     def due(self) -> int:
-        """Return how many ticks of the step under way are left."""
+        """Return the number of ticks left in the current step."""
         return max(self._last_tick - self.ticks, 0)
 
     def share_after(self, ticks: int) -> float:
-        """Return how much of the step under way is over after some more ticks: 0 at its begin, 1 at its end."""
+        """Return the share of the current step that is over after some more ticks: 0 at its start, 1 at its end."""
         return self._share((self.ticks + ticks) * self.tick)
 
     def stop(self, *, early: bool) -> float:
-        """End the step under way, after the ticks that are over if early; return how much of it is over."""
+        """End the current step, if early after the ticks done; return the share of it that is over."""
         self.time = self.ticks * self.tick if early else self.end
         return self._share(self.time)
 
@@ -67,7 +67,7 @@ class Clock:
 
 
 class Stepped(Protocol):
-    """What the loop asks of a session; `session.Session` says more."""
+    """What the loop needs of a session, see `session.Session`."""
 
     body: native.Body
     most: int
@@ -92,13 +92,13 @@ def step_all(
     budget: float | None = None,
     together: Callable[[Sequence[_Session], int], _Results] | None = None,
 ) -> list[Frame]:
-    """Advance each session by its time [s] in whole ticks; what is left over is carried to the next call.
+    """Advance each session by its time [s] in whole ticks; the remainder is carried over to the next call.
 
     Args:
-        budget: wall time [s] that only a first tick of each may exceed; the simulated time of those that are not done
+        budget: wall time [s] that only the first tick of each may exceed; the simulated time of those that are not done
             then lags behind.
-        together: run sessions that meet each other, by at most some ticks; return what each came to, and the ticks.
-            Where one of them ends, all do.
+        together: runs sessions that touch each other for at most a number of ticks; returns the result of each, and the
+            number of ticks. When one session ends, all do.
 
     Raises:
         DimpleError: a time is negative or not a number.
@@ -111,7 +111,7 @@ def step_all(
         results, ticks = (together or _side_by_side)(going, _ticks_that_fit(done, spent, budget))
         going = [each for each, result in zip(going, results, strict=True) if each.take(result) and each.due]
         done, spent = done + ticks, time.perf_counter() - started
-        if budget is not None and spent * (done + 1) > budget * done:  # one more tick would take longer
+        if budget is not None and spent * (done + 1) > budget * done:  # one more tick would exceed it
             break
     else:
         going = []
@@ -119,7 +119,7 @@ def step_all(
 
 
 def _side_by_side(sessions: Sequence[Stepped], at_once: int) -> _Results:
-    """Run sessions that do not meet, in one native call on every core: to the bits of each alone."""
+    """Run sessions that do not touch, in one native call on all cores: bit for bit as each alone."""
     motions = [session.next_motion(min(session.due, session.most, at_once)) for session in sessions]
     moving = [(session.body, each) for session, each in zip(sessions, motions, strict=True) if not session.rides]
     found = iter(native.step_many(*map(list, zip(*moving, strict=True))) if moving else ())
@@ -132,10 +132,10 @@ def _side_by_side(sessions: Sequence[Stepped], at_once: int) -> _Results:
 
 
 def _ticks_that_fit(done: int, spent: float, budget: float | None) -> int:
-    """Return how many ticks to run before the next look at the clock: what is left of the budget pays for them, or one.
+    """Return the number of ticks to run before the next look at the clock: those that the budget still allows, or one.
 
     Args:
-        done: ticks so far, in so much wall time spent [s].
+        done: ticks so far, which took `spent` [s] of wall time.
     """
     if budget is None:
         return MAX_STEPS

@@ -1,4 +1,4 @@
-"""A fingertip of a session: where it is to be, or what pushes it, and its way there."""
+"""A fingertip of a session: its prescribed position or the force that pushes it, and its path during a step."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ Factors = tuple[Floats, float] | None
 
 
 class Finger(NamedTuple):
-    """A fingertip: a sphere that goes to a given place, or is pushed by a force.
+    """A fingertip: a sphere that moves to a prescribed position, or is pushed by a force.
 
-    position: of its centre (3,) [m]; of one that is pushed, where it touches before it goes in.
+    position: of its centre (3,) [m]; if a force pushes it, where it touches before it goes in.
     radius: [m].
-    force: that pushes it from there [N], None where its place is prescribed.
+    force: force that pushes it from there [N], None if its position is prescribed.
     inward: unit vector (3,) of that force.
-    via: where it is at even times of the next step before its end, (3,) each [m]; in between it goes straight.
-    fresh_contact: it comes down there from elsewhere, not over the surface.
+    via: positions (3,) [m] at equal intervals within the next step; the path between them is straight.
+    fresh_contact: it is put down there from elsewhere, rather than moved over the surface.
     """
 
     position: Vector
@@ -35,13 +35,13 @@ class Finger(NamedTuple):
 
 @dataclass(slots=True)
 class FingerOnItsWay:
-    """A fingertip that is down, during a step: it moves linearly from the step's begin to its end.
+    """A fingertip that is down, during a step: it moves from its position at the start to that at the end.
 
-    target: where it is to be at the end.
-    origin: where it was at the begin [m]; of one that is pushed, where it would be without the force.
-    here: where it is [m].
+    target: the fingertip as it is to be at the end.
+    origin: position at the start [m]; if a force pushes it, the one without that force.
+    here: current position [m].
     fresh: no tick has moved it since it was put down.
-    impulse: that the body has given it in the step under way [N s].
+    impulse: impulse that the body has given it in the current step [N s].
     """
 
     target: Finger
@@ -51,18 +51,18 @@ class FingerOnItsWay:
     impulse: Vector = ZERO
 
     def motion(self, first: float, last: float, factors: Factors = None) -> FingertipMotion:
-        """Return the motion of some ticks, as shares of the way that are over at the end of the first and the last.
+        """Return the motion from the shares of the way that are covered at the end of its first and its last tick.
 
         Args:
-            factors: of the force of its tip.
+            factors: on the force of its tip.
         """
         soon, to = self.place(first), self.target
         late = soon if last == first else self.place(last)
         return FingertipMotion(self.here, soon, late, to.radius, self.fresh, to.force or 0.0, to.inward, factors)
 
     def take(self, touch: Touch, seconds: float) -> float:
-        """Go where it is after some ticks; return what work it did on the body in those seconds [J]."""
-        # force and way of straight, even motion: the work is exact
+        """Take its position after some ticks; return the work that it did on the body in those seconds [J]."""
+        # mean force times displacement: exact, because the motion is straight and even
         work = -dot(along(touch.centre, self.here, -1.0), touch.impulse) / seconds
         self.here, self.fresh = touch.centre, False
         (a, b, c), (x, y, z) = self.impulse, touch.impulse
@@ -70,22 +70,22 @@ class FingerOnItsWay:
         return work
 
     def finger(self) -> Finger:
-        """Return where it is to be; one that is pushed, where it has been pushed."""
+        """Return it as it is to be; if a force pushes it, at its current position."""
         return self.target if self.target.force is None else self.target._replace(position=self.here)
 
     def scale(self, scale: float) -> None:
-        """Multiply all lengths, as if it had just been put down."""
+        """Multiply all lengths, and treat it as just put down."""
         self.origin, self.here, self.fresh = scaled(self.origin, scale), scaled(self.here, scale), True
 
     def place(self, share: float) -> Vector:
-        """Return where it is at a share of the step; of one that is pushed, where it would be without the force."""
+        """Return its position at a share of the step; if a force pushes it, the one without that force."""
         places = self.origin, *self.target.via, self.target.position
         leg = min(int(share * (len(places) - 1)), len(places) - 2)
         return between(places[leg], places[leg + 1], share * (len(places) - 1) - leg)
 
 
 def is_possible(finger: Finger) -> bool:
-    """Tell whether a fingertip has a place and a force that are numbers, and a size."""
+    """Return whether a fingertip has a finite position and force, and a positive radius."""
     position, radius, force, (a, b, c), via, _ = finger
     if len(position) != 3 or not radius > 0:
         return False
@@ -94,7 +94,7 @@ def is_possible(finger: Finger) -> bool:
 
 
 def sent(tip: FingerOnItsWay | None, finger: Finger | None) -> FingerOnItsWay | None:
-    """Return a fingertip on its way to another place, one that has just come down there, or None for a lifted one."""
+    """Return a fingertip on its way to a new target, a new one that was just put down there, or None if lifted."""
     if finger is None:
         return None
     if tip is None or finger.fresh_contact:
@@ -105,7 +105,7 @@ def sent(tip: FingerOnItsWay | None, finger: Finger | None) -> FingerOnItsWay | 
 
 
 def vector(a: Sequence[float]) -> Vector:
-    """Return three numbers as Python's own."""
+    """Return three numbers as Python floats."""
     x, y, z = a
     return float(x), float(y), float(z)
 

@@ -1,4 +1,4 @@
-"""The shape at rest of a session: its place by object and rig, and its sway there."""
+"""The shape at rest of a session: its position by object and rig, and its sway."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from .sway import Push, Sway, sway_of
 
 
 class Rest:
-    """Where the shape at rest is, and where it goes in the step under way.
+    """The shape at rest, and its target in the current step.
 
-    sway: None where it moves with its rig alone.
-    target: (3, n) of all vertices at the end of the step [m], None where it stays.
-    bent: it is another than the model's.
+    sway: None if it moves with its rig alone.
+    target: (3, n) positions of all vertices at the end of the step [m], None if it stays.
+    bent: it differs from the model's.
     """
 
     target: Floats | None
     bent: bool
-    _led: Floats  # without sway
-    _at: Floats | None  # with it, None until it is asked for
-    _begin: tuple[Floats, float]  # where it was before the last motion, without sway, and how long that took [s]
+    _led: Floats  # (3, n) positions without sway [m]
+    _at: Floats | None  # (3, n) positions with sway [m], None until they are needed
+    _begin: tuple[Floats, float]  # positions without sway before the last motion, and its duration [s]
 
     def __init__(self, model: Model, proxy: Proxy | None, before: Rest | None = None) -> None:
-        """Begin with the shape of a model, or go on as it was `before` with other constants."""
+        """Begin with the shape of a model, or continue from `before` with other constants."""
         self._model, self._seeds = model, proxy.seeds if proxy else None
         self.sway: Sway | None = sway_of(model, before.sway if before else None)
         if before is None or before._model.mesh is not model.mesh:
@@ -45,32 +45,32 @@ class Rest:
 
     @property
     def moves(self) -> bool:
-        """Tell whether it goes on moving."""
+        """Return whether it is still moving."""
         return self.target is not None or (self.sway is not None and self.sway.moves)
 
     @property
     def whole(self) -> Floats:
-        """Return where it is (3, n) [m], of all vertices."""
+        """Return the positions (3, n) [m] of all vertices."""
         if self._at is None:
             assert self.sway
-            self._at = (self._led.T + self.sway.displacement()).T  # by vertex, as they lie in memory
+            self._at = (self._led.T + self.sway.displacement()).T  # stored vertex by vertex in memory
         return self._at
 
     @property
     def of_body(self) -> Floats:
-        """Return where it is (3, m) [m], of the vertices that move."""
+        """Return the positions (3, m) [m] of the simulated vertices."""
         return self.whole if self._seeds is None else self.whole[:, self._seeds]
 
     @property
     def rate_of_body(self) -> Floats:
-        """Return how fast the vertices that move are carried (3, m) [m/s]."""
+        """Return the velocities (3, m) [m/s] of the simulated vertices in the shape at rest."""
         assert self.sway
         begin, seconds = self._begin
         rate = (self._led - begin) / seconds + self.sway.velocity().T
         return rate if self._seeds is None else rate[:, self._seeds]
 
     def advance(self, share: float, seconds: float, pushes: Sequence[Push]) -> None:
-        """Go a share of what is left of the way, and sway for some seconds."""
+        """Move by a share of the remaining way to the target, and sway for some seconds."""
         self._begin = self._led, seconds
         if self.target is not None:
             whole = share >= 1

@@ -1,6 +1,6 @@
-"""What a session shows: the surface of its body, or what its proxy carries, kept until something moves; and its pins.
+"""What a session shows: the surface of its body or its proxy, cached until something moves; and its pins.
 
-Where the skin of a solid has given way under a fingertip, it lies on the fingertip.
+If the skin of a solid gives way under a fingertip, it is shown lying on the fingertip.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from .rest_shape import Rest
 
 
 class Pins:
-    """Pinned vertices of a mesh, during a step: they move evenly from its begin to its end.
+    """Pinned vertices of a mesh, during a step: they move evenly from its start to its end.
 
-    followed: the vertices of the mesh whose places are prescribed.
-    origin: where all vertices (3, n) [m] would be at the begin if they were pinned,
-    target: and at the end, None where pins rest.
+    followed: the vertices of the mesh whose positions are prescribed.
+    origin: positions that all vertices (3, n) [m] would have at the start if they were pinned,
+    target: and at the end, None if the pins rest.
     """
 
     def __init__(self, model: Model, proxy: Proxy | None) -> None:
@@ -36,46 +36,46 @@ class Pins:
         self.rest_at(model.matching.rest)
 
     def rest_at(self, positions: Floats) -> None:
-        """Let the pins be where they are among all vertices (3, n) [m], and stay there."""
+        """Put the pins at their positions among those of all vertices (3, n) [m], and let them stay there."""
         self.origin: Floats = positions
         self.target: Floats | None = None
-        self._arrives = False  # at the end of the motion under way
+        self._arrives = False  # whether they reach the target in the current motion
 
     def lead(self, first: float, last: float) -> PinMotion | None:
-        """Return the motion of some ticks, as shares of the way that are over at the end of the first and the last."""
+        """Return the motion from the shares of the way that are covered at the end of its first and its last tick."""
         self._arrives = False
         if self.target is None:
             return None
-        if self.origin is self.target:  # the step before ended between two ticks
+        if self.origin is self.target:  # the previous step ended between two ticks
             first = last = 1.0
         self._arrives = last >= 1
         return PinMotion(self._places(self.origin), self._places(self.target), first, last)
 
     def take(self) -> None:
-        """Go where they are at the end of the motion under way."""
+        """Rest at the target if the current motion has reached it."""
         if self._arrives and self.target is not None:
             self.rest_at(self.target)
 
     def move(self, share: float) -> bool:
-        """Begin the next step after a share of this one; tell whether anything is led."""
+        """Begin the next step after a share of this one; return whether the pins move."""
         if self.target is None:
             return False
         self.origin = self.target if share >= 1 else self.origin + share * (self.target - self.origin)
         return True
 
     def put_still(self, surface: Singles) -> None:
-        """Put those vertices of a proxy's skin (n, 3) [m] that nothing carries where the pins are."""
+        """Put those vertices of a proxy's skin (n, 3) [m] that nothing carries at their pinned positions."""
         surface[self._still] = self.origin[:, self._still].T
 
     def _places(self, positions: Floats) -> Floats:
-        """Return where the pins (3, p) [m] are among all vertices (3, n)."""
+        """Return the positions (3, p) [m] of the pins among those of all vertices (3, n)."""
         return np.ascontiguousarray(np.take(positions.T, self._pinned, axis=0).T)
 
 
 class Skin:
-    """The surface of a body; its pins may put vertices of it that nothing carries.
+    """The surface of a body; vertices that nothing carries follow the pins.
 
-    input_of: the input vertex (n,) that each vertex of the mesh was.
+    input_of: input vertex (n,) of each vertex of the mesh.
     """
 
     def __init__(self, model: Model, proxy: Proxy | None, pins: Pins, rest: Rest) -> None:
@@ -84,26 +84,26 @@ class Skin:
         self._yields = model.compliance > 0
         self._yields_somewhere = bool(self._yields.any())
         self._unwelded = len(self._source) == len(model.mass) and bool((self._source[1:] > self._source[:-1]).all())
-        self.laid: Floats | None = None  # (3, n) where the body rests on its shape at rest, and is not stepped
+        self.laid: Floats | None = None  # (3, n) [m] if the body lies on its shape at rest, and is not stepped
         self.reset()
 
     def of_mesh(self, values: Floats) -> Floats:
-        """Return what the vertices (n, 3) of the mesh have of values (N, 3) of the input vertices."""
+        """Return the values (n, 3) at the vertices of the mesh for values (N, 3) at the input vertices."""
         return values if self._unwelded else values[self.input_of]
 
     def reset(self) -> None:
-        """Forget what was shown: something has moved."""
+        """Clear the cached positions, because something has moved."""
         self._shown: Singles | None = None  # what `positions` returned, until something moves
 
     def positions(self, body: Body, tips: Sequence[Finger | None]) -> Singles:
-        """Return where the input vertices (N, 3) [m] are, to be read."""
+        """Return the positions of the input vertices (N, 3) [m], read-only."""
         if self._shown is None:
             self._shown = self._of_input(np.asarray(self.on(tips, self.surface(body)), np.float32))
             self._shown.setflags(write=False)
         return self._shown
 
     def on(self, tips: Sequence[Finger | None], surface: Floats | Singles) -> Floats | Singles:
-        """Return a surface (n, 3) [m] that lies on the fingertips where its skin has given way."""
+        """Return a surface (n, 3) [m] with the skin that gave way lying on the fingertips."""
         for tip in tips if self._yields_somewhere else ():
             if tip and len(inside := _inside(tip, surface, self._yields)):
                 surface = surface.copy()
@@ -111,20 +111,20 @@ class Skin:
         return surface
 
     def surface(self, body: Body) -> Floats | Singles:
-        """Return where the vertices (n, 3) [m] of the mesh are."""
+        """Return the positions of the vertices (n, 3) [m] of the mesh."""
         if self.laid is not None:
             return self.laid.T
         x = body.positions()
         if self._proxy is None:
             return x.T
         surface = carry(self._proxy.binding, x)
-        if self._rest.bent:  # it carries what is off the shape at rest alone
+        if self._rest.bent:  # the proxy carries only the displacement from the shape at rest
             surface += self._rest.whole.T - carry(self._proxy.binding, self._rest.of_body)
         self._pins.put_still(surface)
         return surface
 
     def velocities(self, body: Body) -> Floats:
-        """Return how fast the vertices (n, 3) [m/s] of the mesh move, about."""
+        """Return the velocities of the vertices (n, 3) [m/s] of the mesh, approximate with a proxy."""
         v = body.velocities().T
         return v if self._proxy is None else blend(self._proxy.binding, v)
 
@@ -133,16 +133,16 @@ class Skin:
 
 
 def _inside(tip: Finger, surface: Floats | Singles, which: Bools) -> Ints:
-    """Return which vertices lie in a fingertip."""
+    """Return which of the vertices in `which` lie inside a fingertip."""
     x, y, z = tip.position
     near = np.flatnonzero(which & (np.abs(surface[:, 2] - z) < tip.radius))
     return near[((surface[near] - np.array((x, y, z))) ** 2).sum(axis=1) < tip.radius**2]
 
 
 def _way_out(offset: Floats | Singles, radius: float) -> Floats:
-    """Return the way (k, 3) [m] onto a sphere from offsets (k, 3) within it.
+    """Return displacements (k, 3) [m] that move offsets (k, 3) inside a sphere onto it.
 
-    It leads away from a point on the sphere behind them, so that a skin is pressed rather than spread.
+    They point away from a point on the far side of the sphere, so that the skin is pressed rather than spread.
     """
     apart = np.sqrt((offset**2).sum(axis=1))
     mean = (radius - apart) @ offset

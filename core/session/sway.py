@@ -1,9 +1,9 @@
-"""The sway of a body: its low modes, driven by the motion of object and rig, gravity as it turns, and what touches it.
+"""The sway of a body: its low modes, driven by the motion of object and rig, by gravity as it turns, and by contact.
 
-The surface at rest moves with it: skin and law act on top. Each mode is advanced exactly, so any step is stable and
-nothing is gained or lost but by damping. Sources: Choi and Ko 2005 (modal warping: each node's displacement is turned
-by the modal rotation, so that a body that bends far does not grow); Mueller, Bender, Chentanez and Macklin 2016
-(rotations followed from step to step).
+The surface at rest moves with it: skin and law act on top. Each mode is advanced exactly, so any step is stable, no
+energy is gained, and only damping loses it. Sources: Choi and Ko 2005 (modal warping: each node's displacement is
+rotated by the modal rotation, so that a body that bends far does not grow); Mueller, Bender, Chentanez and Macklin 2016
+(rotations tracked from step to step).
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from ..native.motion import Touch
 from .fingertip import Finger
 
 After = Callable[[Floats], tuple[Floats, Floats]]
-STILL = 1e-6  # [m] that no vertex sways beyond: it is at rest
+STILL = 1e-6  # [m] a body whose vertices all sway by less than this is at rest
 
 
 class Push(NamedTuple):
-    """What something does to some vertices (p,) of a body that it touches.
+    """Contact forces on some vertices (p,) of a body.
 
-    vertices: of the mesh that sways.
+    vertices: indices in the swaying mesh.
     forces: (p, 3) on them [N].
-    slopes: (p,) by how much less those are for each metre that the surface gives way to them [N/m].
+    slopes: (p,) decrease of the forces for each metre that the surface gives way [N/m].
     """
 
     vertices: Ints
@@ -43,7 +43,7 @@ class Push(NamedTuple):
 
 
 def push_of(touch: Touch, finger: Finger, mesh: Mesh) -> Push:
-    """Return what a fingertip that touches does to a body; one that a force pushes keeps that."""
+    """Return the push of a touching fingertip on a body; with a prescribed force it does not decrease."""
     slope = touch.slope if finger.force is None else 0.0
     return Push(mesh.triangles[touch.triangle], np.tile(touch.force, (3, 1)) / -3, np.full(3, slope / 3))
 
@@ -51,7 +51,7 @@ def push_of(touch: Touch, finger: Finger, mesh: Mesh) -> Push:
 class Sway:
     """The state of the modes of one body, and the motion of its nodes with object and rig.
 
-    amount: of the displacement that shows, 0 to 1.
+    amount: share of the displacement that is shown, 0 to 1.
     """
 
     def __init__(
@@ -61,18 +61,18 @@ class Sway:
         """Begin at rest.
 
         Args:
-            mesh, held: what the modes were made of.
+            mesh, held: from which the modes were made.
             modes: of the body.
             frequency: of the first mode [Hz].
             density: [kg/m3].
             damping: ratio.
-            gravity: (3,) [m/s2]; the body has its shape at rest in it.
-            young: the modulus of its skin where that is stiffest, beyond the knee [Pa].
+            gravity: (3,) [m/s2] in which the body has its shape at rest.
+            young: Young's modulus of its skin at its stiffest, beyond the knee [Pa].
         """
         self.mesh, self.held, self.modes, self.amount = mesh, held, modes, amount
         self._rates = modes.rates * (2 * math.pi * frequency / modes.rates[0])
         self._damping, self._density, self._young = damping, density, young
-        self._gravity = self._modelled = np.asarray(gravity, np.float64)  # now, and in which it has its shape at rest
+        self._gravity = self._modelled = np.asarray(gravity, np.float64)  # current, and that of the shape at rest
         rest = mesh.rest_positions
         self._anchors, self._near = _anchors(modes, rest)
         self._arms = rest[self._anchors]
@@ -86,52 +86,53 @@ class Sway:
         self.reset()
 
     def reset(self) -> None:
-        """Come to rest."""
+        """Put the body back to rest."""
         self._q = np.zeros(len(self._rates))
         self._v = np.zeros(len(self._rates))
         self._turn = np.broadcast_to(np.eye(3), (len(self.modes.volume), 3, 3)).copy()
         self._at = self.modes.lattice.nodes
-        self._speed: Floats | None = None  # of the nodes, None before a second place is known
+        self._speed: Floats | None = None  # of the nodes, None before a second position is known
 
     def go_on(self, before: Sway) -> None:
-        """Go on as the same body moved before."""
+        """Continue the previous sway of the same body."""
         self._q, self._v, self._turn = before._q, before._v, before._turn
         self._at, self._speed, self._modelled = before._at, before._speed, before._modelled
 
     @property
     def moves(self) -> bool:
-        """Tell whether anything sways, or moves with object and rig."""
+        """Return whether anything sways, or moves with object or rig."""
         far = np.abs(self._q) + np.abs(self._v) / self._rates
         return self._speed is None or bool(self._speed.any()) or bool((far * self._reach).sum() > STILL)
 
     @property
     def frequency(self) -> float:
-        """Return how often it sways in a second in its slowest way [Hz]."""
+        """Return the frequency of its slowest mode [Hz]."""
         return float(self._rates[0]) / (2 * math.pi)
 
     def advance(self, led: Floats, seconds: float, pushes: Sequence[Push] = ()) -> None:
-        """Advance to where object and rig place the shape at rest.
+        """Advance to the positions at which object and rig put the shape at rest.
 
         Args:
-            led: (n, 3) vertices there at the end [m], without sway.
-            seconds: until then.
+            led: (n, 3) these positions of the vertices at the end, without sway [m].
+            seconds: duration [s].
+            pushes: contact forces meanwhile.
         """
         at = self._follow(led)
         speed = (at - self._at) / seconds
         before, self._at, self._speed = (speed if self._speed is None else self._speed), at, speed
-        kick = np.einsum("mji,mj->mi", self._turn, before - speed)  # at once: however long the steps, alike
+        kick = np.einsum("mji,mj->mi", self._turn, before - speed)  # an impulse, whatever the step's duration
         pull = self._gravity @ self._turn - self._modelled
         self._v = self._v + self._loads @ kick.ravel()
         self._swing(self._loads @ pull.ravel(), seconds, pushes)
 
     def met(self, impulses: Floats, seconds: float, vertices: Ints | None) -> Push:
-        """Return what other surfaces do to vertices that they touch.
+        """Return the push of other surfaces on vertices that they touch.
 
         Args:
             impulses: (m, 3) that they gave in some seconds [N s].
-            vertices: (m,) of the mesh that got them, None for all.
+            vertices: (m,) vertices of the mesh that received them, None for all.
 
-        Source: Sneddon 1965, whose slope 2 E / (1 - nu^2) a for a contact of radius a is that of a tip of any form.
+        Source: Sneddon 1965: the slope 2 E / (1 - nu^2) a for a contact of radius a holds for a tip of any shape.
         """
         size = np.linalg.norm(impulses, axis=1)
         touched = np.flatnonzero(size)
@@ -141,26 +142,26 @@ class Sway:
         return Push(at, impulses[touched] / seconds, slope * size[touched] / max(float(size.sum()), 1e-30))
 
     def displacement(self) -> Singles:
-        """Return how far (n, 3) each vertex is from its place without sway [m]."""
+        """Return the displacement (n, 3) of each vertex by the sway [m]."""
         return self._carried(self.amount * self.node_displacement())
 
     def node_displacement(self) -> Floats:
-        """Return how far (m, 3) each node is from its place without sway [m]."""
+        """Return the displacement (m, 3) of each node by the whole sway, whatever the amount [m]."""
         linear = (self._q @ self._flat).reshape(-1, 3)
         warped = _warped(np.einsum("kma,k->ma", self.modes.turns, self._q), linear)
         return np.einsum("mij,mj->mi", self._turn, warped)
 
     def velocity(self) -> Singles:
-        """Return how fast (n, 3) each vertex sways [m/s]."""
+        """Return the velocity (n, 3) of each vertex by the sway [m/s]."""
         swings = np.einsum("mij,mj->mi", self._turn, (self._v @ self._flat).reshape(-1, 3))
         return self._carried(self.amount * swings)
 
     def _carried(self, nodes: Floats) -> Singles:
-        """Return what the vertices (n, 3) have of values (m, 3) of the nodes."""
+        """Return values (m, 3) of the nodes interpolated to the vertices (n, 3)."""
         return native.carry_by_nodes(native.library(), self.modes.nodes, self.modes.shares, nodes)
 
     def _follow(self, led: Floats) -> Floats:
-        """Return the places of the nodes (m, 3) without sway, and turn them along."""
+        """Return the positions of the nodes (m, 3) without sway, and update their rotations."""
         here = led[self._anchors]
         middle = self._near @ here
         moment = self._moments(here, middle)
@@ -171,12 +172,12 @@ class Sway:
         return middle + np.einsum("mij,mj->mi", self._turn, self.modes.lattice.nodes - self._middles)
 
     def _moments(self, here: Floats, middle: Floats) -> Floats:
-        """Return what the anchors (a, 3) about each node (m, 3, 3) come to with their places at rest [m2]."""
+        """Return the covariances (m, 3, 3) of the anchors (a, 3) with their positions at rest, about each node [m2]."""
         outer = (here[:, :, None] * self._arms[:, None, :]).reshape(-1, 9)
         return (self._near @ outer).reshape(-1, 3, 3) - middle[:, :, None] * self._middles[:, None, :]
 
     def _swing(self, load: Floats, seconds: float, pushes: Sequence[Push]) -> None:
-        """Advance every mode exactly under a constant load; what pushes gives way to the surface as that moves."""
+        """Advance every mode exactly under a constant load; pushes decrease as the surface gives way."""
         rate, z = self._rates, self._damping
         swing = rate * math.sqrt(max(1 - z * z, 1e-9))
         decay, c, s = np.exp(-z * rate * seconds), np.cos(swing * seconds), np.sin(swing * seconds)
@@ -194,9 +195,9 @@ class Sway:
         self._q, self._v = after(load)
 
     def _answer(self, load: Floats, after: After, gain: Floats, push: Push) -> Floats:
-        """Return the load (k,) of a push, less by its slopes times how far the surface has gone by then.
+        """Return the load (k,) of a push, less its slopes times the distance that the surface has given way by the end.
 
-        Source: Mindlin, who has two thirds of the slope along the surface.
+        Source: Mindlin: the slope along the surface is two thirds of the normal one.
         """
         _, forces, slopes = push
         ways = self._ways(push.vertices)
@@ -208,7 +209,7 @@ class Sway:
         return np.linalg.solve(np.eye(len(load)) + resists * gain, left)
 
     def _ways(self, vertices: Ints) -> Floats:
-        """Return how far (p, 3, k) each mode moves some vertices."""
+        """Return the displacement (p, 3, k) of some vertices by each mode."""
         nodes, shares = self.modes.nodes[vertices], self.modes.shares[vertices]
         turned = (self.amount * shares[:, :, None, None] * self._turn[nodes]).transpose(0, 2, 1, 3)
         shapes = self.modes.shapes.transpose(1, 2, 0)[nodes]
@@ -216,7 +217,7 @@ class Sway:
 
 
 def sway_of(model: Model, before: Sway | None = None) -> Sway | None:
-    """Return the sway of a model at rest, None where it has none; `before`, of the same body, goes on with it."""
+    """Return the sway of a model at rest, None if it has none; it continues `before` if that is of the same body."""
     wanted = model.sway
     if wanted is None:
         return None
@@ -236,9 +237,9 @@ def sway_of(model: Model, before: Sway | None = None) -> Sway | None:
 
 
 def young(material: Material) -> float:
-    """Return Young's modulus [Pa] of the solid that answers its measuring tip, as a sphere, alike at the knee.
+    """Return Young's modulus [Pa] of the solid with the material's force at the knee, under a spherical measuring tip.
 
-    Source: Hertz, F = 4/3 E / (1 - nu^2) sqrt(R) x^1.5, with nu near 1/2 of a solid that keeps its volume.
+    Source: Hertz, F = 4/3 E / (1 - nu^2) sqrt(R) x^1.5, with nu near 1/2 for a solid that keeps its volume.
     """
     radius, x = material.indenter.radius, material.x0
     return 0.75 * material.law(x) / (math.sqrt(radius) * x**1.5) * (1 - 0.25)
@@ -250,7 +251,7 @@ def first_frequency(modes: Modes, material: Material, density: float) -> float:
 
 
 def _anchors(modes: Modes, rest: Floats) -> tuple[Ints, Floats]:
-    """Return one vertex (a,) of each cell that has any, and how much (m, a) each node goes with it."""
+    """Return one vertex (a,) of each cell that has any, and the weights (m, a) by which each node follows them."""
     cells, first = np.unique(modes.nodes[:, 0], return_index=True)
     del cells
     ways = ((modes.lattice.nodes[:, None] - rest[first]) ** 2).sum(axis=2)
@@ -267,7 +268,7 @@ def _rotation(turn: Floats) -> Floats:
 
 
 def _warped(turn: Floats, linear: Floats) -> Floats:
-    """Return displacements (m, 3) along arcs: the mean of the rotations from none to the modal ones, times linear."""
+    """Return displacements (m, 3) along arcs: the linear ones times the mean of the rotations from 0 to `turn`."""
     a = np.maximum(np.sqrt((turn**2).sum(axis=1)), 1e-9)[:, None]
     once = np.cross(turn, linear)
     return linear + (1 - np.cos(a)) / a**2 * once + (a - np.sin(a)) / a**3 * np.cross(turn, once)

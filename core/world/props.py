@@ -1,11 +1,11 @@
-"""Props: rigid meshes with a mass that fall, meet soft bodies, colliders, each other and the ground, and come to rest.
+"""Props: rigid meshes that fall, collide with soft bodies, colliders, each other and the ground, and come to rest.
 
-A prop is a collider that goes where it falls. To soft bodies it is one that goes at its speed; what they answer in a
-substep acts in the next one. That is stable while a prop is heavier than the skin that moves with it, so a lighter one
-moves as if it were that heavy, though it presses with its own weight.
+A prop is a collider that moves by its own dynamics. To soft bodies it is a collider at its current velocity; their
+reaction in a substep acts on it in the next one. That is stable while a prop is heavier than the skin that moves with
+it, so a lighter one moves as if it were that heavy, though it presses with its own weight.
 
-Surfaces that touch keep a distance, so what touches of a prop is its surface moved inwards by that: then the prop as it
-is seen stands on what it meets.
+Touching surfaces keep a distance, so the contact surface of a prop is its surface moved inwards by that distance: then
+the visible prop stands on what it touches.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from ..constants import OFFSET
 from ..native.scene import Collider, Fall, Falling
 from ..session import Session
 
-LEAST_SHARE = 0.1  # of the lightest body's mass: what a prop has at least when it moves
-SETTLING = 0.05  # of the critical damping is the least that a prop has, so that it comes to rest
-THIN = 0.5  # of volume by area: the farthest that faces are moved inwards
-FLAT = 0.02  # below this share of the greatest, nothing is known of where the faces of a vertex look
+LEAST_SHARE = 0.1  # of the lightest body's mass: least mass with which a prop moves
+SETTLING = 0.05  # least damping ratio of a prop, so that it comes to rest
+THIN = 0.5  # of volume over area: the farthest that faces are moved inwards
+FLAT = 0.02  # of the largest eigenvalue: with less, the faces of a vertex do not determine a direction
 
 
 @dataclass(slots=True, kw_only=True)
 class Prop:
     """A collider that falls.
 
-    falling: what touches of it.
-    share: of the mass that it moves as, its weight.
-    state: where it is.
+    falling: rigid body of its contact surface.
+    share: its mass over the mass with which it moves; gravity is multiplied by this.
+    state: its position and velocity.
     lowest: height of its lowest vertex at the start [m]: the ground lies no higher.
     """
 
@@ -45,23 +45,23 @@ class Prop:
     lowest: float
 
     def positions(self) -> Floats:
-        """Return where the vertices (3, m) [m] are of what touches."""
+        """Return the positions of the contact surface's vertices (3, m) [m]."""
         return np.ascontiguousarray(rigid.positions(self.falling.shape, self.state).T)
 
     def pose(self) -> Floats:
-        """Return its rigid motion (4, 4) since the start; translations in [m]."""
+        """Return its rigid motion (4, 4) since the start; translation in [m]."""
         state, motion = self.state, np.eye(4)
         motion[:3, :3] = state.turn
         motion[:3, 3] = state.centre - state.turn @ self.falling.shape.centre
         return motion
 
     def way(self, gravity: Floats, ground: float | None) -> Fall:
-        """Return how it falls."""
+        """Return its state with the gravity and the ground that act on it."""
         return Fall(self.state, self.share * gravity, -math.inf if ground is None else min(ground, self.lowest))
 
 
 def prop_of(seen: Collider, mass: float, sessions: Sequence[Session]) -> Prop:
-    """Return a collider that falls with a mass [kg] among sessions.
+    """Return a collider as a prop that falls with a mass [kg] among sessions.
 
     Raises:
         DimpleError: it has no mass or no faces.
@@ -82,7 +82,7 @@ def touching_gap(session: Session) -> float:
 
 
 def shrunk(collider: Collider, by: float) -> tuple[Collider, float]:
-    """Return a collider with its faces moved inwards by a distance [m], and that: less if it is thin, 0 if open."""
+    """Return a collider with its faces moved inwards by a distance [m], and that distance: less if thin, 0 if open."""
     x, triangles = collider.positions.T, collider.triangles
     sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     if not {(a, b) for a, b in sides.tolist()} == {(b, a) for a, b in sides.tolist()}:
@@ -92,7 +92,7 @@ def shrunk(collider: Collider, by: float) -> tuple[Collider, float]:
     areas, volume = np.linalg.norm(normals, axis=1), float(np.linalg.det(corners).sum()) / 6
     normals /= np.copysign(np.maximum(areas, 1e-30), volume)[:, None]
     by = min(by, THIN * abs(volume) / max(float(areas.sum()) / 2, 1e-30))
-    # of each vertex the way d that is the best for its faces: normal . d = -by
+    # displacement d of each vertex, the least-squares solution for its faces: normal . d = -by
     squares, sums = np.zeros((len(x), 3, 3)), np.zeros((len(x), 3))
     for k in range(3):
         np.add.at(squares, triangles[:, k], areas[:, None, None] * normals[:, :, None] * normals[:, None, :])
@@ -102,7 +102,7 @@ def shrunk(collider: Collider, by: float) -> tuple[Collider, float]:
 
 
 def _heavier(shape: RigidShape, sessions: Sequence[Session]) -> RigidShape:
-    """Return a rigid body that is heavy enough to be answered a substep later."""
+    """Return a rigid body heavy enough to be stable if reactions act a substep late."""
     least = LEAST_SHARE * min(float(session.model.mass.sum()) for session in sessions)
     if shape.mass >= least:
         return shape
@@ -110,6 +110,6 @@ def _heavier(shape: RigidShape, sessions: Sequence[Session]) -> RigidShape:
 
 
 def _damping(mass: float, sessions: Sequence[Session]) -> float:
-    """Return the damping [N s/m] of a prop: as that of the bodies is, a share of the critical one."""
+    """Return the damping [N s/m] of a prop: a share of the critical damping, as that of the bodies."""
     materials = [material for session in sessions for material in session.model.materials]
     return min(max(m.damping_ratio, SETTLING) * 2 * math.sqrt(min(m.K1, m.K2) * mass) for m in materials)

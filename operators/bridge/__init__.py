@@ -4,3 +4,12 @@ scene_objects reads a body, body_model its materials and pins, final_mesh its su
 modifier that shows a press, and write_back keeps one. modifiers classifies a modifier stack, advice informs the artist,
 timeline is the clock, cache_files finds and plays bakes, and keyframes draws their curves.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ...core.material import Material
+
+in_trial: dict[int, Material] = {}  # by session_uid: the material of a blind trial, instead of the object's own

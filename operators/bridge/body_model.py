@@ -16,7 +16,7 @@ from ...core.errors import DimpleError
 from ...core.messages import about
 from ..messages import Note
 from ..names import MAPS
-from . import advice, final_mesh
+from . import advice, final_mesh, in_trial
 
 if TYPE_CHECKING:
     from ...core.body.model import Model
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from .object_link import Floats, ObjectLink
 
 
-in_trial: dict[int, Material] = {}  # by session_uid: the material of a blind trial, instead of the object's own
 
 
 def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink) -> Parts:

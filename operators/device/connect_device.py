@@ -9,7 +9,7 @@ from ..names import DEAD_MAN, Op
 from ..press import haptic_fingertips, modal_runs, polls, sessions
 from ..translation import translated
 
-RENEW_S = 0.05  # [s] between two renewals of the dead-man key; `limits.LEASE` covers one after a standstill of 0.2 s
+RENEW_S = 0.05  # [s] between two renewals of the dead-man key; `limits.LEASE` tolerates a stall of 0.2 s between them
 KEYS = "Hold Shift: force | Esc: disarm"
 
 
@@ -50,7 +50,7 @@ class DIMPLE_OT_arm_device(polls.Declared, bpy.types.Operator):
         connection.device.arm()
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Arm, and follow the key from now on."""
+        """Arm, and watch the dead-man key from now on."""
         connection = haptic_fingertips.get()
         self._watch = connection.watch = object()
         self._since, self._down = time.perf_counter(), False
@@ -63,10 +63,10 @@ class DIMPLE_OT_arm_device(polls.Declared, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Follow the key: it is held from its press until any event shows otherwise. A lost device and Esc end it.
+        """Watch the key: it counts as held from its press until an event shows otherwise. Esc or a lost device ends it.
 
-        Every event carries which keys are down. Timers and the loss of the focus reach every modal operator, whatever
-        events the one before it consumes; without either the lease expires.
+        Every event carries the state of the modifier keys. Timers and the loss of focus reach every modal operator,
+        whatever events another one consumes; without either the lease expires.
         """
         from ...core.device.limits import LEASE
 
@@ -92,7 +92,7 @@ class DIMPLE_OT_arm_device(polls.Declared, bpy.types.Operator):
         self._end(context)
 
     def _is_armed(self, connection: haptic_fingertips.Connection) -> bool:
-        """Tell whether it is armed, or may still answer that it is."""
+        """Return whether the device is armed, or may still report that it is."""
         from ...core.device.limits import ANSWER_TIME
 
         report = connection.report
@@ -104,7 +104,7 @@ class DIMPLE_OT_arm_device(polls.Declared, bpy.types.Operator):
         owner = connection.watch if (connection := haptic_fingertips.get()) else None
         if owner is self._watch:
             haptic_fingertips.hold(0.0)
-        if owner in (None, self._watch):  # a newer operator has a text of its own, a script has none
+        if owner in (None, self._watch):  # a newer operator shows its own text; a script shows none
             modal_runs.clear_status()
         return {"FINISHED"}
 

@@ -1,6 +1,6 @@
-"""The sensory comparison of the paper's chapter 5: trials from a file, blind, each answer kept before the next.
+"""The sensory comparison of the paper's chapter 5: blind trials from a file, each answer saved before the next trial.
 
-What a trial presents is nowhere in Blender's data, so no panel, no name and no undo step shows it.
+The stimulus of a trial is stored nowhere in Blender's data, so no panel, name or undo step reveals it.
 """
 
 from dataclasses import replace
@@ -12,6 +12,7 @@ from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import DimpleError
 from ...core.messages import Message
+from ..bridge import in_trial
 from ..device.connect_device import is_ready
 from ..messages import say
 from ..names import Op
@@ -22,35 +23,33 @@ if TYPE_CHECKING:
     from ...core.experiment.run import Experiment
     from ...core.material import Material
 
-HELD_S = 60.0  # [s] that a script holds the dead-man key
+HELD_S = 60.0  # [s] for which a script holds the dead-man key
 
-experiments: "list[Experiment]" = []  # the experiment, where one is under way
+experiments: "list[Experiment]" = []  # the current experiment, if there is one
 
 
 def is_blind() -> bool:
-    """Tell whether a participant judges: no number and no chart may show how stiff the object is."""
+    """Return whether a participant is judging: then no number and no chart may show the stiffness of the object."""
     return bool(experiments) and experiments[0].agreed
 
 
 @bpy.app.handlers.persistent
 def close(*_: object) -> None:
-    """End the experiment under way; its answers are kept."""
-    from ..bridge import body_model
-
+    """End the current experiment; its answers are kept."""
     while experiments:
         sessions.stop_all()
         experiments.pop().log.file.close()
-    body_model.in_trial.clear()
+    in_trial.clear()
 
 
 def watch(connection: haptic_fingertips.Connection) -> None:
-    """Note what the device does in the interval that is presented."""
+    """Record what the device does in the current interval."""
     if experiments and experiments[0].intervals:
         experiments[0].intervals[-1].feel(connection.device.samples(), connection.report.cap)
 
 
 def material_of(source: str) -> "Material":
-    """Return the constants of the preset or the material that a plan names.
+    """Return the constants of the preset or the Blender material that a plan names.
 
     Raises:
         DimpleError: there is none.
@@ -71,7 +70,7 @@ def at_level(material: "Material", level: float) -> "Material":
 
 
 def needed_cap(scene: bpy.types.Scene, material: "Material", force: float) -> float:
-    """Return the stiffness [N/m] that a device must render, so that a material is felt as it is up to a force [N]."""
+    """Return the stiffness [N/m] that a device must be able to render for an unchanged material up to a force [N]."""
     from ...core.device.rendered_surface import Law
     from ...core.other_tip import BODY, factors
 
@@ -83,7 +82,7 @@ def needed_cap(scene: bpy.types.Scene, material: "Material", force: float) -> fl
 
 
 def check_levels(scene: bpy.types.Scene, plan: "Plan", materials: dict[str, "Material"]) -> None:
-    """Raise a DimpleError when the device cannot render what the plan presents."""
+    """Raise a DimpleError if the device cannot render what the plan presents."""
     cap = haptic_fingertips.get().report.cap
     for label, level in sorted(plan.stimuli()):
         needed = needed_cap(scene, at_level(materials[label], level), plan.press_n)
@@ -156,12 +155,11 @@ class DIMPLE_OT_continue_experiment(polls.Declared, bpy.types.Operator):
         modal_runs.redraw()
 
     def _present(self, context: bpy.types.Context, experiment: "Experiment") -> None:
-        """Begin the next interval: of the virtual object, with a session of its constants and an armed device."""
+        """Begin the next interval: for a virtual object, with a session of its constants and an armed device."""
         from ...core.device.limits import QUIET_FORCE
-        from ..bridge import body_model
         from ..press import live_step
 
-        haptic_fingertips.get().device.samples()  # what was felt until now does not belong to this interval
+        haptic_fingertips.get().device.samples()  # discard those from before this interval
         stimulus = experiment.trial.show[experiment.due]
         if stimulus.real:
             experiment.begin()
@@ -170,7 +168,7 @@ class DIMPLE_OT_continue_experiment(polls.Declared, bpy.types.Operator):
         if obj is None:
             raise DimpleError("The object of the experiment is gone. Open the experiment again.")
         material, force = at_level(experiment.materials[stimulus.object], stimulus.level), experiment.plan.press_n
-        body_model.in_trial[obj.session_uid] = material
+        in_trial[obj.session_uid] = material
         fingertip_objects.select(context, obj)
         live_step.start_all(context)
         experiment.begin(needed=needed_cap(context.scene, material, force), least_n=QUIET_FORCE, most_n=force)

@@ -1,1 +1,1 @@
-"""Animation files: the dialog, what is to be exported, the formats, and the command line."""
+"""Animation files: the dialog, the export plan, the formats, and the command line."""

@@ -1,6 +1,6 @@
-"""What is to be exported; and what an exporter gets: an object, selected alone, playing or with keyframed shape keys.
+"""The export plan, and what an exporter gets: one object, selected alone, playing or with keyframed shape keys.
 
-Each context manager puts the object back exactly as it was.
+Each context manager restores the object exactly.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ class ExportPlan:
 
     objects: Sequence[bpy.types.Object]  # the bodies
     formats: Sequence[str]  # keys of `formats.FORMATS`, in the order in which they are written
-    folder: Path  # where the files go; it is made
-    first: int  # frame
-    last: int  # frame, included
-    begin: int | None = None  # frame at which the simulation begins at rest; None is the first
-    # how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for one a frame
+    folder: Path  # for the files; made if missing
+    first: int  # first frame
+    last: int  # last frame, inclusive
+    begin: int | None = None  # frame at which the simulation starts at rest; None: `first`
+    # largest error of a vertex with few shape keys, as a share of the object's size; 0: one shape key for each frame
     key_error: float = 0.0
-    rendered: bool = False  # the mesh is what modifiers make of it for a render, not for the viewport
-    simulate: bool = False  # also objects that play a bake or a recording
-    overwrite: bool = False  # files that are there
+    rendered: bool = False  # evaluate modifiers as for a render, not as for the viewport
+    simulate: bool = False  # also simulate objects that play a bake or a recording
+    overwrite: bool = False  # replace existing files
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -47,21 +47,21 @@ class Clip:
 
     obj: bpy.types.Object
     plan: ExportPlan  # frames and options
-    # the PC2 file of offsets that it is to play, its first frame, and how often its final mesh is subdivided; None
-    # where it plays already
+    # PC2 file of offsets to play, its first frame, and how often its final mesh is subdivided; None if the object plays
+    # already
     plays: tuple[Path, float, int] | None = None
-    table: Path | None = None  # of forces, beside what it plays
-    simulated: dict[str, Any] | None = None  # how, where it was for this
-    # coordinates (frames, vertices, 3) of its final mesh, and where a format asks for them its normals (frames, n, 3),
-    # of vertices that are split where it is sharp; with the vertex that each of those is
+    table: Path | None = None  # CSV of forces that belongs to the animation
+    simulated: dict[str, Any] | None = None  # description of the simulation, if it was run for this export
+    # coordinates (frames, vertices, 3) of the final mesh; if a format needs them, normals (frames, n, 3) of vertices
+    # that are split at sharp edges, and the vertex that each of those was
     samples: Singles = field(default_factory=lambda: np.empty((0, 0, 3), np.float32))
     normals: Singles = field(default_factory=lambda: np.empty((0, 0, 3), np.float32))
-    split_of: npt.NDArray[np.intp] = field(default_factory=lambda: np.empty(0, np.intp))  # of each corner of a face
+    split_of: npt.NDArray[np.intp] = field(default_factory=lambda: np.empty(0, np.intp))  # of each face corner
     vertex_of: npt.NDArray[np.int32] = field(default_factory=lambda: np.empty(0, np.int32))  # of each split vertex
-    made: Basis | None = None  # which frames are shape keys, once they are chosen
+    made: Basis | None = None  # the shape keys, once they are chosen
 
     def keys(self) -> Basis:
-        """Return which frames are shape keys, and their values in each frame; they are chosen once."""
+        """Return which frames become shape keys, and their values in each frame; they are chosen once."""
         size = float(np.ptp(self.samples[0], axis=0).max())
         error = self.plan.key_error * size
         self.made = self.made or (reduce(self.samples, self.normals, error) if error else distinct(self.samples))
@@ -70,11 +70,11 @@ class Clip:
 
 @contextlib.contextmanager
 def _ranged(scene: bpy.types.Scene, first: int, last: int) -> Iterator[None]:
-    """Let a scene have these frames, and show the first; most exporters ask the scene."""
+    """Set the frame range of a scene and show its first frame; most exporters take the range from the scene."""
     before = scene.frame_start, scene.frame_end, scene.use_preview_range
     now = scene.frame_current, scene.frame_subframe
     scene.use_preview_range = False
-    scene.frame_start, scene.frame_end = first, last  # Blender keeps the end behind the start, whatever it was
+    scene.frame_start, scene.frame_end = first, last  # setting one end may shift the other
     scene.frame_start = first
     scene.frame_set(first)
     try:
@@ -87,7 +87,7 @@ def _ranged(scene: bpy.types.Scene, first: int, last: int) -> Iterator[None]:
 
 @contextlib.contextmanager
 def selected(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[None]:
-    """Select one object alone; one that is hidden is shown."""
+    """Select one object alone; show it if it is hidden."""
     layer = context.view_layer
     before, active = [each for each in layer.objects if each.select_get()], layer.objects.active
     hidden, hidden_here, fixed = obj.hide_viewport, obj.hide_get(), obj.hide_select
@@ -110,8 +110,7 @@ def selected(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[None
 
 @contextlib.contextmanager
 def playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
-    """Select the object of a clip in its first frame, playing that in place of its own bake, with the modifiers that
-    the plan asks for.
+    """Select the object of a clip at the first frame, playing the clip in place of its bake, with the plan's modifiers.
     """
     obj = clip.obj
     ours = [modifier for modifier in obj.modifiers if modifiers.is_cache(modifier)] if clip.plays else []
@@ -135,11 +134,11 @@ def playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
 
 
 def look(context: bpy.types.Context, clip: Clip, folder: Path, *, normals: bool) -> None:
-    """Give a clip the coordinates that its object shows while it plays, and its normals; they go to files in a folder.
+    """Give a clip the coordinates that its object shows while it plays, and its normals, in files in a folder.
 
     Raises:
         OSError: the disk refuses.
-        DimpleError: it does not show as many vertices in each frame.
+        DimpleError: the number of vertices changes between frames.
     """
     first, last, caches = clip.plan.first, clip.plan.last, []  # type: ignore[var-annotated]
     paths = [folder / "seen.pc2", folder / "normals.pc2"][: 1 + normals]
@@ -162,7 +161,7 @@ def look(context: bpy.types.Context, clip: Clip, folder: Path, *, normals: bool)
 
 @contextlib.contextmanager
 def keyed(context: bpy.types.Context, clip: Clip, keys: Basis | None) -> Iterator[None]:
-    """Give an object its final mesh with keyframed shape keys, in place of its own mesh and its modifiers."""
+    """Give an object its final mesh with keyframed shape keys, in place of its own mesh and modifiers."""
     obj = clip.obj
     with playing(context, clip):
         graph = context.evaluated_depsgraph_get()
@@ -172,7 +171,7 @@ def keyed(context: bpy.types.Context, clip: Clip, keys: Basis | None) -> Iterato
     mesh, name = obj.data, obj.data.name
     before = obj.active_shape_key_index, obj.show_only_shape_key
     shaping = [(each, each.show_viewport, each.show_render) for each in obj.modifiers]
-    if not mesh.library:  # its name is written to the file
+    if not mesh.library:  # free its name for the copy: it is written to the file
         mesh.name = f"{name[:50]}.dimple"
     copy.name = name
     obj.data = copy
@@ -200,10 +199,10 @@ def keyed(context: bpy.types.Context, clip: Clip, keys: Basis | None) -> Iterato
 
 @contextlib.contextmanager
 def mapped(context: bpy.types.Context, clip: Clip, uv: Singles) -> Iterator[None]:
-    """Give an object its final mesh as in the first frame, with a second UV map that points each corner somewhere."""
+    """Give an object its final mesh at the first frame, with a second UV map from the `uv` of split vertices."""
     with keyed(context, clip, None):
         mesh = clip.obj.data
-        while len(mesh.uv_layers) > 1:  # ours is to be the second one
+        while len(mesh.uv_layers) > 1:  # the new map must be the second
             mesh.uv_layers.remove(mesh.uv_layers[-1])
         if not mesh.uv_layers:
             mesh.uv_layers.new(name="UVMap", do_init=False)

@@ -29,7 +29,7 @@ ENDED, WRONG = 0, 1
 
 
 def run(words: list[str]) -> int:
-    """Run a command; argparse ends the process with 2 where the words are wrong."""
+    """Run a command; argparse ends the process with exit code 2 if the arguments are wrong."""
     options = parser().parse_args(words)
     started, written, messages = time.perf_counter(), [], []  # type: ignore[var-annotated]
     result: dict[str, Any] = {"ok": False, "error": None, "file": str(options.file)}
@@ -52,7 +52,7 @@ def run(words: list[str]) -> int:
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the parser of the command's words."""
+    """Return the parser of the command's arguments."""
     whole = argparse.ArgumentParser(prog=f"blender --command {COMMAND}", description=(__doc__ or "").split("\n\n")[1])
     bake = whole.add_subparsers(metavar="COMMAND", required=True).add_parser(
         "bake", help="simulate bodies of a .blend file and export what they do", allow_abbrev=False

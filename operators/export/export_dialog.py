@@ -13,7 +13,7 @@ from ..press import polls, sessions
 from ..press.progress import READY, FrameRange, Working
 from ..translation import translated
 
-CHARACTER = 8.5  # [px] of a line of the dialog for each character, its icon and borders included
+CHARACTER = 8.5  # [px] width of a character in the dialog, with a share of icon and borders
 _ASKED = ("formats", "source", "frame_start", "frame_end", "modifiers", "key_error", "overwrite")
 _SOURCES = (
     ("PLAYED", "Bake or Recording", "Export the animation that the objects play, and simulate those that play none"),
@@ -43,7 +43,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
     )  # fmt: skip
     source: EnumProperty(
         name="Source", description="Export the animation that the objects play, or simulate it first", items=_SOURCES,
-        translation_context="*",  # Blender's word: ours is where a number comes from
+        translation_context="*",  # Blender's translation: Dimple's own "Source" is the origin of a number
     )  # fmt: skip
     modifiers: EnumProperty(
         name="Modifiers", description="Export the mesh as its modifiers make it for the viewport, or for a render",
@@ -69,7 +69,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Export at once; behind the file browser start again, for this one cannot go on between events."""
+        """Export at once; after the file browser start a new operator: this one cannot continue between events."""
         if getattr(self, "_browsing", False):
             settings = {name: getattr(self, name) for name in _ASKED}
             bpy.ops.dimple.export_animation("INVOKE_DEFAULT", directory=self.directory, **settings)
@@ -80,7 +80,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
         layout = self.layout
         layout.use_property_split = True
         column = layout.column()
-        column.use_property_split = False  # beside a label their names would be cut off
+        column.use_property_split = False  # next to a label their names would be cut off
         column.label(text="Formats")
         column.prop(self, "formats")
         for name in _ASKED[1:]:
@@ -108,7 +108,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
         return Message(said, frames=frames, vertices=vertices, size=size), "INFO"
 
     def _begin(self, context: bpy.types.Context):
-        """Return the steps; live sessions end first, for an export starts at rest."""
+        """Return the steps of the export; live sessions end first, because an export starts at rest."""
         from . import export_plan
 
         if not self.directory:

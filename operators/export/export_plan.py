@@ -1,7 +1,7 @@
 """Export animations: check the plan, simulate or take the bake, write each format, and describe the files in a JSON.
 
-Files are written in a temporary folder beside where they go, and go there when they are whole: whoever cancels keeps
-what is finished, and nothing half done stands under a final name.
+Files are written to a temporary folder next to their destination, and moved there when complete: after a cancel the
+finished files are kept, and no partial file has a final name.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ from . import clips, formats, sidecar
 from .clips import Clip, ExportPlan
 from .formats import FORMATS, Size
 
-SIMULATED = 0.5  # share of the progress bar that a simulation gets
-SPARE = 1.05  # of the estimate: room that must be free on the disk
+SIMULATED = 0.5  # share of the progress bar for a simulation
+SPARE = 1.05  # factor on the estimated size: space that must be free on the disk
 
-SHEAR = 1e-4  # cosine between two axes: less is not seen on the whole object
+SHEAR = 1e-4  # cosine between two axes below which they count as perpendicular: less is invisible on any object
 
 
 def finals(plan: ExportPlan) -> list[Path]:
-    """Return the names of everything that an export makes."""
+    """Return the paths of all files and folders that an export makes."""
     stems = [cache_files.file_name(obj.name) for obj in plan.objects]
     endings = [*(FORMATS[each].ending for each in plan.formats), ".csv", ".json"]
     return [plan.folder / f"{stem}{ending}" for stem in stems for ending in endings]
 
 
 def estimate(context: bpy.types.Context, plan: ExportPlan) -> float:
-    """Return about how many bytes an export makes; frames that are alike make it fewer."""
+    """Return the approximate size of an export [bytes]; identical frames reduce it."""
     sizes = [size_of(context, obj, plan) for obj in plan.objects]
     return sum(_bytes(plan, each, size) for each in plan.formats for size in sizes)
 
@@ -53,7 +53,7 @@ def _bytes(plan: ExportPlan, each: str, size: Size) -> float:
 
 
 def played(obj: bpy.types.Object, plan: ExportPlan) -> Clip | None:
-    """Return the bake or recording that an object plays, None where it plays none."""
+    """Return the bake or recording that an object plays, None if it plays none."""
     for modifier in obj.modifiers:
         if not (modifiers.is_cache(modifier) and modifier.show_viewport):
             continue
@@ -66,7 +66,7 @@ def played(obj: bpy.types.Object, plan: ExportPlan) -> Clip | None:
                     "Again.",
                     name=obj.name, path=path, error=error.strerror
                 ) from error  # fmt: skip
-            graph = bpy.context.view_layer.depsgraph  # as it is: a panel that is being drawn evaluates nothing
+            graph = bpy.context.view_layer.depsgraph  # not updated: a panel being drawn must not evaluate it
             count = len(obj.evaluated_get(graph).data.vertices) if graph and obj.visible_get() else points.shape[1]
             if points.shape[1] != count:
                 raise DimpleError(
@@ -79,7 +79,7 @@ def played(obj: bpy.types.Object, plan: ExportPlan) -> Clip | None:
 
 
 def size_of(context: bpy.types.Context, obj: bpy.types.Object, plan: ExportPlan) -> Size:
-    """Return the numbers of an object on which the length of its files depends."""
+    """Return the counts of an object that determine the size of its files."""
     graph = context.view_layer.depsgraph
     mesh = obj.evaluated_get(graph).data if graph else obj.data
     vertices, corners = len(mesh.vertices), len(mesh.loops)
@@ -93,7 +93,7 @@ def size_of(context: bpy.types.Context, obj: bpy.types.Object, plan: ExportPlan)
 
 
 def _pictures(obj: bpy.types.Object) -> int:
-    """Return how many bytes the textures of an object have."""
+    """Return the size of the textures of an object [bytes]."""
     trees = [slot.material.node_tree for slot in obj.material_slots if slot.material and slot.material.node_tree]
     images = {node.image for tree in trees for node in tree.nodes if node.type == "TEX_IMAGE" and node.image}
     files = [Path(bpy.path.abspath(image.filepath, library=image.library)) for image in images if not image.packed_file]
@@ -105,7 +105,7 @@ def check(plan: ExportPlan) -> None:
     """Check a plan.
 
     Raises:
-        DimpleError: it makes no sense, an object cannot be exported, or files are there already.
+        DimpleError: it makes no sense, an object cannot be exported, or files exist already.
     """
     check_choice(plan)
     for obj in plan.objects:
@@ -125,7 +125,7 @@ def check(plan: ExportPlan) -> None:
 
 
 def _is_sheared(obj: bpy.types.Object) -> bool:
-    """Tell whether the axes of an object are not at right angles now."""
+    """Return whether the axes of an object are not perpendicular at the current frame."""
     axes = np.array(obj.matrix_world)[:3, :3]
     axes = axes / np.linalg.norm(axes, axis=0)
     return bool(np.abs(axes.T @ axes - np.eye(3)).max() > SHEAR)
@@ -135,7 +135,7 @@ def check_choice(plan: ExportPlan) -> None:
     """Check the formats and frames of a plan.
 
     Raises:
-        DimpleError: there are none, or this Blender cannot write them.
+        DimpleError: a choice is empty or inconsistent, or this Blender cannot write a format.
     """
     if not plan.formats:
         raise DimpleError("No format is chosen. Choose one or more.")
@@ -157,10 +157,10 @@ def check_choice(plan: ExportPlan) -> None:
 
 
 def check_space(context: bpy.types.Context, plan: ExportPlan) -> None:
-    """Check that the disk has room for the estimated size.
+    """Check that the disk has space for the estimated size.
 
     Raises:
-        DimpleError: it has not.
+        DimpleError: it has too little.
     """
     needed, free = SPARE * estimate(context, plan), shutil.disk_usage(plan.folder).free
     if needed > free:
@@ -175,11 +175,11 @@ def export(context: bpy.types.Context, plan: ExportPlan, messages: list[str], wr
     """Export; yield the share that is done. Closing the generator cancels; finished files are kept.
 
     Args:
-        messages: gets sentences for the artist.
-        written: gets the path of each file once it is whole.
+        messages: receives sentences for the artist.
+        written: receives the path of each file once it is complete.
 
     Raises:
-        DimpleError: an object cannot be exported, files are there already, or the disk refuses.
+        DimpleError: an object cannot be exported, files exist already, or the disk refuses.
     """
     with contextlib.ExitStack() as files, cache_files.plain_os_errors("The export", "folder"):
         context.view_layer.update()
@@ -219,9 +219,9 @@ def export(context: bpy.types.Context, plan: ExportPlan, messages: list[str], wr
 def _simulated(
     context: bpy.types.Context, plan: ExportPlan, missing: list[bpy.types.Object], folder: Path, messages: list[str]
 ) -> Generator[float, None, dict[bpy.types.Object, Clip]]:
-    """Simulate objects that play nothing, and return what they are to play."""
+    """Simulate objects that play nothing, and return the clips that they are to play."""
     begin = plan.first if plan.begin is None else plan.begin
-    bake = bake_frames.BakePlan(  # which needs two frames
+    bake = bake_frames.BakePlan(  # a bake needs two frames
         objects=missing, first=begin, last=max(plan.last, begin + 1), target="FILES", folder=folder / "simulated"
     )
     bodies = yield from as_share(bake_frames.simulate(context, bake, messages), 0.0, SIMULATED)
@@ -235,10 +235,10 @@ def _simulated(
 
 
 def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> None:
-    """Make sure that there is room for a file: where there is none, Blender's Alembic exporter ends Blender.
+    """Make sure that there is space for a file: on a full disk Blender's Alembic exporter terminates Blender.
 
     Raises:
-        OSError: there is not.
+        OSError: there is too little.
     """
     with clips.playing(context, clip):
         some = size_of(context, clip.obj, clip.plan)
@@ -252,7 +252,7 @@ def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> 
 
 
 def _look(context: bpy.types.Context, clip: Clip, folder: Path) -> None:
-    """Give a clip its samples, where a format asks for them."""
+    """Give a clip its samples, if a format needs them."""
     if not all(FORMATS[each].played for each in clip.plan.formats):
         normals = "VAT" in clip.plan.formats or clip.plan.key_error > 0
         try:
@@ -262,7 +262,7 @@ def _look(context: bpy.types.Context, clip: Clip, folder: Path) -> None:
 
 
 def _commit(part: Path, final: Path, written: list[Path]) -> None:
-    """Give a finished file its final name. A folder replaces the one that is there as a whole."""
+    """Give a finished file its final name. A folder replaces an existing one as a whole."""
     if final.is_dir() and not final.is_symlink():
         os.replace(final, part.with_name(f"{part.name}.old"))  # deleted with the temporary folder
     os.replace(part, final)
@@ -272,7 +272,7 @@ def _commit(part: Path, final: Path, written: list[Path]) -> None:
 
 @contextlib.contextmanager
 def _readable_errors(each: str, final: Path) -> Iterator[None]:
-    """Let an error say which format could not be written, and where."""
+    """Make errors say which format could not be written, and where."""
     try:
         yield
     except OSError as error:

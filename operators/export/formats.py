@@ -1,7 +1,7 @@
-"""The formats of an exported animation: Blender's own exporters where they write one right, numpy elsewhere.
+"""The formats of an exported animation: Blender's own exporters if they write a format correctly, otherwise numpy.
 
-Each writer gets a clip and the path it writes to, and yields the share that is done. What cannot be seen in a Mesh
-Cache by an exporter (glTF, FBX: they would write a still) gets shape keys instead.
+Each writer gets a clip and the path it writes to, and yields the share that is done. Exporters that do not see what a
+Mesh Cache plays (glTF, FBX: they would write a still) get shape keys instead.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from .clips import Clip
 
 
 class Size(NamedTuple):
-    """What the length of a file depends on."""
+    """The counts that determine the size of a file."""
 
     vertices: int  # of the mesh
-    corners: int
-    split: int  # vertices with one normal each
-    pictures: int  # bytes of its textures
+    corners: int  # of its faces
+    split: int  # vertices after a split at sharp edges, one normal each
+    pictures: int  # [bytes] size of its textures
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,28 +38,28 @@ class Format:
     """An export format: how its files are named, sized and written."""
 
     label: str  # its name
-    ending: str  # of the file; None for a folder of files
-    space: str  # which coordinates, axes and units it holds
-    bytes_of: Callable[[Size], float]  # about how long a frame of a mesh is
+    ending: str  # of the name of the file, or of the folder of files
+    space: str  # coordinates, axes and units of the file
+    bytes_of: Callable[[Size], float]  # approximate size of a frame [bytes]
     write: Callable[[bpy.types.Context, Clip, Path], Iterator[float]]  # yields the share that is done
-    exporter: str = ""  # the operator of Blender's that it needs
-    keyed: bool = False  # it holds shape keys
+    exporter: str = ""  # Blender's operator that it needs
+    keyed: bool = False  # the motion is stored in shape keys
     played: bool = False  # Blender's exporter sees the object play
-    pictures: bool = True  # it holds textures
-    slid: bool = False  # its time 0 is the first frame that is exported, not frame 0
+    pictures: bool = True  # it contains textures
+    slid: bool = False  # its time 0 is the first exported frame, not frame 0
 
 
 def is_there(name: str) -> bool:
-    """Tell whether this Blender has an exporter: it may be built without, or the add-on be switched off."""
+    """Return whether this Blender has an exporter: a build may lack it, or its add-on may be switched off."""
     place, _, verb = name.partition(".")
     return verb in dir(getattr(bpy.ops, place))
 
 
 def ask(name: str, *, filepath: str, **options: object) -> None:
-    """Ask an exporter of Blender's by the name of its operator, with the options that this Blender has.
+    """Run one of Blender's exporters by the name of its operator, with those options that this Blender has.
 
     Raises:
-        DimpleError: it refused, or wrote nothing.
+        DimpleError: it failed, or its file is incomplete.
     """
     export = operator.attrgetter(name)(bpy.ops)
     known = export.get_rna_type().properties.keys()
@@ -78,13 +78,13 @@ def ask(name: str, *, filepath: str, **options: object) -> None:
 
 
 def _last_line(text: str) -> str:
-    """Return what an error says, without where in Blender it was raised."""
+    """Return the message of an error, without the place in Blender where it was raised."""
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith((" ", "Location:"))]
     return lines[-1].removeprefix("Error: ") if lines else text
 
 
 def is_whole(path: Path) -> bool:
-    """Tell whether a file ends where it says it does; some exporters do not notice that a disk is full."""
+    """Return whether a file is complete by its own header; some exporters do not notice that a disk is full."""
     if not path.is_file():
         return False
     size = path.stat().st_size
@@ -134,20 +134,20 @@ def _fbx(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
 
 
 def _usd(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    """Write a USD and its textures, which it names relative to itself, into a folder."""
+    """Write a USD file and its textures, with relative paths, into a folder."""
     path.mkdir()
     file = path / f"{path.name.removesuffix('_usd')}.usdc"
     with clips.playing(context, clip):
         ask(
             "wm.usd_export", filepath=str(file), selected_objects_only=True, export_animation=True,
             evaluation_mode="VIEWPORT", export_textures_mode="NEW", relative_paths=True, convert_world_material=False,
-            export_armatures=False, export_shapekeys=False,  # else an object with keys of its own is a still
+            export_armatures=False, export_shapekeys=False,  # otherwise an object with its own shape keys is a still
         )  # fmt: skip
-    if hasattr(bpy.utils, "expose_bundled_modules"):  # Blender as a module hides them
+    if hasattr(bpy.utils, "expose_bundled_modules"):  # the Python module of Blender hides them
         bpy.utils.expose_bundled_modules()
     from pxr import Usd, UsdGeom
 
-    stage = Usd.Stage.Open(str(file))  # Blender's exporter leaves both as they are by default
+    stage = Usd.Stage.Open(str(file))  # Blender's exporter leaves both at their defaults
     stage.SetFramesPerSecond(1 / timeline.frame_s(context.scene))
     UsdGeom.SetStageMetersPerUnit(stage, scene_objects.metres_per_unit(context.scene))
     stage.Save()
@@ -181,7 +181,7 @@ def _ask_gltf(scene: bpy.types.Scene, path: Path) -> None:
 
 
 def _scale_gltf(path: Path, scale: float) -> None:
-    """Put what is in a GLB below a node of some scale."""
+    """Put the contents of a GLB below a node with a scale."""
     data = path.read_bytes()
     end = 20 + int.from_bytes(data[12:16], "little")
     words = json.loads(data[20:end])
@@ -194,7 +194,7 @@ def _scale_gltf(path: Path, scale: float) -> None:
 
 
 def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    """Write the pictures, the mesh with its second UV map, and what a shader must know, into a folder."""
+    """Write the textures, the mesh with its second UV map, and the layout for a shader, into a folder."""
     from ...core.recording import vertex_texture
 
     frames, vertices = len(clip.samples), len(clip.vertex_of)
@@ -232,7 +232,7 @@ def _corners(size: Size) -> float:
 FORMATS = {
     "ALEMBIC": Format(
         "Alembic", ".abc", "Y up, as Alembic has it, in scene units",
-        lambda size: _corners(size) if size.split > size.vertices else 12 * size.vertices,  # who reads it smooths
+        lambda size: _corners(size) if size.split > size.vertices else 12 * size.vertices,  # readers smooth it
         _alembic, "wm.alembic_export", played=True, pictures=False,
     ),
     "USD": Format("USD", "_usd", "Z up, metersPerUnit says the unit", _corners, _usd, "wm.usd_export", played=True),
@@ -253,4 +253,4 @@ FORMATS = {
         lambda size: 24 * size.split, _texture, "export_scene.gltf", slid=True,
     ),
 }  # fmt: skip
-UNSHEARED = ("GLB", "FBX", "VAT")  # there an object has a place, a rotation and a scale
+UNSHEARED = ("GLB", "FBX", "VAT")  # formats whose objects have a location, a rotation and a scale, but no shear

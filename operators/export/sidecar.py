@@ -1,4 +1,4 @@
-"""The tables beside an exported animation: its forces, and a JSON on the files and the simulation."""
+"""The files that accompany an exported animation: a table of forces, and a JSON about the files and the simulation."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ VERSION = 1  # of the layout of this JSON
 
 
 def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
-    """Return the description that all files of an object share, which plays; `files` is still empty."""
+    """Return the description that all files of an object share, while it plays; `files` is still empty."""
     obj, render = clip.obj, context.scene.render
     mesh = obj.evaluated_get(context.evaluated_depsgraph_get()).data
     return {
@@ -56,7 +56,7 @@ def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
 
 
 def describe_session(session: Session) -> dict[str, Any]:
-    """Return how a session simulated."""
+    """Return how a session was simulated."""
     return {
         "solver": session.backend,
         "tick_s": session.clock.tick,
@@ -102,7 +102,7 @@ def write(path: Path, described: dict[str, Any]) -> None:
 
 
 def copy_table(table: Path, path: Path, first: int, last: int) -> None:
-    """Write the lines of a table of forces that are within some frames."""
+    """Write those rows of a table of forces that are within a range of frames."""
     with table.open(newline="", encoding="utf-8") as file:
         head, *rows = csv.reader(file)
     kept = [row for row in rows if row and first <= float(row[0]) <= last]
@@ -111,5 +111,5 @@ def copy_table(table: Path, path: Path, first: int, last: int) -> None:
 
 
 def _plain(params: dict[str, Any]) -> dict[str, Any]:
-    """Return settings as JSON can hold them."""
+    """Return settings in types that JSON can store."""
     return {name: asdict(value) if is_dataclass(value) else value for name, value in params.items()}
