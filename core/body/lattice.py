@@ -47,7 +47,7 @@ def fill(mesh: Mesh, positions: Floats, cells: int = CELLS) -> Lattice:
     sides = extent / count
     share = _inside(_capped(mesh, positions), low, sides / SAMPLES, SAMPLES * count)
     share = share.reshape(count[0], SAMPLES, count[1], SAMPLES, count[2], SAMPLES).mean(axis=(1, 3, 5))
-    at = tuple(np.minimum((positions - low) // sides, count - 1).astype(int).T)
+    at = tuple(np.clip(_cell_of(positions, low, sides), 0, count - 1).T)
     share[at] = np.maximum(share[at], SAMPLES**-3)  # a cell with vertices is a part of the body
     kept = np.argwhere(share > 0)
     order = np.argsort(-count)  # layers across the longest axis are the smallest
@@ -157,6 +157,12 @@ def cells_at(lattice: Lattice, positions: Floats) -> Ints:
     count = np.round(np.ptp(lattice.nodes, axis=0) / lattice.sides).astype(int)
     grid = np.full(count, -1)
     grid[tuple(np.round((origin - low) / lattice.sides).astype(int).T)] = np.arange(len(origin))
-    at = np.floor((positions - low) / lattice.sides * (1 - 1e-12)).astype(int)
+    at = _cell_of(positions, low, lattice.sides)
     found: Ints = grid[tuple(np.clip(at, 0, count - 1).T)]
     return np.where(((at >= 0) & (at < count)).all(axis=1), found, -1)
+
+
+def _cell_of(positions: Floats, low: Floats, sides: Floats) -> Ints:
+    """Return the index (n, 3) of the cell of the grid from `low` on in which each place (n, 3) [m] lies."""
+    index: Ints = np.floor((positions - low) / sides * (1 - 1e-12)).astype(np.int64)  # a far side belongs to its cell
+    return index

@@ -12,7 +12,7 @@ from ..vectors import ZERO, Vector
 from .force_guard import Arming
 from .limits import LEASE, STATE_GAP
 from .rendered_surface import Law, Surface
-from .wire import FINGERS as TIPS
+from .wire import FINGERS
 
 LONGEST_NOTE: Final = 1000  # [characters] with the values: longer than any sentence that an artist reads
 
@@ -106,7 +106,7 @@ def pack_order(order: Order) -> bytes:
 def unpack_order(message: bytes) -> Order:
     """Return the order in a message, with a surface or None for each fingertip."""
     arm, disarm, held_until, surfaces = json.loads(message)
-    made = [_surface(*each) if each else None for each in (*surfaces, *(None,) * TIPS)[:TIPS]]
+    made = [_surface(*each) if each else None for each in (*surfaces, *(None,) * FINGERS)[:FINGERS]]
     return Order(arm=arm, disarm=disarm, held_until=held_until, surfaces=tuple(made))
 
 

@@ -116,6 +116,7 @@ class Servo:
     def sample(self) -> tuple[float, ...]:
         """Return the number of STATEs taken, the device's time [s], then position [m] and force [N] of each tip."""
         vectors = [vector for finger in self._fingers for vector in (finger.at, finger.guard.sent)]
+        vectors += [ZERO] * (2 * wire.FINGERS - len(vectors))
         return (self._received.taken, self._device_time, *(part for vector in vectors for part in vector))
 
     def _send_hello(self, now: float) -> bytes:

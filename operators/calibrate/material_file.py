@@ -2,6 +2,7 @@
 
 from datetime import date
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, StringProperty
@@ -88,9 +89,12 @@ class DIMPLE_OT_open_material(polls.Declared, bpy.types.Operator):
                 record = from_json(file.read(LARGEST))
             record |= {"calibration": to_json(record["calibration"]) if record["calibration"] else ""}
             Material(**{name: 1e3 * record[name] for name in ("K1", "K2", "k")}, x0=record["x0"] / 1e3, density=1.0)
-            settings = material_of(body, record["name"]).dimple
-            for name in VALUES:
-                setattr(settings, name, record[name])
+            trial = bpy.data.materials.new(record["name"])  # a bad value must not leave a material half changed
+            try:
+                _set(trial, record)
+            finally:
+                bpy.data.materials.remove(trial)
+            _set(material_of(body, record["name"]), record)
         except OSError as error:
             raise DimpleError("{name} cannot be read: {error}.", name=path.name, error=error.strerror) from None
         except DimpleError:
@@ -98,6 +102,11 @@ class DIMPLE_OT_open_material(polls.Declared, bpy.types.Operator):
         except (KeyError, TypeError, ValueError):
             raise DimpleError("{name} is not a material that Dimple saved.", name=path.name) from None
         body.dimple.enabled = True
+
+
+def _set(material: bpy.types.Material, record: dict[str, Any]) -> None:
+    for name in VALUES:
+        setattr(material.dimple, name, record[name])
 
 
 class DIMPLE_FH_material(Dropped, bpy.types.FileHandler):

@@ -56,6 +56,19 @@ def test_a_file_that_is_no_material_is_refused(
     assert not body.dimple.enabled
 
 
+def test_a_file_with_one_bad_value_changes_no_material(
+    bpy: ModuleType, add: Callable[..., Any], tmp_path: Path
+) -> None:
+    body, path = add(), tmp_path / "cushion.dimple"
+    bpy.ops.dimple.apply_preset(preset="flesh")
+    bpy.ops.dimple.save_material(filepath=str(path))
+    path.write_text(json.dumps(json.loads(path.read_text("utf-8")) | {"K1": 5.0, "fill": "lead"}), "utf-8")
+    before, materials = values(body.active_material.dimple), set(bpy.data.materials.keys())
+    with pytest.raises(RuntimeError, match="not a material that Dimple saved"):
+        bpy.ops.dimple.open_material(filepath=str(path))
+    assert values(body.active_material.dimple) == before and set(bpy.data.materials.keys()) == materials
+
+
 def test_a_material_that_is_dropped_into_a_viewport_is_opened(bpy: ModuleType) -> None:
     handler = bpy.types.DIMPLE_FH_material
     assert (handler.bl_import_operator, handler.bl_file_extensions) == ("dimple.open_material", ".dimple")
