@@ -7,8 +7,8 @@ import bpy
 from ..operators.calibrate import results
 from ..operators.names import Op
 from ..operators.translation import translated
-from .drawing import SidebarPanel, draw_notes, draw_rows, shown_if
 from .hand_table import DIMPLE_PT_hand_table
+from .panel_parts import SidebarPanel, draw_notes, draw_rows, shown_if
 from .readout import iface_
 
 

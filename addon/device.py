@@ -6,7 +6,7 @@ from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, StringPr
 
 from ..operators.names import Op
 from ..operators.press import haptic_fingertips
-from .drawing import SidebarPanel, draw_notes, draw_rows
+from .panel_parts import SidebarPanel, draw_notes, draw_rows
 from .readout import iface_
 
 _FIXED = {"options": set()}

@@ -5,7 +5,7 @@ import bpy
 from ..core.messages import Message
 from ..operators.experiment.blind_trial import experiments
 from ..operators.names import Op
-from .drawing import SidebarPanel, draw_notes
+from .panel_parts import SidebarPanel, draw_notes
 from .readout import iface_
 
 

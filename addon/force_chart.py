@@ -9,8 +9,8 @@ from ..operators.calibrate import results
 from . import canvas, shapes
 from .canvas import FINGERTIP, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
-from .room import Room
 from .shapes import Law, Point
+from .viewport_room import Room
 
 LAW = (0.55, 0.75, 1.0, 0.9)
 HERE = (0.75, 1.0, 0.6, 0.9)

@@ -4,8 +4,8 @@ import bpy
 from bpy.props import FloatProperty, FloatVectorProperty
 
 from ..operators.names import Op
-from .drawing import SidebarPanel, draw_notes
 from .object_settings import FIXED
+from .panel_parts import SidebarPanel, draw_notes
 
 ROWS = 32  # largest size of a vector property in Blender
 SHOWN = 8  # rows that an empty table shows

@@ -6,9 +6,9 @@ from ..core.errors import DimpleError
 from ..core.fills import FILLS
 from ..core.messages import Message, read
 from ..operators.press.sessions import sessions
-from .drawing import MaterialPanel, SidebarPanel, draw_notes, shown_if
 from .material_choice import draw_choice
 from .my_materials import DIMPLE_PT_material_presets
+from .panel_parts import MaterialPanel, SidebarPanel, draw_notes, shown_if
 
 
 def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:

@@ -12,11 +12,11 @@ from ..operators.messages import wrapped
 from ..operators.press.modal_runs import runs
 from ..operators.press.sessions import sessions
 from ..operators.translation import translated
-from . import canvas, device, force_chart, readout, room, shapes
+from . import canvas, device, force_chart, readout, shapes, viewport_room
 from .canvas import FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
-from .room import Room
 from .shapes import Point
+from .viewport_room import Room
 
 FEWEST = 3  # lines of text that must fit above a chart, or it is left out: the name, the force, the depth
 
@@ -41,7 +41,7 @@ def draw_numbers() -> None:
         return
     screen = canvas.screen_of(context)
     scale = screen.scale
-    free = room.free_room(context, scale)
+    free = viewport_room.free_room(context, scale)
     if free is None:
         return
     if calibrated and force_chart.fits(free, scale, 0):

@@ -11,7 +11,7 @@ from ..operators.names import Op
 from ..operators.press.fingertip_objects import body_of
 from ..operators.press.sessions import sessions
 from . import calibration, device, experiment, materials, physics_panels, readout
-from .drawing import SidebarPanel, draw_linked, draw_notes, draw_prop, draw_rows
+from .panel_parts import SidebarPanel, draw_linked, draw_notes, draw_prop, draw_rows
 from .tool import draw_amount
 
 

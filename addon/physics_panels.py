@@ -4,7 +4,7 @@ import bpy
 
 from ..core.messages import read
 from ..operators.names import MAPS, Op
-from .drawing import draw_notes, draw_prop, shown_if
+from .panel_parts import draw_notes, draw_prop, shown_if
 
 
 class PhysicsPanel:

@@ -7,7 +7,7 @@ import bpy
 from . import canvas, force_chart, shapes
 from .canvas import FORCE, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
-from .room import Room
+from .viewport_room import Room
 
 SIZE = (230.0, 100.0)  # [px] at a resolution scale of 1
 TOP = 0.2  # fraction of the height above the level line, for bulges

@@ -7,7 +7,7 @@ import bpy
 
 from ..operators.bridge.modifiers import is_cache
 from ..operators.names import BAKED_KEY
-from .drawing import draw_notes
+from .panel_parts import draw_notes
 
 EXPORTERS = ("EXPORT_SCENE_OT_gltf", "EXPORT_SCENE_OT_fbx")
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import bpy
 
 from ..operators.experiment.blind_trial import is_blind
-from . import canvas, colour_map, overlay, profile_chart, room, shapes
+from . import canvas, colour_map, overlay, profile_chart, shapes, viewport_room
 from .canvas import LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
-from .room import Room
+from .viewport_room import Room
 
 if TYPE_CHECKING:
     import numpy as np
@@ -69,7 +69,7 @@ def draw_scales() -> None:
     if not shown or (settings.show_field == "NONE" and not settings.show_profile):
         return
     screen = canvas.screen_of(context)
-    free = room.free_room(context, screen.scale)
+    free = viewport_room.free_room(context, screen.scale)
     if free is None:
         return
     name = settings.show_field.lower()

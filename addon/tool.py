@@ -13,7 +13,7 @@ from mathutils import Vector
 from ..operators.names import POKE_TOOL, Op
 from ..operators.press.sessions import sessions
 from . import canvas, shapes
-from .drawing import draw_linked
+from .panel_parts import draw_linked
 
 if TYPE_CHECKING:
     from ..operators.press.poke_input import View

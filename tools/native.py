@@ -76,7 +76,7 @@ def provide_library(python: str | Path) -> None:
 
 def shared_constants() -> str:
     """Return core/constants.py: the numbers of the first section of constants.h."""
-    section = NUMBERS.read_text().partition("/* What Python must know too")[2].partition("\n\n")[0]
+    section = NUMBERS.read_text().partition("/* Numbers that Python needs too")[2].partition("\n\n")[0]
     found = re.findall(r"^#define DM_(\w+) +(\S+)", section, re.MULTILINE)
     words = '"""What C and Python both must know, written by `dev.py native` from native/constants.h."""\n\n'
     return words + "".join(f"{name} = {value.removeprefix('DM_')}\n" for name, value in found)

@@ -58,8 +58,8 @@
 #define DM_REST_TIME 0.25       /* [s] below that speed before a body sleeps: longer than the turning point of a swing */
 
 /* Meeting bodies: the reach of a query, and the way allowed until the next one. */
-#define DM_QUERY_REACH 5     /* reach of a query, in distances at which surfaces touch: the number of pairs grows with its
-                              * square, that of queries falls with it; 4 to 6 costs least in the scenes of `dev.py contact` */
+#define DM_QUERY_REACH 4     /* reach of a query, in distances at which surfaces touch: the number of pairs grows with its
+                              * square, that of queries falls with it; 4 to 6 cost least in the scenes of `dev.py contact` */
 #define DM_BOUND 0.9         /* share of the distance that two primitives may use up; rounding gets the rest */
 #define DM_ROAM 0.99         /* share of half the reach that a vertex without neighbours may move */
 #define DM_STALE 0.8         /* share of the way to a first unknown contact after which a query is due; a substep follows */

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ...core import native
+from ...core.background_work import Parts, as_share, beside
 from ...core.base import DimpleError
 from ...core.messages import Message, about
 from ...core.recording import PointCache
 from ...core.session import step_all
-from ...core.steps import Parts, as_share, beside
 from ..bridge import cache_files, final_mesh, modifiers, scene_objects, timeline, write_back
 from ..press import colliders, follow_settings, live_step, props, recorder
 from ..press.object_body import ObjectBody

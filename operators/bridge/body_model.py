@@ -19,10 +19,10 @@ from ..names import MAPS
 from . import advice, final_mesh, in_trial
 
 if TYPE_CHECKING:
+    from ...core.background_work import Parts
     from ...core.body.model import Model
     from ...core.material import Material
     from ...core.mesh.surface import Mesh
-    from ...core.steps import Parts
     from .object_link import Floats, ObjectLink
 
 

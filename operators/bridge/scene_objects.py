@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
+from ...core.background_work import Parts, at_once
 from ...core.base import DimpleError
 from ...core.messages import Message, about, in_a_row
-from ...core.steps import Parts, at_once
 from . import body_model, final_mesh, modifiers
 from .object_link import Floats as Floats
 from .object_link import ObjectLink as ObjectLink

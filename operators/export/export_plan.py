@@ -16,11 +16,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ...core.background_work import as_share
 from ...core.base import DimpleError
 from ...core.messages import Message, in_a_row
 from ...core.recording import open_point_cache
 from ...core.recording.split import split
-from ...core.steps import as_share
 from ..animate import bake_frames
 from ..bridge import cache_files, final_mesh, modifiers, offset, scene_objects
 from ..messages import megabytes

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ...core.background_work import Parts, at_once, beside
 from ...core.base import DimpleError
 from ...core.messages import about, in_a_row
-from ...core.steps import Parts, at_once, beside
 from ..bridge import body_model, final_mesh, scene_objects, timeline
 from ..bridge.body_model import settings_of
 from ..names import PAINTING

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ...core import native
+from ...core.background_work import Parts, at_once
 from ...core.base import DimpleError
 from ...core.constants import MAX_FINGERTIPS
 from ...core.messages import about, in_a_row
 from ...core.session import Finger
 from ...core.session.clock import step_all
-from ...core.steps import Parts, at_once
 from ..bridge import cache_files, scene_objects, sizing
 from ..messages import Note, gathered
 from . import (

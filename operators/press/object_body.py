@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
     import numpy as np
 
+    from ...core.background_work import Parts
     from ...core.session import Session
     from ...core.session.frame import Frame
-    from ...core.steps import Parts
     from ..bridge.body_model import Settings
     from ..bridge.scene_objects import ObjectLink, Singles
 
@@ -43,7 +43,7 @@ class ObjectBody:
         Raises:
             DimpleError: it cannot be pressed, with the reason and what to do.
         """
-        from ...core.steps import at_once
+        from ...core.background_work import at_once
 
         return at_once(cls.opening(bpy.context, obj))[0]
 

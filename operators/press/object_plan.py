@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ...core.background_work import Parts
 from ...core.base import DimpleError
 from ...core.constants import MAX_FINGERTIPS
 from ...core.messages import about, in_a_row, kept
 from ...core.reduction.proxy_rule import Plan, plan, plan_full_mesh, plan_proxy
-from ...core.steps import Parts
 from . import colliders
 
 if TYPE_CHECKING:

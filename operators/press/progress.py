@@ -151,7 +151,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
     then: StringProperty(name="Then", description="The operator that follows", options={"HIDDEN", "SKIP_SAVE"})
 
     def _begin(self, context: bpy.types.Context):
-        from ...core.steps import beside
+        from ...core.background_work import beside
         from . import live_step
 
         self._came = yield from beside(live_step.starting_all(context))

@@ -19,9 +19,9 @@ from .modal_runs import close_run, runs
 from .object_body import ObjectBody
 
 if TYPE_CHECKING:
+    from ...core.background_work import Parts
     from ...core.poke.stroke import Hand
     from ...core.session import Finger
-    from ...core.steps import Parts
     from ..bridge.body_model import Settings
     from ..bridge.scene_objects import Singles
     from .colliders import LiveWorld
@@ -91,7 +91,7 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
     Raises:
         DimpleError: it cannot be pressed, with the reason and what to do; nothing was changed.
     """
-    from ...core.steps import at_once
+    from ...core.background_work import at_once
 
     return at_once(starting(obj, context))
 

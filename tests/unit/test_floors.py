@@ -42,7 +42,7 @@ FLOORS = {
     "core.errors": 0,
     "core.fills": 0,
     "core.messages": 0,
-    "core.steps": 0,
+    "core.background_work": 0,
     "core.vectors": 0,
     "core.material": 0,
     "core.everyday_presets": 1,

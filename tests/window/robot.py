@@ -224,7 +224,7 @@ def positions(name: str) -> np.ndarray:
 def free_room() -> tuple[float, float, float, float]:
     """Return the left, lower, right and upper end of what is free of the viewport for numbers [px]."""
     with bpy.context.temp_override(window=window(), area=area(), region=region()):
-        return extension("addon.room").free_room(bpy.context, bpy.context.preferences.system.ui_scale)
+        return extension("addon.viewport_room").free_room(bpy.context, bpy.context.preferences.system.ui_scale)
 
 
 def screenshot(path: Path) -> np.ndarray:
