@@ -100,6 +100,7 @@ def test_vertex_block_descent_with_its_own_softer_contact_sinks_in_by_little() -
     assert forces[0] == pytest.approx(forces[1], rel=0.02)
 
 
+@pytest.mark.slow
 def test_position_based_dynamics_nears_the_equilibrium_as_its_substeps_get_small() -> None:
     model = on_its_base(ball(2), BALL)
     _, wanted = press(model, METHODS["backward_euler"].run, substeps=1)
