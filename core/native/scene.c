@@ -146,10 +146,10 @@ static void dm_aim_colliders(dm_scene_state *s, const dm_collider_motion *to, do
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         if (f->body) continue;
         double led = 0, late = 0, left = 0, way[3];
-        for (uint32_t k = 0; !f->prop && to->to && k < f->count; k++) {
+        for (uint32_t k = 0; !f->prop && (to->to || f->late > 0) && k < f->count; k++) {
             double before[3], *aim = s->aim[f->first + k], *here = s->here[f->first + k];
             memcpy(before, aim, sizeof before);
-            for (uint32_t c = 0; c < 3; c++) {
+            for (uint32_t c = 0; to->to && c < 3; c++) {
                 double from = to->from[c * f->count + k], end = to->to[c * f->count + k];
                 aim[c] = share >= 1 ? end : from + share * (end - from);
             }
