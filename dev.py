@@ -70,7 +70,7 @@ def test(options: argparse.Namespace) -> int:
     native_core.provide_library(python)
     paths = [word for word in options.rest if Path(word).parts[:1] == ("tests",)]
     flags = [*(["-m", ""] if options.slow else []), *(word for word in options.rest if word not in paths)]
-    # core and the installed extension are the same modules under two names: one process never holds both
+    # core and the installed extension are the same modules under two names, so no process may load both
     inside = [path for path in paths if Path(path).parts[:2] == ("tests", "blender")] if paths else IN_BLENDER
     outside = [path for path in paths if path not in inside]
     once = [] if "-m" in flags and not options.slow else ["-m", "not once" if options.slow else "not slow and not once"]
@@ -146,7 +146,7 @@ def contact(options: argparse.Namespace) -> int:
 
 
 def module(name: str, options: argparse.Namespace, *packages: Path, **variables: str) -> int:
-    """Run a module of the repository in the user's folder, so that relative paths in its options are the user's."""
+    """Run a module of the repository in the user's current folder, to which relative paths in its options refer."""
     python = environment(options.blender)
     native_core.provide_library(python)
     path = os.pathsep.join(map(str, (ROOT, *packages)))
@@ -168,7 +168,7 @@ def ci(_options: argparse.Namespace) -> int:
 
 
 COMMANDS = (demo, test, lint, build, native, wheels, bench, charts, window, samples, core, contact, bake, ci)
-PASSED_ON = (bench, charts, core, contact, bake)  # their options, --help too, are those of the module they run
+PASSED_ON = (bench, charts, core, contact, bake)  # all their options, --help included, go to the module that they run
 
 
 def main(words: list[str]) -> int:

@@ -17,7 +17,7 @@ from .session import Session
 
 UNITS = {"pressure": "kPa", "depth": "mm", "stretch": "%", "slope": "N/mm", "knee": "mm"}
 UNITS |= {"spread": "mm", "thickness": "%"}
-REACH = 2.5  # half the width of a profile, in sums of tip radius and spread
+REACH = 2.5  # [tip radius + spread] half the width of a profile
 
 
 def field(session: Session, name: str) -> Floats:
@@ -48,7 +48,7 @@ def field(session: Session, name: str) -> Floats:
 
 
 def at_rest(session: Session) -> Floats:
-    """Return where the shape at rest is now, (n, 3) [m]: it follows the pins, or a free body."""
+    """Return the vertices of the shape at rest (n, 3) [m], moved along with the pins or with a free body."""
     moves = session.bent_model()
     rotation, translation = pose_now(moves, session.body.positions())
     rest: Floats = (session.model if session.proxy else moves).mesh.rest_positions @ rotation.T + translation
@@ -56,7 +56,7 @@ def at_rest(session: Session) -> Floats:
 
 
 def depth(session: Session) -> Floats:
-    """Return the depth of each vertex (n,) [m] below its place at rest, along the normal there."""
+    """Return the depth of each vertex (n,) [m] below its place at rest, along the normal at that place."""
     rest = at_rest(session)
     normals = vertex_normals(session.model.mesh.triangles, rest)
     below: Floats = ((rest - session.skin()) * normals).sum(axis=1)
@@ -128,7 +128,7 @@ def pose_now(model: Model, x: Floats) -> Pose:
 
 
 def _mean_of_materials(mesh: Mesh, values: Floats) -> Floats:
-    """Return for each vertex (n,) the mean over its faces of a value that each material has."""
+    """Return for each vertex (n,) the area-weighted mean over its faces of a value that belongs to their material."""
     n, area = len(mesh.rest_positions), mesh.triangle_areas
     weighted = np.repeat(values[mesh.triangle_material] * area, 3)
     whole = sums_at(mesh.triangles.ravel(), np.repeat(area, 3), n)

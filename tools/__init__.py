@@ -1,1 +1,1 @@
-"""What dev.py is made of: standard library only, never part of the extension."""
+"""The implementation of dev.py: never part of the extension, and standard library only, except for the charts."""

@@ -59,7 +59,7 @@ def say(text: str) -> None:
 def run(
     command: Sequence[str | Path], *, folder: Path = ROOT, limit_s: float | None = None, **variables: str
 ) -> int:
-    """Run a command in a folder, the repository unless another is given, and return its exit code."""
+    """Run a command in a folder, by default the repository, and return its exit code."""
     words = [str(word) for word in command]
     try:
         return subprocess.run(words, cwd=folder, env={**os.environ, **variables}, timeout=limit_s).returncode
@@ -70,8 +70,8 @@ def run(
 def run_together(commands: Sequence[Sequence[str | Path]], *, limit_s: float) -> list[int]:
     """Run commands in the repository, one for each processor at a time, and return their exit codes.
 
-    They start in the order given. The first prints live; the output of each other one is printed when it and all before
-    it have ended.
+    They start in the order given. The first prints live; the output of any other is printed once that command and all
+    before it have ended.
     """
     lines, until = [[str(word) for word in command] for command in commands], time.monotonic() + limit_s
     with contextlib.ExitStack() as stack:
@@ -112,7 +112,7 @@ def require(command: Sequence[str | Path], failure: str) -> None:
 
 
 def find_python(series: str) -> str | None:
-    """Return an interpreter that can make environments, or None. Each is tried, because a pyenv shim may refuse."""
+    """Return an interpreter that can make environments, or None; each candidate is run, as a pyenv shim may refuse."""
     places = [Path(folder) / f"python{series}" for folder in os.get_exec_path()]
     places += sorted(Path.home().glob(f".pyenv/versions/{series}*/bin/python{series}"))
     if series == f"{sys.version_info[0]}.{sys.version_info[1]}":
@@ -148,7 +148,7 @@ def may_install() -> bool:
 
 
 def install_packages(packages: list[str]) -> None:
-    """Install Debian packages, or say how to."""
+    """Install Debian packages; if this process may not, stop with the command that installs them."""
     names = " ".join(packages)
     if not may_install():
         line = f"sudo apt-get install --no-install-recommends {names}"
@@ -164,7 +164,7 @@ def environment(wanted: str | None = None) -> Path:
     """Return the Python of an environment with the wanted Blender, made first if it is not ready.
 
     Args:
-        wanted: a pinned version or the beginning of one, as "4.5"; None: the newest that this machine has a Python for.
+        wanted: a pinned version or its beginning, such as "4.5"; None: the newest for which this machine has a Python.
 
     Raises:
         Stop: no such version, no Python for it, or a step failed.
@@ -215,7 +215,7 @@ def make_environment(version: str, interpreter: str) -> None:
 
 
 def provide_peers(python: Path) -> Path:
-    """Return a folder of an environment, outside its path, with the solvers that the benchmark compares with.
+    """Return a folder with the solvers that the benchmark compares with; it is not on the environment's path.
 
     Raises:
         Stop: the packages could not be installed.
@@ -225,7 +225,7 @@ def provide_peers(python: Path) -> Path:
 
 
 def provide_readers(python: Path) -> Path:
-    """Return a folder of an environment, outside its path, with the packages that read exported animations.
+    """Return a folder with the packages that read exported animations; it is not on the environment's path.
 
     Raises:
         Stop: the packages could not be installed.

@@ -54,7 +54,7 @@ def build_zip(python: str | Path, folder: Path, *, split: bool = False) -> Path:
 
 
 def shipped_wheels(python: str | Path) -> list[Path]:
-    """Return the wheels of other projects that the extension ships, downloaded unless the pinned ones are there."""
+    """Return the wheels of other projects that the extension ships, downloaded again if they differ from the pins."""
     pinned = set(re.findall(r"--hash=sha256:(\w+)", WHEEL_PINS.read_text()))
     if {hashlib.sha256(wheel.read_bytes()).hexdigest() for wheel in foreign_wheels()} != pinned:
         say("downloading the wheels that the extension ships")

@@ -42,7 +42,7 @@ DOUBLE = "-DDM_DOUBLE"  # compiles bodies in double precision too; only tests us
 
 @dataclass(frozen=True, slots=True)
 class Platform:
-    """Name a platform as zig, ctypes and Python's wheels do, and the instruction sets to compile for."""
+    """A platform: its names for zig, ctypes and Python's wheels, and the instruction sets to compile for."""
 
     triple: str
     library: str
@@ -132,7 +132,7 @@ def this_platform() -> str:
 
 
 def version() -> str:
-    """Return the version of the wheels; it counts changes of the interface, or Blender would keep an old library."""
+    """Return the version of the wheels; it includes that of the C interface, or Blender would keep an old library."""
     found = re.search('^version = "(.+)"', (ROOT / "blender_manifest.toml").read_text(), re.MULTILINE)
     abi = re.search(r"^#define DM_ABI (\d+)", NUMBERS.read_text(), re.MULTILINE)
     assert found and abi
@@ -174,7 +174,7 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
 
 
 def compiler(python: str | Path) -> Path:
-    """Return zig, installed first unless the pinned version is there.
+    """Return the path of zig, after installing the pinned version if it is missing.
 
     Raises:
         Stop: it could not be installed.

@@ -1,4 +1,4 @@
-"""Bodies and colliders that meet in the library: what goes into a call, what comes out, and its structures in C."""
+"""Contact of bodies and colliders in the C library: the input and output of its calls, and the C structures."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from .motion import Frame, Motion
 
 
 class Falling(NamedTuple):
-    """A rigid body that a collider is, which falls.
+    """The rigid body of a collider that falls.
 
-    shape: of what touches.
-    seen: (m, 3) its vertices from the centre as they are seen: they stand on the ground [m].
-    damping: while it touches a soft body [N s/m].
-    skin: from what does not give, it keeps so far [m].
+    shape: mass properties, and vertices of the contact surface.
+    seen: (m, 3) vertices of the visible surface relative to the centre [m]; these stand on the ground.
+    damping: damping while it touches a soft body [N s/m].
+    skin: distance that it keeps from rigid surfaces [m]; those of two props add up.
     """
 
     shape: RigidShape
@@ -34,12 +34,12 @@ class Falling(NamedTuple):
 
 
 class Collider(NamedTuple):
-    """A mesh that bodies meet and that goes where it is led; it may be open, and both its sides count.
+    """A mesh that bodies collide with, on both sides; it may be open.
 
     positions: (3, m) [m].
     triangles: (t, 3) corners.
-    friction: coefficient.
-    falling: what it is where it falls; None: it is led.
+    friction: coefficient of friction.
+    falling: its rigid body if it falls, None if its motion is prescribed.
     """
 
     positions: Floats
@@ -49,17 +49,17 @@ class Collider(NamedTuple):
 
 
 class ColliderMotion(NamedTuple):
-    """Where a collider is led: an even way of each vertex from start to end, (3, m) [m]."""
+    """The prescribed motion of a collider: each vertex moves uniformly from start to end, (3, m) [m]."""
 
     start: Floats
     end: Floats
 
 
 class Fall(NamedTuple):
-    """How a collider falls in a call: `state` is changed in place.
+    """The motion of a prop in a call, which changes `state` in place.
 
     gravity: (3,) [m/s2].
-    ground: height of a plane [m], -inf where there is none.
+    ground: height of the ground plane [m], -inf if there is none.
     """
 
     state: RigidState
@@ -67,26 +67,26 @@ class Fall(NamedTuple):
     ground: float = -np.inf
 
 
-Way = ColliderMotion | Fall | None  # of a collider in a call; None where one rests
+Way = ColliderMotion | Fall | None  # motion of a collider in a call; None if it rests
 
 
 class SceneFrame(NamedTuple):
-    """What a call came to.
+    """The result of a call.
 
-    frames: of each body.
-    ticks: done.
-    queries: of who is near whom.
-    pairs: the most that were near each other.
-    touching: the most that touched.
-    truncated: times that a vertex was held back from passing through something.
-    taken: momentum that this took [N s].
-    gap: the least distance at a query [m], infinite where nothing was near.
-    impulses: that each surface got from others [N s], (k, 3): bodies, then colliders.
-    moments: of those about the origin [N m s], (k, 3).
-    given: to each vertex of the bodies [N s], (n, 3) of all of them.
-    late: how far each is behind its way at the end [m], (k,).
-    torn: (k,) whether each pulled skin so far that it was let go of.
-    places: of what held it back, or was let go [m], (k, 3).
+    frames: the frame of each body.
+    ticks: number of ticks done.
+    queries: number of proximity queries.
+    pairs: largest number of pairs near each other.
+    touching: largest number of pairs in contact.
+    truncated: number of times that a vertex was stopped from passing through something.
+    taken: momentum that these stops removed [N s].
+    gap: smallest distance found by a query [m], infinite if nothing was near.
+    impulses: impulse on each surface from the others [N s], (k, 3): bodies, then colliders.
+    moments: moments of these impulses about the origin [N m s], (k, 3).
+    given: contact impulse on each vertex of all bodies [N s], (n, 3).
+    late: distance of each surface behind its prescribed motion at the end [m], (k,).
+    torn: whether each surface pulled the skin too far and was let go, (k,).
+    places: place of the skin that held each surface back or that was let go [m], (k, 3).
     """
 
     frames: tuple[Frame, ...]
@@ -106,7 +106,7 @@ class SceneFrame(NamedTuple):
 
 
 class Crossings(NamedTuple):
-    """What passes through each other: how many pairs of triangles, and of the first both surfaces and the place [m]."""
+    """Intersections: the number of pairs of triangles, and the two surfaces and the place [m] of the first pair."""
 
     pairs: int
     surfaces: tuple[int, int]
@@ -114,7 +114,7 @@ class Crossings(NamedTuple):
 
 
 class ColliderDef(Structure):
-    """A mesh that bodies meet: dm_collider_def."""
+    """The definition of a collider: dm_collider_def."""
 
     _fields_ = fields(
         vertices="n", positions="p", triangles="n", corners="p", friction="d", mass="d", inverse_inertia="d9",
@@ -123,19 +123,19 @@ class ColliderDef(Structure):
 
 
 class CProp(Structure):
-    """Where a prop is, how it moves, and what pulls it: dm_prop."""
+    """The position and motion of a prop, its gravity and its ground: dm_prop."""
 
     _fields_ = fields(centre="d3", turn="d9", velocity="d3", momentum="d3", gravity="d3", ground="d")
 
 
 class CColliderMotion(Structure):
-    """The way of a collider: dm_collider_motion."""
+    """The motion of a collider in a call: dm_collider_motion."""
 
     _fields_ = [("from_", c_void_p), ("to", c_void_p), ("prop", c_void_p)]
 
 
 class CSceneFrame(Structure):
-    """What a call came to: dm_scene_frame."""
+    """The result of a call: dm_scene_frame."""
 
     _fields_ = fields(
         ticks="n", queries="n", pairs="n", touching="n", truncated="n", taken="d", gap="d"
@@ -143,26 +143,26 @@ class CSceneFrame(Structure):
 
 
 class CCrossings(Structure):
-    """What passes through each other: dm_crossings."""
+    """Intersections: dm_crossings."""
 
     _fields_ = [("count", c_int64), ("surfaces", c_int64 * 2), ("place", c_double * 3)]
 
 
 class Scene:
-    """Bodies and colliders that nothing passes through, in the library; freed with this object.
+    """Bodies and colliders in contact, in the C library, which frees them with this object; nothing passes through.
 
     Args:
-        bodies: of one precision; they may still be given other numbers, and be put elsewhere between two calls.
-        colliders: meshes that go where they are led.
-        library: that runs it.
-        itself: whether each body meets itself too, but for the faces that pass through others of it now.
-        offsets: the distance [m] that each body holds, 0 for a share of its edges, as all do by default; colliders hold
-            the least of them.
+        bodies: all of the same precision; their constants and positions may still be changed between two calls.
+        colliders: meshes with a prescribed motion, or props.
+        library: the C library.
+        itself: whether each body has self contact; its faces that intersect each other now are left out of it.
+        offsets: the distance [m] that each body keeps, 0 (the default) for a fraction of its mean edge; colliders keep
+            the smallest of them.
 
-    left_out: of each body, the faces that are left out of its self contact.
+    left_out: for each body, the intersections that are left out of its self contact.
 
     Raises:
-        NativeError: the library refused it.
+        NativeError: the library refused the input.
     """
 
     def __init__(
@@ -196,14 +196,14 @@ class Scene:
     def step(
         self, motions: Sequence[Motion], ways: Sequence[Way], first: float, last: float
     ) -> SceneFrame:
-        """Run the ticks of motions, one for each body and equal in ticks, substeps and tick.
+        """Run motions, one for each body, that agree in number of ticks, substeps and length of the tick.
 
         Args:
-            ways: of the colliders, None where one rests; the state of one that falls is changed.
-            first, last: the share of them at the end of the first tick and of the last.
+            ways: motions of the colliders, None for one that rests; the state of a prop is changed in place.
+            first, last: fraction of these motions that is done at the end of the first and of the last tick.
 
         Raises:
-            NativeError: a motion has a number that is none.
+            NativeError: a motion contains a value that is not a number.
         """
         kept = [body.pack(motion, c) for body, motion, c in zip(self.bodies, motions, self._motions, strict=True)]
         given = np.empty((self._vertices, 3))
@@ -234,13 +234,13 @@ class Scene:
         )  # fmt: skip
 
     def crossings(self) -> Crossings:
-        """Return what passes through each other now."""
+        """Return the current intersections."""
         found = CCrossings()
         self._call("dm_scene_find_crossings", self._handle, byref(found))
         return _crossings(found)
 
     def set_collider(self, index: int, positions: Floats) -> None:
-        """Put a collider at positions (3, m) [m] at once."""
+        """Move a collider to positions (3, m) [m] instantly."""
         with Arrays() as arrays:
             at = arrays.double(positions)
             if np.shape(positions) != self._shapes[index]:
@@ -248,7 +248,7 @@ class Scene:
             self._call("dm_scene_set_collider", self._handle, index, at)
 
     def collider(self, index: int) -> Floats:
-        """Return where a collider is (3, m) [m]: behind its way where something cannot get out of it."""
+        """Return the positions (3, m) [m] of a collider: behind its prescribed motion if something blocks it."""
         x = np.empty(self._shapes[index])
         self._call("dm_scene_get_collider", self._handle, index, x.ctypes.data)
         return x

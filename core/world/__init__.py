@@ -1,4 +1,4 @@
-"""Bodies that meet each other, themselves, colliders, and props that fall."""
+"""Contact of bodies with each other, with themselves, with colliders and with falling props."""
 
 from ..native.scene import Collider as Collider
 from .world import Meeting as Meeting

@@ -1,11 +1,11 @@
 """Props: rigid meshes that fall, collide with soft bodies, colliders, each other and the ground, and come to rest.
 
-A prop is a collider that moves by its own dynamics. To soft bodies it is a collider at its current velocity; their
-reaction in a substep acts on it in the next one. That is stable while a prop is heavier than the skin that moves with
-it, so a lighter one moves as if it were that heavy, though it presses with its own weight.
+A prop is a collider that moves by its own dynamics. To soft bodies it is a collider with its current velocity; their
+reaction in a substep acts on it in the next one. That is stable as long as the prop is heavier than the skin that moves
+with it, so a lighter prop is given a larger inertia but keeps its own weight.
 
-Touching surfaces keep a distance, so the contact surface of a prop is its surface moved inwards by that distance: then
-the visible prop stands on what it touches.
+Surfaces in contact keep a distance, so the contact surface of a prop is its visible surface moved inwards by that
+distance: then the visible prop stands on what it touches.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from ..constants import OFFSET
 from ..native.scene import Collider, Fall, Falling
 from ..session import Session
 
-LEAST_SHARE = 0.1  # of the lightest body's mass: least mass with which a prop moves
-SETTLING = 0.05  # least damping ratio of a prop, so that it comes to rest
-THIN = 0.5  # of volume over area: the farthest that faces are moved inwards
-FLAT = 0.02  # of the largest eigenvalue: with less, the faces of a vertex do not determine a direction
+LEAST_SHARE = 0.1  # [mass of the lightest body] smallest mass with which a prop moves
+SETTLING = 0.05  # smallest damping ratio of a prop, so that it comes to rest
+THIN = 0.5  # [volume / area] largest distance by which faces are moved inwards
+FLAT = 0.02  # [largest eigenvalue] an eigenvalue below this belongs to a direction that a vertex's faces leave open
 
 
 @dataclass(slots=True, kw_only=True)
@@ -34,9 +34,9 @@ class Prop:
     """A collider that falls.
 
     falling: rigid body of its contact surface.
-    share: its mass over the mass with which it moves; gravity is multiplied by this.
+    share: ratio of its own mass to the mass with which it moves; gravity is multiplied by it.
     state: its position and velocity.
-    lowest: height of its lowest vertex at the start [m]: the ground lies no higher.
+    lowest: height of its lowest vertex at the start [m]; for this prop the ground is never higher.
     """
 
     falling: Falling
@@ -49,7 +49,7 @@ class Prop:
         return np.ascontiguousarray(rigid.positions(self.falling.shape, self.state).T)
 
     def pose(self) -> Floats:
-        """Return its rigid motion (4, 4) since the start; translation in [m]."""
+        """Return its rigid motion since the start as a matrix (4, 4) with the translation in [m]."""
         state, motion = self.state, np.eye(4)
         motion[:3, :3] = state.turn
         motion[:3, 3] = state.centre - state.turn @ self.falling.shape.centre
@@ -61,7 +61,7 @@ class Prop:
 
 
 def prop_of(seen: Collider, mass: float, sessions: Sequence[Session]) -> Prop:
-    """Return a collider as a prop that falls with a mass [kg] among sessions.
+    """Return a collider as a prop with a mass [kg] that falls among the bodies of sessions.
 
     Raises:
         DimpleError: it has no mass or no faces.
@@ -82,7 +82,7 @@ def touching_gap(session: Session) -> float:
 
 
 def shrunk(collider: Collider, by: float) -> tuple[Collider, float]:
-    """Return a collider with its faces moved inwards by a distance [m], and that distance: less if thin, 0 if open."""
+    """Return a collider with its faces moved inwards, and the distance [m]: smaller if it is thin, 0 if it is open."""
     x, triangles = collider.positions.T, collider.triangles
     sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     if not {(a, b) for a, b in sides.tolist()} == {(b, a) for a, b in sides.tolist()}:
@@ -102,7 +102,7 @@ def shrunk(collider: Collider, by: float) -> tuple[Collider, float]:
 
 
 def _heavier(shape: RigidShape, sessions: Sequence[Session]) -> RigidShape:
-    """Return a rigid body heavy enough to be stable if reactions act a substep late."""
+    """Return a rigid body with enough mass to be stable although reactions act one substep late."""
     least = LEAST_SHARE * min(float(session.model.mass.sum()) for session in sessions)
     if shape.mass >= least:
         return shape
@@ -110,6 +110,6 @@ def _heavier(shape: RigidShape, sessions: Sequence[Session]) -> RigidShape:
 
 
 def _damping(mass: float, sessions: Sequence[Session]) -> float:
-    """Return the damping [N s/m] of a prop: a share of the critical damping, as that of the bodies."""
+    """Return the damping [N s/m] of a prop in contact: as for bodies, a fraction of the critical damping."""
     materials = [material for session in sessions for material in session.model.materials]
     return min(max(m.damping_ratio, SETTLING) * 2 * math.sqrt(min(m.K1, m.K2) * mass) for m in materials)

@@ -1,6 +1,6 @@
-"""Several sessions that meet each other, themselves and colliders: stepped together, so that nothing passes through.
+"""Sessions in contact with each other, themselves and colliders: stepped together, so that nothing passes through.
 
-A session alone, with nothing to meet, needs none of this and pays nothing for it.
+A session without contact does not use this module and has none of its cost.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from .props import prop_of
 
 
 class Meeting(NamedTuple):
-    """What came of contact in a step.
+    """The contact in a step.
 
-    touching: the most pairs that touched.
-    truncated: times that a vertex was held back from passing through something.
-    taken: momentum that this took [N s].
-    held_back: how far the collider that is behind its way the farthest is so at the end [m].
-    forces: on each surface, mean over the step (k, 3) [N]: bodies, then colliders; 0 from what sleeps.
-    queries: of who is near whom.
-    moments: of the forces about the origin (k, 3) [N m].
+    touching: largest number of pairs in contact.
+    truncated: number of times that a vertex was stopped from passing through something.
+    taken: momentum that these stops removed [N s].
+    held_back: largest distance of a collider behind its prescribed motion at the end [m].
+    forces: mean force on each surface over the step (k, 3) [N]: bodies, then colliders; sleeping bodies exert none.
+    queries: number of proximity queries.
+    moments: moments of the forces about the origin (k, 3) [N m].
     """
 
     touching: int = 0
@@ -44,10 +44,10 @@ class Meeting(NamedTuple):
 
 
 class Held(NamedTuple):
-    """A collider that could not go its way in a step.
+    """A collider that could not follow its prescribed motion in a step.
 
-    late: how far it is behind [m].
-    torn: whether it pulled skin so far that it was let go.
+    late: its distance behind that motion [m].
+    torn: whether it pulled the skin too far and was let go.
     """
 
     name: str
@@ -57,24 +57,23 @@ class Held(NamedTuple):
 
 
 class World:
-    """Step sessions together.
+    """Sessions, colliders and props that are stepped together.
 
-    held: the colliders that could not go their way in the last step.
-    notes: for each session, "" or what is left out of its self contact, for the artist.
-    props: the colliders that fall, by their number.
-    gravity: (3,) that pulls props [m/s2]; may be changed between steps, as may
-    ground: height [m] of a plane that props land on, or None; one that begins below it lies as low as it begins.
+    held: the colliders that could not follow their prescribed motion in the last step.
+    notes: for each session, what is left out of its self contact, for the artist, or "".
+    props: the colliders that fall, by their index.
+    gravity: acceleration of props (3,) [m/s2]; may be changed between steps, as may
+    ground: height [m] of the plane that props land on, or None; a prop that starts below it sinks no further.
 
     Args:
-        sessions: of one tick and one precision.
-        colliders: where they are now.
-        masses: of the colliders [kg], None for one that is led, as all are where there are no masses.
-        itself: whether each body meets itself too. Where it passes through itself at the start, those faces are left
-            out of that.
-        names: of the bodies, then of the colliders, for messages.
+        sessions: all with the same tick and backend.
+        colliders: at their current positions.
+        masses: masses of the colliders [kg], None for one whose motion is prescribed. By default no collider falls.
+        itself: whether each body has self contact. Faces that pass through each other at the start are left out of it.
+        names: names of the bodies, then of the colliders, for messages.
 
     Raises:
-        DimpleError: a prop without mass or faces, or something passes through something else, with what and where.
+        DimpleError: ticks or backends differ, a prop has no mass or faces, or surfaces intersect (which and where).
     """
 
     def __init__(
@@ -104,7 +103,7 @@ class World:
         self.check()
 
     def check(self) -> None:
-        """Raise a DimpleError when something passes through something else."""
+        """Raise a DimpleError if two surfaces intersect."""
         found = self._scene.crossings()
         if found.pairs:
             first, second = (self._names[i] for i in found.surfaces)
@@ -121,10 +120,10 @@ class World:
             )  # fmt: skip
 
     def set_colliders(self, ends: Sequence[Floats | None]) -> None:
-        """Say where each collider (m, 3) [m] is to be at the end of the next step; None lets it rest.
+        """Set the position (m, 3) [m] of each collider at the end of the next step; None leaves it unchanged.
 
         Raises:
-            DimpleError: another number of vertices, or positions that are not numbers.
+            DimpleError: the number of vertices has changed, or a position is not a number.
         """
         for i, end in enumerate(ends):
             if end is None:
@@ -139,19 +138,19 @@ class World:
             self._ends[i] = np.ascontiguousarray(np.asarray(end, np.float64).T)
 
     def target(self, index: int) -> Floats:
-        """Return where a collider (m, 3) [m] is to be at the end of the step that was asked for last."""
+        """Return the last position (m, 3) [m] that was set for a collider as the end of a step."""
         end = self._ends[index]
         return (self._at[index] if end is None else end).T
 
     def collider(self, index: int) -> Floats:
-        """Return where a collider (m, 3) [m] is: behind its way where a body cannot get out of it."""
+        """Return the position (m, 3) [m] of a collider: behind its prescribed motion if a body blocks it."""
         return self._scene.collider(index).T
 
     def step(self, dt: float, *, budget: float | None = None) -> Meeting:
-        """Advance all sessions by dt [s] in whole ticks; their frames show it.
+        """Advance all sessions by dt [s] in whole ticks; their frames hold the results.
 
         Args:
-            budget: wall time [s] that only a first tick may exceed; what is not done lags behind.
+            budget: wall time [s] that only the first tick may exceed; simulated time then lags behind.
         """
         if any(session.body is not body for session, body in zip(self.sessions, self._bodies, strict=True)):
             self._make()
@@ -167,7 +166,7 @@ class World:
         return self.meeting
 
     def _find_held(self) -> list[Held]:
-        """Return the colliders that are visibly behind their way, or were let go."""
+        """Return the colliders that are visibly behind their prescribed motion, or were let go."""
         found, seen = [], SLACK * min(session.body.model.mesh.size for session in self.sessions)
         for i, name in enumerate(self._names):
             torn, late = any(part.torn[i] for part in self._parts), float(self._parts[-1].late[i])
@@ -188,7 +187,7 @@ class World:
         return found
 
     def _make(self) -> None:
-        """Make what steps, of the bodies that the sessions have now; what slept may rest on something else."""
+        """Make the scene from the current bodies of the sessions, and wake them: their supports may have changed."""
         for session in self.sessions:
             session.wake()
         self._bodies = [session.body for session in self.sessions]
@@ -198,7 +197,7 @@ class World:
         self.notes = [_left_out(found) if found.pairs else "" for found in self._scene.left_out]
 
     def _run(self, sessions: Sequence[Session], at_once: int) -> tuple[Sequence[motion.Frame], int]:
-        """Run all by some ticks of the step under way."""
+        """Run all sessions for some ticks of the current step; return their frames and the number of ticks."""
         substeps = max(session.substeps for session in sessions)
         done, left = sum(part.ticks for part in self._parts), min(session.due for session in sessions)
         ticks = min([left, at_once, MAX_STEPS // substeps - 1, *(session.most for session in sessions)])
@@ -219,14 +218,14 @@ class World:
         return part.frames, ticks
 
     def _way(self, index: int) -> Way:
-        """Return the way of a collider in the step."""
+        """Return the motion of a collider in the step."""
         if index in self.props:
             return self.props[index].way(self.gravity, self.ground)
         end = self._ends[index]
         return None if end is None else ColliderMotion(self._at[index], end)
 
     def _arrive(self, share: float) -> None:
-        """Note where on their ways the colliders are to be now."""
+        """Move the prescribed positions of the colliders on by the fraction of the step that was done."""
         for i, end in enumerate(self._ends):
             if end is not None:
                 self._at[i] = end if share >= 1 else self._at[i] + share * (end - self._at[i])
@@ -236,7 +235,7 @@ class World:
 def drop_proxies(
     sessions: Sequence[Session], colliders: Sequence[Collider], names: Sequence[str]
 ) -> list[str]:
-    """Simulate bodies in full whose proxies intersect something, for their meshes may not; return a note for each.
+    """Use the full mesh of each body whose proxy intersects something, as the mesh may not; return a note for each.
 
     Args:
         colliders, names: as for a World.

@@ -1,7 +1,8 @@
 """Pressing live.
 
-Started by make_soft, poke, play, scripted_press or progress (large meshes), steered by poke_input. sessions holds what
-runs, live_step steps it, showing puts it on its objects, modal_runs drives it, handlers end it. object_plan takes mesh
-or proxy; follow_settings follows the panels and keyframes; colliders and props are what bodies meet; fingertip_objects
-and haptic_fingertips press; record and recorder keep what was pressed.
+A press is started by make_soft, poke, play, scripted_press or progress (large meshes), and steered by poke_input.
+sessions holds the running sessions, live_step steps them, showing displays them on their objects, modal_runs drives
+them, handlers end them. object_plan chooses between mesh and proxy; follow_settings applies changes of panels and
+keyframes; colliders and props handle contact; fingertip_objects and haptic_fingertips are the fingertips; record and
+recorder write recordings, and last_press remembers the last press by hand.
 """

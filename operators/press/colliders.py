@@ -1,7 +1,7 @@
 """Contact of running bodies: with objects that have Dimple Collider ticked, with each other, and with themselves.
 
-Once an object of the scene is ticked, all running bodies meet it and each other, where they are of one scale; without
-one, bodies run alone and nothing of this is paid for.
+Once an object of the scene is ticked, all running bodies of the same scale collide with it and with each other;
+otherwise each body runs alone, at no extra cost.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ if TYPE_CHECKING:
     from ...core.session import Session
     from ...core.world import World
 
-SAME_SCALE = 1e-6
+SAME_SCALE = 1e-6  # relative difference up to which two scales count as the same
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class LiveWorld:
     """Bodies that are stepped together."""
 
-    key: tuple[Any, ...]  # what it was made of
-    uids: tuple[int, ...]  # of the bodies
+    key: tuple[Any, ...]  # everything that it was made from; another key requires a new world
+    uids: tuple[int, ...]  # session_uids of the bodies
     scale: float  # physical metres per scene unit
     colliders: tuple[str, ...]  # names of the objects
-    # which of them fall: session_uid, name and matrix in the scene when the world was made
+    # the colliders that fall, by index: session_uid, name, and matrix in the scene when the world was made
     props: dict[int, tuple[int, str, Matrix]]
-    world: World  # what steps them
+    world: World  # steps them
 
 
 def is_on(scene: bpy.types.Scene) -> bool:
-    """Tell whether contact is on: an object of the scene is a collider, or a body has self contact."""
+    """Return whether contact is on: an object of the scene is a collider, or a body has self contact."""
     return any(obj.dimple.collider or (obj.dimple.enabled and obj.dimple.self_contact) for obj in scene.objects)
 
 
@@ -49,10 +49,13 @@ def worlds_of(
     bodies: Mapping[int, tuple[bpy.types.Object, Session, float]],
     before: Sequence[LiveWorld] = (),
 ) -> list[LiveWorld]:
-    """Return the worlds of bodies: object, session and scale by uid; those of `before` that are still right go on.
+    """Return the worlds of the bodies; a world of `before` is reused if it is still valid.
+
+    Args:
+        bodies: object, session and scale of each body, by session_uid.
 
     Raises:
-        DimpleError: something passes through something else.
+        DimpleError: two surfaces intersect, or a collider is not usable.
     """
     for _, session, _ in bodies.values():
         session.contact_note = session.held_note = ""
@@ -76,16 +79,16 @@ def worlds_of(
 
 
 def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
-    """Say where the colliders of a world are to be at the end of the next step: where their objects are now.
+    """Move the colliders of a world, by the end of the next step, to where their objects are now.
 
     Raises:
-        DimpleError: one is gone, or has other vertices.
+        DimpleError: an object is gone, or its number of vertices has changed.
     """
     graph = context.evaluated_depsgraph_get()
     live.world.gravity, live.world.ground = _pull(context.scene)
     ends = []
     for i, name in enumerate(live.colliders):
-        if i in live.props:  # the world moves it
+        if i in live.props:  # the simulation moves it
             ends.append(None)
             continue
         obj = context.scene.objects.get(name)
@@ -104,13 +107,13 @@ def _is_collider(
         obj.dimple.collider
         and obj.type == "MESH"
         and obj.session_uid not in bodies
-        and obj.evaluated_get(graph).is_evaluated  # else it is disabled in viewports, and stands still
+        and obj.evaluated_get(graph).is_evaluated  # else it is disabled in viewports, and its position is not updated
         and obj not in sizing.fingertips(scene)
     )
 
 
 def _groups(bodies: Mapping[int, tuple[bpy.types.Object, Session, float]]) -> dict[float, list[int]]:
-    """Return the bodies of each scale: only those are in one space."""
+    """Return the uids of the bodies by scale: only bodies of the same scale can collide."""
     groups: dict[float, list[int]] = {}
     for uid, (_, _, scale) in bodies.items():
         near = next((other for other in groups if abs(other - scale) <= SAME_SCALE * scale), scale)
@@ -119,12 +122,12 @@ def _groups(bodies: Mapping[int, tuple[bpy.types.Object, Session, float]]) -> di
 
 
 def _moving(sessions: Sequence[Session]) -> tuple[tuple[int, int], ...]:
-    """Return what sessions and meshes move: in the place of another mesh one may intersect something."""
+    """Return the identities of sessions and of their simulated meshes: a new mesh may intersect something."""
     return tuple((id(session), id(session.body.model.mesh)) for session in sessions)
 
 
 def _mass_of(obj: bpy.types.Object) -> float | None:
-    """Return the mass of a prop [kg], None for a collider that its object moves."""
+    """Return the mass of a prop [kg], None for a collider that follows its object."""
     return obj.dimple.prop_mass_kg if obj.dimple.is_prop else None
 
 
@@ -154,7 +157,7 @@ def _make(
             )
         made.append(Collider(points.T.copy(), triangles, obj.dimple.collider_friction))
     for (_, session, _), meets in zip(bodies, itself, strict=True):
-        if meets and session.proxy is not None:  # its cells may bridge a fold
+        if meets and session.proxy is not None:  # the cells of a proxy may bridge a fold
             session.change(session.model, proxy=None)
     names = [obj.name for obj, _, _ in bodies] + [obj.name for obj in colliders]
     props = [(i, obj) for i, obj in enumerate(colliders) if obj.dimple.is_prop]
@@ -171,7 +174,7 @@ def _make(
 
 
 def surface(graph: bpy.types.Depsgraph, obj: bpy.types.Object, scale: float) -> tuple[Floats, Ints]:
-    """Return where the vertices (m, 3) [m] of an object are, as its modifiers leave it, and its triangles (t, 3)."""
+    """Return the vertices (m, 3) [m] of an object, with its modifiers applied, and its triangles (t, 3)."""
     evaluated = obj.evaluated_get(graph)
     triangles, _ = final_mesh.triangles_of(evaluated.data)
     points = final_mesh.points_of(evaluated.data)

@@ -13,12 +13,12 @@ from . import modal_runs, sessions
 
 
 def free(scene: bpy.types.Scene) -> list[int]:
-    """Return the numbers of the fingertips that no object is."""
+    """Return the numbers of the fingertips that have no object yet."""
     return [number for number, tip in zip(sizing.NUMBERS, sizing.fingertips(scene), strict=True) if tip is None]
 
 
 def body_of(obj: bpy.types.Object | None, scene: bpy.types.Scene) -> bpy.types.Object | None:
-    """Return what an object stands for: a fingertip for the body that it was made for, any other for itself."""
+    """Return the body of an object: for a fingertip the body that it was made for, for any other the object itself."""
     if obj is None or obj not in sessions.fingertip_objects(scene):
         return obj
     body = obj.dimple.presses
@@ -26,7 +26,7 @@ def body_of(obj: bpy.types.Object | None, scene: bpy.types.Scene) -> bpy.types.O
 
 
 def leave_poke() -> list[str]:
-    """End a poke, which would take the mouse and the keys of who animates; return sentences for the artist."""
+    """End a running poke, which would take the mouse and keys away from animating; return sentences for the artist."""
     return sessions.stop_all() if any(run.kind == "poke" for run in modal_runs.runs) else []
 
 
@@ -38,11 +38,11 @@ def make(
     radius: float,
     outward: Sequence[float],
 ) -> bpy.types.Object:
-    """Add an empty as a fingertip of a body and select it alone: moved and keyed with it, the body would go too.
+    """Add an empty as a fingertip of a body and select only it, so that the body is not moved and keyed with it.
 
     Args:
         centre, radius: [scene units].
-        outward: direction in which it comes off the surface; its own Z axis.
+        outward: direction away from the surface; it becomes the Z axis of the empty.
     """
     tip = object_data_add(context, None, name=f"Fingertip {number}")
     tip.empty_display_type, tip.empty_display_size = "SPHERE", radius
@@ -54,7 +54,7 @@ def make(
 
 
 def select(context: bpy.types.Context, obj: bpy.types.Object) -> None:
-    """Select an object alone, as a click does."""
+    """Select only this object, as a click does."""
     for other in context.selected_objects:
         other.select_set(False)
     obj.select_set(True)

@@ -1,6 +1,6 @@
-"""Settings that are changed while a body runs: they act on it at its next step.
+"""Apply settings that are changed while a body runs, at its next step.
 
-Weights of vertex groups are read again with any other change, and all the time while they are painted.
+Weights of vertex groups are read again with any other change, and at short intervals while they are painted.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ if TYPE_CHECKING:
     from .object_body import ObjectBody
     from .sessions import LiveBody
 
-PAINTED_S = 0.2  # simulated time between two looks at weights that are being painted
-LARGE = 12_000  # vertices: to change more takes several frames
-WAIT_S = 0.008  # that a frame waits for the change of fewer, so that it is shown in it or soon after
-UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned again
+PAINTED_S = 0.2  # [s] simulated time between two readings of weights that are being painted
+LARGE = 12_000  # number of vertices above which a frame does not wait for a change
+WAIT_S = 0.008  # [s] time that a frame waits for the change of a smaller body, to show it in that frame or soon after
+UNTOUCHED_S = 1.0  # [s] simulated time after the last change at which a body that nothing presses is planned again
 
 
 def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
-    """Let a running body have the settings it has now; return sentences for the artist.
+    """Apply the current settings to a running body; return sentences for the artist.
 
-    A change that cannot be simulated is refused: the body keeps what it had, and `refused` says why.
+    A change that cannot be simulated is refused: the body keeps its old settings, and `refused` says why.
     """
     if body.change is None:
         now, around = settings_of(context.scene, obj), object_plan.around(context.scene, obj)
@@ -60,12 +60,10 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
 
 
 def follow_keyframes(scene: bpy.types.Scene, obj: bpy.types.Object, body: ObjectBody) -> None:
-    """Let a body that is baked have the settings of this frame.
-
-    What is simulated stays: the same proxy, with other constants.
+    """Apply the settings of this frame to a body that is baked; a proxy stays and only its constants change.
 
     Raises:
-        DimpleError: they cannot be simulated.
+        DimpleError: the settings cannot be simulated.
     """
     from ...core.reduction.proxy import with_constants
 
@@ -79,7 +77,7 @@ def follow_keyframes(scene: bpy.types.Scene, obj: bpy.types.Object, body: Object
 def _changing(
     context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings, refused_before: str
 ) -> Parts:
-    """Change a body in parts; return sentences for the artist. Undo may have replaced `obj` after any of them."""
+    """Change a body in parts; return sentences for the artist. Undo may replace `obj` after any part."""
     try:
         yield from _change(context, obj, body, now)
     except DimpleError as error:
@@ -91,7 +89,7 @@ def _changing(
 
 
 def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings) -> Parts:
-    """Change a body, or raise a DimpleError and leave it as it is."""
+    """Change a body in parts, or raise a DimpleError and leave the body unchanged."""
     from ...core.mesh.surface import input_vertices
 
     session, before = body.session, body.settings
@@ -110,7 +108,7 @@ def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, n
 
 
 def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
-    """Return what moves in place of another model: as much of what there is as can go on."""
+    """Return the proxy of a changed model, None for the full mesh; plan anew if `again` or if the old choice fails."""
     from ...core.reduction.proxy import build_proxy, with_constants
 
     old = body.session.proxy
@@ -118,18 +116,18 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
         if old is None:
             return None
         try:
-            if model.mesh is not body.session.model.mesh:  # it has another scale
+            if model.mesh is not body.session.model.mesh:  # the scale or the slots have changed
                 return build_proxy(model, len(old.seeds))
             proxy = yield 0.8, partial(with_constants, old, model)
             now = body.session.proxy
-            return proxy if now else None  # contact may have dropped it meanwhile
-        except DimpleError:  # other pins or laws: another choice is made
+            return proxy if now else None  # contact may have dropped the proxy meanwhile
+        except DimpleError:  # the proxy does not fit the new pins or laws: plan again
             pass
     return at_once(object_plan.planning_for(bpy.context.scene, body.obj, model))
 
 
 def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
-    """Plan again for constants that were tuned, once nothing presses: a proxy takes a while to make."""
+    """Choose between mesh and proxy again after tuning, once nothing presses, because making a proxy takes a while."""
     if body.changed_at is None or body.frame.time < body.changed_at + UNTOUCHED_S:
         return []
     session = body.session

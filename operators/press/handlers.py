@@ -1,6 +1,4 @@
-"""What Blender reports: files are loaded and saved, steps are undone. No session outlives its file, and no file shows a
-press.
-"""
+"""Handlers of Blender's load, save and undo events: no session outlives its file, and no saved file shows a press."""
 
 
 from itertools import chain
@@ -13,7 +11,7 @@ from . import last_press, sessions, showing
 
 @bpy.app.handlers.persistent
 def _rescue(*_: object) -> None:
-    """Put objects right that were caught pressed; look first, so that nothing heavy is loaded for nothing."""
+    """Restore objects that show a press without a session; check names first, to avoid a needless heavy import."""
     if any(each.name.startswith(OURS) for each in chain(bpy.data.node_groups, bpy.data.objects, bpy.data.meshes)):
         from ..bridge import write_back
 
@@ -40,8 +38,8 @@ def _on_save_post(*_: object) -> None:
 
 @bpy.app.handlers.persistent
 def _on_undo_pre(*_: object) -> None:
-    """Remove the modifiers that show the sessions: an undo step does not know them, and would leave modifier data
-    that is gone, which ends Blender.
+    """Remove the modifiers that show the sessions: undo steps do not include them, and undoing would leave pointers to
+    freed modifier data, which crash Blender.
     """
     if sessions.sessions:
         showing.rest_all()
@@ -49,8 +47,8 @@ def _on_undo_pre(*_: object) -> None:
 
 @bpy.app.handlers.persistent
 def _on_undo(*_: object) -> None:
-    """Go on where the object is still there; an undo may bring back objects that it caught pressed."""
-    sessions.disarm()  # it may put anything under a fingertip of the haptic device at once
+    """Continue the sessions whose objects still exist; restore objects that an undo brought back in a pressed state."""
+    sessions.disarm()  # an undo may suddenly put a surface under a fingertip of the haptic device
     if sessions.sessions:
         from ..bridge import scene_objects, write_back
 

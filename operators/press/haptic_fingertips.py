@@ -1,7 +1,7 @@
-"""The haptic device beside the sessions: its fingertips press what runs, and it renders the force on them.
+"""The haptic device: its fingertips press the running bodies, and it renders the force on them.
 
-What runs does not need the device: when it is lost the sessions go on, and the panel says so. The connection is kept
-here; `sessions` does not know of it, but calls `disarm` before it ends anything.
+The sessions do not need the device: if the connection is lost they continue, and the panel says so. The connection is
+kept here; `sessions` does not know of it, but calls `disarm` before it ends anything.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from ...core.session import Finger
     from .sessions import LiveBody
 
-SLOW_S = 0.25  # [s] between two frames of Blender: slower, and the dead-man key lapses between them (limits.LEASE)
-LOOK_S = 0.1  # [s] between two looks at the device while nothing runs
+SLOW_S = 0.25  # [s] longest interval between frames of Blender for which the dead-man key does not lapse (limits.LEASE)
+LOOK_S = 0.1  # [s] interval at which the device is read while nothing runs
 _PACKAGE = (__package__ or "").partition(".operators")[0]
 
 
@@ -35,43 +35,43 @@ _PACKAGE = (__package__ or "").partition(".operators")[0]
 class Connection:
     """A connected device."""
 
-    device: Device  # what was opened
-    report: ServoReport  # its last one
+    device: Device  # the open device
+    report: ServoReport  # its last report
     watch: object = None  # token of the operator that follows the dead-man key
-    # bodies with which of its fingertips they know since the last frame, its place in their space, and the fingertips'
-    # radius [mm]
+    # combinations of the last frame: body, index of the fingertip, the device's workspace in the space of the body, and
+    # radius of the fingertips [mm]; only a new one can kick
     known: set[tuple[LiveBody, int, Workspace, float]] = field(default_factory=set)
-    note: str = ""  # a sentence for the artist that was not shown yet
-    read_at: float = 0.0  # when it was read last [s]
+    note: str = ""  # a sentence for the artist that has not been shown yet
+    read_at: float = 0.0  # time of the last reading [s]
     slow: bool = False  # Blender draws too slowly for the dead-man key
 
 
-connections: list[Connection] = []  # the device, where one is connected
-watching: list[Callable[[Connection], None]] = []  # what looks at it each time that it is read: a blind trial
+connections: list[Connection] = []  # the connected device, or empty
+watching: list[Callable[[Connection], None]] = []  # functions called after each reading, such as that of a blind trial
 
 
 def get() -> Connection | None:
-    """Return the device, None where none is connected."""
+    """Return the connected device, or None."""
     return connections[0] if connections else None
 
 
 def disarm() -> None:
-    """End all force of the device; without one nothing happens."""
+    """End all force of the device, if one is connected."""
     if connection := get():
         connection.device.disarm()
 
 
 def choice() -> bpy.types.AddonPreferences | None:
-    """Return the preferences, which name the device, None where the extension is not among Blender's."""
+    """Return the preferences, which name the device, or None if Blender does not list the extension."""
     addon = bpy.context.preferences.addons.get(_PACKAGE)
     return addon.preferences if addon else None
 
 
 def connect() -> Connection:
-    """Connect the device of this computer, and read it from now on.
+    """Connect the device that the preferences name, and read it from now on.
 
     Raises:
-        DimpleError: it cannot be started, with the reason and what to do.
+        DimpleError: the device cannot be started, with the reason and what to do.
     """
     from ...core.device.device import Device
 
@@ -93,7 +93,7 @@ def connect() -> Connection:
 
 
 def disconnect() -> None:
-    """Disconnect the device; without one nothing happens."""
+    """Disconnect the device, if one is connected."""
     while connections:
         connections.pop().device.close()
     if bpy.app.timers.is_registered(_look):
@@ -136,7 +136,7 @@ def read() -> list[str]:
 
 
 def workspace(scene: bpy.types.Scene, scale: float) -> Workspace:
-    """Return the place of the device in a session of a physical scale [m per scene unit]."""
+    """Return the workspace of the device in a session with a physical scale [m per scene unit]."""
     from ...core.device.workspace import Workspace
 
     settings = scene.dimple
@@ -149,7 +149,7 @@ def workspace(scene: bpy.types.Scene, scale: float) -> Workspace:
 
 
 def fingertips(scene: bpy.types.Scene, body: LiveBody) -> list[Finger | None]:
-    """Return the device's fingertips in a session's space; none where no device is ready."""
+    """Return the device's fingertips in a session's space; empty if no device is ready."""
     from ...core.device.orders import LinkState
     from ...core.device.workspace import fingers
 
@@ -160,10 +160,10 @@ def fingertips(scene: bpy.types.Scene, body: LiveBody) -> list[Finger | None]:
 
 
 def write(scene: bpy.types.Scene) -> None:
-    """Send the surface under each fingertip, of the body in which it is deepest.
+    """Send the device the surface under each fingertip, that of the body in which the fingertip is deepest.
 
-    A body that is suddenly under a fingertip, by a new session, another place of the device, another radius or the end
-    of a poke, must not push, as when the device is armed: else it is disarmed.
+    A new session, a moved workspace, a changed radius or the end of a poke may suddenly put a body under a fingertip.
+    If that body pushes, the device is disarmed instead of kicking.
     """
     from ...core.device.limits import QUIET_FORCE
     from ...core.device.orders import TIPS, LinkState
@@ -193,10 +193,10 @@ def write(scene: bpy.types.Scene) -> None:
 
 
 def set_origin(scene: bpy.types.Scene) -> None:
-    """Place the middle of the fingertips, where they are now, at the 3D cursor.
+    """Move the workspace so that the current centre of the fingertips is at the 3D cursor.
 
     Raises:
-        DimpleError: their positions are not known.
+        DimpleError: the positions of the fingertips are unknown.
     """
     connection = get()
     tips = [tip.position for tip in connection.report.tips if not tip.masked] if connection else []
@@ -208,14 +208,14 @@ def set_origin(scene: bpy.types.Scene) -> None:
 
 
 def _look() -> float | None:
-    """Keep the panel up to date while nothing runs, or what runs is paused."""
+    """Keep the panel up to date while no session runs or time is paused."""
     connection, now = get(), time.perf_counter()
     if connection is None:
         return None
     if now - connection.read_at > LOOK_S:
         notes = read()
         if sessions.sessions:
-            connection.note = in_a_row(notes)  # for when it goes on
+            connection.note = in_a_row(notes)  # to be shown when time runs again
             connection.device.renew()
         else:
             write(bpy.context.scene)
@@ -224,7 +224,7 @@ def _look() -> float | None:
 
 
 def ports() -> list[tuple[str, str]]:
-    """Return what can be connected, as paths and descriptions."""
+    """Return the ports that can be connected, as paths and descriptions."""
     from ...core.device import haply_line, udp_line
     from ...core.device.serial_line import ports
 

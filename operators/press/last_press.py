@@ -1,4 +1,4 @@
-"""The last press by hand on each body, which Key This Press repeats: it outlives its session."""
+"""The last press by hand on each body, kept after its session ends so that Key This Press can repeat it."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 class LivePress:
     """A press by hand."""
 
-    uid: int  # of the object that was pressed
-    name: str  # of the object
+    uid: int  # session_uid of the object that was pressed
+    name: str  # name of that object
     scale: float  # physical metres per scene unit
-    start: float  # when it began, by the clock of the session [s]
-    frame: float | None  # of the timeline at its start, None where that stood still
-    ways: dict[int, Way]  # of the fingertips, by the number of the finger
+    start: float  # time at which it began, by the clock of the session [s]
+    frame: float | None  # frame of the timeline at its start, None if the timeline was not playing
+    ways: dict[int, Way]  # paths of the fingertips, by the number of the finger
 
 
-presses: dict[int, LivePress] = {}  # by the session_uid of the body; the last that began comes last
+presses: dict[int, LivePress] = {}  # by the session_uid of the body, in the order in which they began
 
 
 def note(context: bpy.types.Context, body: LiveBody) -> None:
@@ -34,7 +34,7 @@ def note(context: bpy.types.Context, body: LiveBody) -> None:
     clock, touches, held = body.session.clock, body.frame.touches, {}
     for i, finger in body.held.items():
         touch = touches[i] if i < len(touches) else None
-        if touch and (i in body.poked or touch.depth > 0):  # a haptic device's are there in the air too
+        if touch and (i in body.poked or touch.depth > 0):  # those of a haptic device exist in the air too
             held[i] = finger, touch
     time = clock.ticks * clock.tick
     start = body.hand.take(time, held)
@@ -51,7 +51,7 @@ def note(context: bpy.types.Context, body: LiveBody) -> None:
 
 
 def last(scene: bpy.types.Scene, body: bpy.types.Object | None) -> LivePress | None:
-    """Return the last press on a body, else the last on any body of a scene."""
+    """Return the last press on a body, or if it has none the last press on any body of the scene."""
     if body and body.session_uid in presses:
         return presses[body.session_uid]
     here = {obj.session_uid for obj in scene.objects}

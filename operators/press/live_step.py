@@ -1,4 +1,4 @@
-"""One step of everything that runs: fingertips in, frames out. Poke, play and the scripted press share it."""
+"""One step of all running sessions, shared by poke, play and the scripted press."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ from .sessions import LiveBody
 if TYPE_CHECKING:
     from ...core.world import World
 
-LONGEST_S = 0.1  # after a hiccup of Blender, time is lost rather than jumped over
-SHORTEST_S = 0.002
+LONGEST_S = 0.1  # [s] longest step: after a hiccup of Blender, simulated time falls behind instead of jumping
+SHORTEST_S = 0.002  # [s] shortest step, and smallest budget of wall time
 
 
 def candidates(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """Return the objects to press: the selected meshes, else the active object; of a fingertip, the body it presses.
+    """Return the objects to press: the selected meshes, else the bodies of selected fingertips, else one other object.
 
     Raises:
         DimpleError: nothing is selected.
@@ -62,7 +62,7 @@ def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], li
     """Start a session on every candidate.
 
     Returns:
-        The bodies, sentences for the artist, and what is wrong with objects that had to be left out.
+        The bodies, sentences for the artist, and the errors of objects that were left out.
 
     Raises:
         DimpleError: none of them can be pressed.
@@ -71,7 +71,7 @@ def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], li
 
 
 def starting_all(context: bpy.types.Context) -> Parts:
-    """Start a session on every candidate, in parts; see `start_all`. Closed, nothing was started."""
+    """Start a session on every candidate, in parts; see `start_all`. If closed early, it starts none."""
     bodies, messages, wrong, before = [], [], [], set(sessions.sessions)
     try:
         for obj in candidates(context):
@@ -104,8 +104,8 @@ def advance(
 
     Args:
         dt: simulated time [s].
-        budget: wall time for all of them [s]; what bringing them up to date takes beyond as much comes off it.
-        pressed: fingertips of a poke by body; they go before the haptic device's, and those before fingertip objects.
+        budget: wall time for all of them [s]; if preparing them takes longer than this, the excess is deducted.
+        pressed: fingertips of a poke by body; they take precedence over the haptic device's, and these over objects.
 
     Returns:
         Sentences for the artist: sessions that ended, or were put back to rest.
@@ -116,11 +116,11 @@ def advance(
     began = time.perf_counter()
     for uid, body in list(sessions.sessions.items()):
         messages += _trying(uid, prepare, context, body, pressed.get(uid, ()))
-    if budget:  # a change of constants takes longer: no frame is to wait for both
+    if budget:  # changing constants takes time, and a frame must not take that time and the full budget too
         late = time.perf_counter() - began - budget
         budget = min(budget, max(budget - late, SHORTEST_S))
     messages += _meet(context)
-    share = budget / len(sessions.sessions) if budget and sessions.sessions else budget  # of a body
+    share = budget / len(sessions.sessions) if budget and sessions.sessions else budget  # budget of one body
     for group in _groups():
         messages += _run(group, dt, share and share * len(group[0]))
     for world in sessions.worlds:
@@ -129,17 +129,17 @@ def advance(
         messages += _trying(uid, finish, body)
         last_press.note(context, body)
         if body.frame.note:
-            sessions.disarm()  # it is back at rest at once, which may be on a fingertip
+            sessions.disarm()  # the body jumped back to rest, possibly onto a fingertip of the device
             messages.append(about(body.name, body.frame.note))
     slowest = min((body.lead for body in sessions.sessions.values()), default=0.0)
     for body in sessions.sessions.values():
-        body.done, body.lead = body.lead, body.lead - slowest  # the others wait for it: all have one clock
+        body.done, body.lead = body.lead, body.lead - slowest  # the others wait for the slowest: all share one clock
     haptic_fingertips.write(context.scene)
     return messages
 
 
 def _trying(uid: int, do: Callable[..., list[str]], *arguments: Any) -> list[str]:
-    """Do something with a session; where it cannot go on it ends, with the reason."""
+    """Call a function that acts on a session; if it fails, end the session and return the reason."""
     try:
         return do(*arguments)
     except DimpleError as error:
@@ -147,7 +147,7 @@ def _trying(uid: int, do: Callable[..., list[str]], *arguments: Any) -> list[str
 
 
 def _meet(context: bpy.types.Context) -> list[str]:
-    """Bring up to date which bodies are stepped together, and where their colliders go; end all that cannot be."""
+    """Update the worlds and move their colliders; on an error end all sessions and return the reason."""
     if not colliders.is_on(context.scene):
         sessions.set_worlds(())
         return []
@@ -192,21 +192,22 @@ def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger
     obj, link = body.obj, body.link
     messages = follow_settings.follow(context, obj, body)
     if body.link is not link:
-        pressed = ()  # those were in metres of another size
-        sessions.disarm()  # which may put it under a fingertip of the haptic device at once
+        pressed = ()  # these fingertips are in metres of the old scale
+        sessions.disarm()  # the new scale may suddenly put the body under a fingertip of the haptic device
     body.follow(context, obj)
     device = haptic_fingertips.fingertips(context.scene, body)
     fingers = merged(device or fingertips(context.scene, link.scale), pressed)
     body.held = {i: finger for i, finger in enumerate(merged(device, pressed)) if finger}
     before, body.poked = body.poked, frozenset(i for i, finger in enumerate(pressed) if finger)
-    # one that goes from hand to hand is lifted: it would fly through the body, and a device would render the flight
+    # a fingertip that passes between poke and device is lifted first, so that it does not jump through the body, which
+    # the device would render
     body.session.set_fingers([None if i in before ^ body.poked else finger for i, finger in enumerate(fingers)])
     body.session.set_fingers(fingers)
     return messages
 
 
 def finish(body: LiveBody) -> list[str]:
-    """Show and record what a session came to; return sentences for the artist."""
+    """Show and record the new state of a session; return sentences for the artist."""
     frame = body.frame
     messages: list[str] = []
     body.fingers = merged(body.session.placed, ())
@@ -230,21 +231,21 @@ def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:
 
 
 def merged(fingers: Sequence[Finger | None], pressed: Sequence[Finger | None]) -> tuple[Finger | None, ...]:
-    """Return the fingertips of a session: those of a poke, where there are any, else the device's or the objects."""
+    """Return the fingertips of a session: for each number that of the poke if there is one, else that of `fingers`."""
     first, second = ([*some, *([None] * MAX_FINGERTIPS)][:MAX_FINGERTIPS] for some in (pressed, fingers))
     return tuple(poked or finger for poked, finger in zip(first, second, strict=True))
 
 
 def ask(scene: bpy.types.Scene, run: ModalRun, wall: float) -> tuple[float, float]:
-    """Return the simulated time [s] to ask for after a wall time, and the budget for it [s].
+    """Return the simulated time [s] to request after a wall time, and the budget of wall time for it [s].
 
-    Where the computer cannot keep up time runs slower, so fingertips are moved by what will really be simulated.
+    If the computer cannot keep up, time runs slower and fingertips move only as far as time will be simulated.
     """
     wall = min(wall, LONGEST_S)
     return min(wall, run.step_s), max(scene.dimple.frame_budget_percent / 100 * wall, SHORTEST_S)
 
 
 def adapt(run: ModalRun, asked: float) -> None:
-    """Set the size of the next step by the progress of the slowest session."""
+    """Set the longest next step to twice the time that the slowest session has simulated, within the limits."""
     done = min((body.done for body in sessions.sessions.values()), default=asked)
     run.step_s = min(max(2 * done, SHORTEST_S), LONGEST_S)

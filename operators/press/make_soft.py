@@ -1,4 +1,4 @@
-"""Make Soft: everything that a bare mesh needs to be pressed, in one click; the mesh itself stays as it is."""
+"""Make Soft: give a mesh everything that it needs to be pressed, in one click, without changing the mesh itself."""
 
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,16 +16,16 @@ from .progress import LARGE
 if TYPE_CHECKING:
     import bmesh
 
-PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # other types than meshes are converted
-TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
-SAME = 1e-6  # of the size: vertices that are no farther apart are one
-FIRST = "object_2_vinyl_air"  # number 0 of the list, and so its default
+PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # types other than meshes are converted
+TEXT_DEPTH = 0.15  # [size of the characters] half of the depth that flat text gets
+SAME = 1e-6  # [size of the object] distance up to which two vertices count as doubled
+FIRST = "object_2_vinyl_air"  # number 0 of the list, and therefore its default
 Item = tuple[str, str, str, str, int]
 _items: list[Item] = []  # Blender does not keep the strings of a list that a function returns
 
 
 class Faults(NamedTuple):
-    """How many vertices are doubled or loose, and how many faces look inward."""
+    """The numbers of doubled vertices, loose vertices and faces that look inward."""
 
     doubled: int = 0
     loose: int = 0
@@ -52,7 +52,7 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
     preset: EnumProperty(
         name="Material",
         description="Material for the meshes. Unless you choose one, only meshes without a material get it",
-        items=presets, default=0, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
+        items=presets, default=0, options={"SKIP_SAVE"},  # a remembered value would count as chosen
     )  # fmt: skip
     repair: BoolProperty(
         name="Repair", options={"SKIP_SAVE"},
@@ -66,7 +66,7 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
     )  # fmt: skip
 
     def run(self, context: bpy.types.Context) -> None:
-        """Set up every selected mesh; one that cannot be pressed is said and left as it was."""
+        """Set up every selected mesh; report each one that cannot be pressed, and leave it unchanged."""
         from . import live_step, poke_input
 
         done, soft, wrong, noted = [], [], [], []
@@ -99,13 +99,13 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
 def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool) -> tuple[str, list[str]]:
     """Make a mesh a soft body; return a sentence on the result, and notes on the mesh.
 
-    A large one is prepared when it is pressed first, with its progress shown.
+    A large mesh is prepared at its first press, with the progress shown.
 
     Args:
-        chosen: it gets the preset whether it has a material or not.
+        chosen: apply the preset even if the mesh has a material.
 
     Raises:
-        DimpleError: it cannot be pressed; only its material and settings may have been set.
+        DimpleError: the mesh cannot be pressed; only its material and settings may have been set.
     """
     from ..bridge import scene_objects
     from .object_body import ObjectBody
@@ -138,16 +138,16 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *,
 
 
 def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.types.Object, str]:
-    """Turn a text, a curve or a metaball into the mesh that it shows, flat text with a depth.
+    """Convert a text, curve, surface or metaball to the mesh that it shows; flat text is given a depth.
 
     Returns:
-        The mesh object, which takes the place of a metaball, and a sentence on it.
+        The mesh object (a new one in place of a metaball), and a sentence on it.
 
     Raises:
-        DimpleError: it shows no faces; it was left as it was.
+        DimpleError: the object has no faces; it is unchanged.
     """
     deepened, name, replaced = False, obj.name, obj.type == "META"
-    if obj.type == "FONT" and not obj.data.extrude and not obj.data.bevel_depth:  # flat characters are all rim
+    if obj.type == "FONT" and not obj.data.extrude and not obj.data.bevel_depth:  # else all vertices are on a border
         obj.data.extrude, deepened = TEXT_DEPTH * obj.data.size, True
     shown = obj.evaluated_get(context.evaluated_depsgraph_get())
     faces = len(shown.to_mesh().polygons)
@@ -187,7 +187,7 @@ def repair(obj: bpy.types.Object) -> Faults:
 
 
 def _turn_outward(mesh: "bmesh.types.BMesh") -> int:
-    """Turn faces outward; return how many. Which side of an open mesh is outward nobody knows: most faces decide."""
+    """Turn faces outward; return their number. For an open mesh, the side that most faces look to counts as outward."""
     import bmesh
 
     mesh.normal_update()

@@ -1,11 +1,11 @@
 """The modal operators that drive the sessions: each has a timer and a text in the status bar.
 
-Whatever ends a session from outside (a file is loaded, the extension is switched off, an undo takes the object away)
-also closes what drives it.
+Whatever ends a session from outside (loading a file, disabling the extension, an undo that removes the object) also
+closes the operator that drives it.
 
-Blender's own autosave waits as long as a modal operator runs (issue 77825), so a recovery copy is written when it would
-have written its own, to the same file: File > Recover > Auto Save finds it. The handlers put every mesh at rest for it.
-It has the path of the copy: after a recovery the file must be saved again.
+Blender's own autosave waits while a modal operator runs (issue 77825). So a recovery copy is written here at the same
+intervals to the same file, and File > Recover > Auto Save finds it. The handlers put every mesh at rest for the copy.
+A recovered file has the path of the copy, so it must be saved again under its own name.
 """
 
 from __future__ import annotations
@@ -21,35 +21,34 @@ import bpy
 from ...core.messages import Message
 from ..translation import tip_
 
-STATUS_S = 0.5  # [s] between two times that a text is set: an undo, a field that is typed into and a brush clear it
+STATUS_S = 0.5  # [s] interval at which the text is set again, because undo, text fields and brushes clear it
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class ModalRun:
     """A modal operator that drives the sessions."""
 
-    kind: str  # "poke", "play", or another of what nothing may disturb
-    timer: bpy.types.Timer | None  # what wakes it
+    kind: str  # "poke", "play", or that of a task that must not be interrupted
+    timer: bpy.types.Timer | None  # sends the operator its timer events
     shown: str = ""  # text in the status bar
-    shown_at: float = 0.0  # when it was set last [s]
-    paused: bool = False  # time stands still
-    closed: bool = False  # it has ended
-    step_s: float = 0.002  # simulated time that the next step asks for [s]; it falls when the computer lags
-    saved_at: float = field(default_factory=time.monotonic)  # when the last recovery copy was due [s]
-    leave: Callable[[], None] | None = None  # called when the run is closed, by whomever
+    shown_at: float = 0.0  # time at which the text was last set [s]
+    paused: bool = False  # simulated time stands still
+    closed: bool = False  # the operator has ended
+    step_s: float = 0.002  # longest simulated time of the next step [s]; it shrinks when the computer lags
+    saved_at: float = field(default_factory=time.monotonic)  # time at which the last recovery copy was due [s]
+    leave: Callable[[], None] | None = None  # called when the run is closed, whatever closes it
 
 
 runs: list[ModalRun] = []
 
 
 def at_work() -> bool:
-    """Tell whether something runs that nothing may disturb; Esc cancels it."""
+    """Return whether a task runs that must not be interrupted, such as a bake; Esc cancels it."""
     return any(run.kind not in ("poke", "play") for run in runs)
 
 
 def open_run(context: bpy.types.Context, kind: str, state: str = "", *, interval: float = 1 / 60) -> ModalRun:
-    """Register a modal operator, give it a timer and show its state; an earlier one that drives the sessions is closed.
-    """
+    """Register a modal operator, give it a timer and show its state; the run of an earlier operator is closed."""
     for run in list(runs):
         close_run(run)
     manager = context.window_manager
@@ -61,7 +60,7 @@ def open_run(context: bpy.types.Context, kind: str, state: str = "", *, interval
 
 
 def show_status(context: bpy.types.Context, run: ModalRun, text: str) -> None:
-    """Show a text in the status bar, of whichever workspace is shown now."""
+    """Show a text in the status bar of the current workspace."""
     now = time.monotonic()
     if run.shown != text or now > run.shown_at + STATUS_S:
         context.workspace.status_text_set(text)
@@ -69,19 +68,19 @@ def show_status(context: bpy.types.Context, run: ModalRun, text: str) -> None:
 
 
 def clear_status() -> None:
-    """Take our text out of the status bar of every workspace: it may have been shown in several.
+    """Remove our text from the status bar of every workspace, as it may have been shown in several.
 
-    That needs a window, and the context's may be the one that is being closed: Blender ends with that.
+    This needs a window. The context's window may be the one that is closing, which would crash Blender.
     """
     for window in bpy.context.window_manager.windows[:1]:
         with bpy.context.temp_override(window=window):
             for workspace in bpy.data.workspaces:
-                with bpy.context.temp_override(workspace=workspace):  # a window beside it would win
+                with bpy.context.temp_override(workspace=workspace):  # given together, the window's workspace would win
                     workspace.status_text_set(None)
 
 
 def close_run(run: ModalRun) -> None:
-    """Take timer and status text of a modal operator away; closing twice does nothing."""
+    """Remove the timer and the status text of a modal operator; closing it twice does nothing."""
     if run.closed:
         return
     run.closed = True
@@ -104,10 +103,10 @@ def redraw() -> None:
 
 
 def save_when_due(run: ModalRun) -> list[str]:
-    """Write the copy at the interval of Blender's preferences, if autosave is on there.
+    """Write the recovery copy if it is due by the autosave settings of Blender's preferences.
 
     Returns:
-        Sentences for the artist: why it could not be written.
+        Sentences for the artist: why the copy could not be written.
     """
     settings = bpy.context.preferences.filepaths
     due = run.saved_at + 60 * settings.auto_save_time
@@ -118,14 +117,14 @@ def save_when_due(run: ModalRun) -> list[str]:
     written = copy.with_name(f"dimple_{copy.name}")
     try:
         bpy.ops.wm.save_as_mainfile(filepath=str(written), copy=True, check_existing=False)
-        os.replace(written, copy)  # the last copy is there until this one is whole
+        os.replace(written, copy)  # the previous copy stays until the new one is complete
     except (OSError, RuntimeError) as error:
         return [Message("The recovery copy could not be written, so save the file yourself: {error}", error=error)]
     return []
 
 
 def recovery_path() -> Path:
-    """Return where Blender would write its autosave."""
+    """Return the path to which Blender would write its autosave."""
     stem = Path(bpy.data.filepath).stem
     name = f"{stem}_{os.getpid()}" if stem else f"{os.getpid()}"
     return Path(bpy.app.tempdir).parent / f"{name}_autosave.blend"

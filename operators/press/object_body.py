@@ -1,4 +1,4 @@
-"""An object and the session that moves it: what live presses, bakes and scripts have in common."""
+"""An object and the session that simulates it: the common base of live presses, bakes and scripts."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class ObjectBody:
-    """An object and the session that moves it; the object itself is only read."""
+    """An object and the session that simulates it; the object itself is only read."""
 
     link: ObjectLink  # the object at rest
-    session: Session  # what moves it
-    settings: Settings  # of the panels, as the session has them
-    matrix: np.ndarray  # (4, 4) of the object when it was last stepped
-    rest: Singles  # (N, 3) its shape at rest then
-    triangles: np.ndarray  # (t, 3) of the vertices of the final mesh, outward
-    _offsets: tuple[tuple[object, ...], Singles] | None = None  # the last ones, and what they are of
+    session: Session  # simulates it
+    settings: Settings  # the settings of the panels that the session uses
+    matrix: np.ndarray  # (4, 4) matrix of the object when the pins were last moved
+    rest: Singles  # (N, 3) shape at rest at that time
+    triangles: np.ndarray  # (t, 3) vertices of the final mesh, facing outward
+    _offsets: tuple[tuple[object, ...], Singles] | None = None  # the last offsets, preceded by their inputs
 
     @classmethod
     def from_object(cls, obj: bpy.types.Object) -> Self:
         """Return the body of a mesh object, with its materials and settings, at rest.
 
         Raises:
-            DimpleError: it cannot be pressed, with the reason and what to do.
+            DimpleError: the object cannot be pressed, with the reason and what to do.
         """
         from ...core.background_work import at_once
 
@@ -49,13 +49,13 @@ class ObjectBody:
 
     @classmethod
     def opening(cls, context: bpy.types.Context, obj: bpy.types.Object) -> Parts:
-        """Read an object, plan how it is simulated and make its session, in parts; change nothing.
+        """Read an object, choose between mesh and proxy and make its session, in parts, without changing the object.
 
         Returns:
             The body, and sentences for the artist.
 
         Raises:
-            DimpleError: it cannot be pressed, with the reason and what to do.
+            DimpleError: the object cannot be pressed, with the reason and what to do.
         """
         from ...core.mesh.surface import input_vertices
         from ...core.session import Session
@@ -82,7 +82,7 @@ class ObjectBody:
         """Return the object.
 
         Raises:
-            DimpleError: it is gone.
+            DimpleError: the object is gone.
         """
         from ..bridge import scene_objects
 
@@ -98,39 +98,39 @@ class ObjectBody:
 
     @property
     def force(self) -> float:
-        """Return the force on all fingertips [N]."""
+        """Return the sum of the normal forces on all fingertips [N]."""
         return float(sum(self.frame.pushes))
 
     @property
     def depth(self) -> float:
-        """Return how deep the deepest fingertip is [m]."""
+        """Return the depth of the deepest fingertip [m]."""
         return float(max(self.frame.depths, default=0.0))
 
     def positions(self) -> np.ndarray:
-        """Return where the vertices (N, 3) of the final mesh are in the scene [scene units]."""
+        """Return the positions (N, 3) of the vertices of the final mesh in the scene [scene units]."""
         return self.session.positions() / self.link.scale
 
     def offsets(self) -> Singles:
-        """Return how far (N, 3) the vertices are from the shape at rest, in the space of the object: the same array as
-        long as nothing moves.
+        """Return the offsets (N, 3) of the vertices from the shape at rest in object space; the same array object is
+        returned as long as nothing moves.
         """
         from ..bridge import scene_objects
 
-        now = self.link, self.matrix, self.rest, self.session.positions()  # each is another object where it changes
+        now = self.link, self.matrix, self.rest, self.session.positions()  # a change makes a new object
         if self._offsets is None or any(a is not b for a, b in zip(now, self._offsets[0], strict=True)):
             self._offsets = now, scene_objects.offsets_of(*now)
         return self._offsets[1]
 
     def to_world(self, point: Sequence[float]) -> tuple[float, float, float]:
-        """Return a point of the session [m] in the scene."""
+        """Return the location in the scene [scene units] of a point of the session [m]."""
         x, y, z = (float(c) / self.link.scale for c in point)
         return x, y, z
 
     def follow(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        """Move the pins to where the object is now, and the shape at rest to where its rig has bent it.
+        """Move the pins along with the object, and bend the shape at rest as its rig does.
 
         Raises:
-            DimpleError: the object is flat, or its modifiers give other vertices than they did.
+            DimpleError: the object is scaled flat, or its modifiers have changed its vertices.
         """
         import numpy as np
 

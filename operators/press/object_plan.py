@@ -1,4 +1,4 @@
-"""How an object is simulated: as the artist chose, or as the planner does by what the scene has to spend."""
+"""The choice between mesh and proxy for an object: the artist's, or the planner's within the scene's time budget."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 
     from ...core.body.model import Model
 
-CONTACT = 2.0  # times a step alone: with a fifth of the vertices touching (dev.py contact)
+CONTACT = 2.0  # [cost of a step without contact] cost of a step with a fifth of the vertices touching (dev.py contact)
 
 
 def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Parts:
-    """Return the proxy of an object, None for the full mesh, in parts; its panel says why.
+    """Return the proxy of an object, None for the full mesh, in parts; the object's panel states the reason.
 
-    Costs are counted, not timed, so a bake and a render farm simulate what the preview did.
+    Costs are computed, not timed, so a bake or a render farm makes the same choice as the preview.
 
     Raises:
-        DimpleError: the proxy that was asked for cannot be made.
+        DimpleError: the object cannot be simulated as chosen.
     """
     settings = obj.dimple
     try:
@@ -43,8 +43,8 @@ def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) ->
 
 
 def choosing(scene: bpy.types.Scene, obj: bpy.types.Object) -> Callable[[Model], Plan]:
-    """Return what plans a model by the settings that its object has now; it raises a DimpleError where nothing can be
-    simulated.
+    """Return a function that plans a model by the current settings of its object, and raises a DimpleError if no plan
+    is possible.
     """
     wanted, (radius_mm, budget) = obj.dimple.to_plan(), around(scene, obj)
     radius = radius_mm / 1e3
@@ -61,10 +61,10 @@ def choosing(scene: bpy.types.Scene, obj: bpy.types.Object) -> Callable[[Model],
 
 
 def around(scene: bpy.types.Scene, obj: bpy.types.Object) -> tuple[float, float]:
-    """Return what a plan depends on besides its object: the radius of the fingertips [mm], and the processor time [s]
-    per second for the steps of the object, contact apart.
+    """Return what a plan depends on besides its object: the radius of the fingertips [mm], and the processor time per
+    simulated second [s] for the object's steps, without the share of contact.
 
-    At rest the other bodies cost nothing, and no more than MAX_FINGERTIPS are pressed at a time.
+    Bodies at rest cost nothing, and no more than MAX_FINGERTIPS bodies are pressed at a time.
     """
     bodies = 1 + sum(each != obj and each.type == "MESH" and each.dimple.enabled for each in scene.objects)
     share = scene.dimple.frame_budget_percent / 100 / min(bodies, MAX_FINGERTIPS)

@@ -1,4 +1,4 @@
-"""Let time run, along the timeline while that plays: fingertip objects press, bodies swing, fall and come to rest."""
+"""Play: run the simulation in real time, or along the timeline while Blender plays it."""
 
 import time
 from itertools import chain
@@ -15,20 +15,20 @@ PAUSED = "Paused: Play goes on, Esc ends and puts the rest shape back"
 
 
 class Driving(polls.Declared):
-    """An operator that also drives the sessions live: `begin` starts it, and `handle` takes each event."""
+    """Base of an operator that also drives the sessions live: `begin` starts it, and `handle` handles each event."""
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         return self.trying(self.begin, context, event)
 
     def starts_later(self, context: bpy.types.Context, verb: str) -> bool:
-        """Get ready first what is large, with its progress shown; then this operator is started again."""
+        """Return whether large meshes must be prepared first; if so, start that, which calls this operator again."""
         later = progress.takes_long(context)
         if later:
             bpy.ops.dimple.start("INVOKE_DEFAULT", then=verb)
         return later
 
     def start(self, context: bpy.types.Context) -> None:
-        """Start a session on all that is selected, and report on it."""
+        """Start a session on each selected mesh, and report the messages."""
         from . import live_step
 
         _, messages, wrong = live_step.start_all(context)
@@ -37,25 +37,25 @@ class Driving(polls.Declared):
             say(self, {"INFO"}, *gathered(messages))
 
     def drive(self, context: bpy.types.Context, kind: str, state: str = "") -> set[str]:
-        """Take a timer and all events from now on; see `modal_runs.open_run`."""
+        """Start a timer and handle all events from now on; see `modal_runs.open_run`."""
         self._run, self._clock = modal_runs.open_run(context, kind, state), time.perf_counter()
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Handle an event; after an error everything ends and is restored."""
+        """Handle an event; on an error end all sessions and restore all shapes."""
         if self._run.closed:
             return {"CANCELLED"}
         with sessions.ending_on_error():
             return self.handle(context, event)
 
     def passed(self) -> float:
-        """Return the time since this was asked last [s]."""
+        """Return the wall time since the last call [s]."""
         before, self._clock = self._clock, time.perf_counter()
         return self._clock - before
 
     def went_on(self, messages: list[str]) -> set[str] | None:
-        """Report what has happened; return how the operator ends when no session is left."""
+        """Report messages; return the result that ends the operator if no session is left, else None."""
         report(self, messages)
         if sessions.sessions:
             return None
@@ -63,7 +63,7 @@ class Driving(polls.Declared):
         return {"CANCELLED"}
 
     def cancel(self, _context: bpy.types.Context) -> None:
-        """End when Blender ends the operator: the window closes, another file is loaded."""
+        """End the sessions when Blender cancels the operator: its window closes, or another file is loaded."""
         if not self._run.closed:
             sessions.stop_all()
 
@@ -97,13 +97,13 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
         steps = [self.seconds / count] * count
         if self.frames:
             looks = (look for frame in range(now, now + self.frames) for look in timeline.looks(scene, frame + 1))
-            steps = chain([0.0] * _at_rest(), looks)  # a fingertip's way begins where it is now
+            steps = chain([0.0] * _at_rest(), looks)  # a fingertip's path begins at its current place
         with sessions.ending_on_error():
             for step_s in steps:
                 report(self, live_step.advance(context, step_s))
 
     def begin(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Start, pause or go on."""
+        """Start, pause or continue."""
         if modal_runs.runs:
             run = modal_runs.runs[0]
             run.paused = not run.paused
@@ -115,7 +115,7 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
         return self.drive(context, "play", PLAYING)
 
     def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Step by the clock, or along the timeline while that plays; everything but Esc is Blender's."""
+        """Step by the clock, or along the timeline while it plays; pass all events but Esc on to Blender."""
         if event.type == "ESC" and event.value == "PRESS":
             report(self, sessions.stop_all())
             return {"CANCELLED"}
@@ -139,10 +139,7 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
         return self.went_on([*messages, *modal_runs.save_when_due(self._run)]) or {"PASS_THROUGH"}
 
     def _follow(self, context: bpy.types.Context) -> list[str]:
-        """Go on with the timeline by one frame, as a bake does.
-
-        Once the timeline is wound back, the bodies begin again at rest.
-        """
+        """Advance by one frame of the timeline, as a bake does; if the timeline was rewound, start again at rest."""
         from ..bridge import timeline
         from . import live_step, props
 
@@ -162,7 +159,7 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
 
 
 def _at_rest() -> bool:
-    """Tell whether no time has run yet."""
+    """Return whether no session has been stepped yet."""
     return not any(body.frame.time for body in sessions.sessions.values())
 
 

@@ -1,4 +1,4 @@
-"""Press with mouse or pen, live and without the timeline; or, from a script, at a place, a depth and a time."""
+"""Poke: press with mouse or pen, live and without the timeline; or press from a script at a given place and depth."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -73,12 +73,12 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         from . import live_step, poke_input
 
         view = poke_input.view_under(context, event)
-        clicked = view if event.type == "LEFTMOUSE" and event.value in poke_input.DOWN else None  # with the tool
+        clicked = view if event.type == "LEFTMOUSE" and event.value in poke_input.DOWN else None  # started by the tool
         if clicked and self._chosen(context, clicked):
             return {"CANCELLED"}
         found = poke_input.under(context, clicked) if clicked else None
         if clicked and found is None:
-            return {"PASS_THROUGH"}  # it selects
+            return {"PASS_THROUGH"}  # an ordinary click, which selects
         if found and not found.obj.select_get():
             fingertip_objects.select(context, found.obj)
         if self.starts_later(context, "poke"):
@@ -94,7 +94,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         if clicked:
             self._take(context, poke_input.poke_event(event, clicked, sessions.sessions, {}, pressing=False))
         else:
-            poke_input.choose_tool(context)  # its keys and its circle
+            poke_input.choose_tool(context)  # for its keys and its circle
         return result
 
     def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -104,7 +104,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         if event.type == "TIMER":
             return self._tick(context)
         if context.mode != "OBJECT" and event.type != "ESC":
-            return {"PASS_THROUGH"}  # weights are painted while fingertips rest
+            return {"PASS_THROUGH"}  # weights are being painted; the fingertips stay where they are
         view = poke_input.view_under(context, event)
         pressing = self._state.pressing
         meant = poke_input.poke_event(event, view, sessions.sessions, self._shapes, pressing=pressing)
@@ -120,7 +120,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         return self._take(context, meant)
 
     def _chosen(self, context: bpy.types.Context, view: "View") -> bool:
-        """Select the fingertip object that is clicked, and leave the poke: Blender's own tools move it."""
+        """If a fingertip object is clicked, leave the poke, select the object for Blender's tools and return True."""
         from ..bridge import write_back
         from . import poke_input
 
@@ -133,7 +133,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         return True
 
     def _tick(self, context: bpy.types.Context) -> set[str]:
-        """Let as much time pass as did since the last tick, or as this computer manages."""
+        """Simulate the wall time since the last timer event, or as much of it as the computer manages."""
         from ...core.poke import Kind, PokeEvent, on_event
         from . import live_step
 
@@ -148,7 +148,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         return self._step(context, asked) or {"PASS_THROUGH"}
 
     def _take(self, context: bpy.types.Context, event: "PokeEvent") -> set[str]:
-        """Update the state by an event, and do what it asks for."""
+        """Update the state by an event, and carry out the event."""
         from ...core.poke import Kind, on_event
 
         was_pressing = self._state.pressing
@@ -157,7 +157,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
             self._run.paused = not self._run.paused
             modal_runs.redraw()
         if self._state.pressing and not was_pressing:
-            # a drag follows the surface as it was: the dent would lead the fingertip deeper and deeper
+            # a drag follows the surface before the press: following its own dent, it would go deeper and deeper
             self._shapes = {uid: body.session.positions() for uid, body in sessions.sessions.items()}
         if event.kind is Kind.FINGER:
             context.scene.dimple.active_finger = self._state.active + 1
@@ -168,7 +168,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def _step(self, context: bpy.types.Context, dt: float) -> set[str] | None:
-        """Advance the sessions by a time [s]; return how the operator ends when none is left."""
+        """Advance the sessions by a time [s]; return the result that ends the operator if no session is left."""
         from ...core.poke import fingers, lifted
         from ..bridge import scene_objects, sizing
         from . import live_step
@@ -184,7 +184,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         return self.went_on(messages)
 
     def _joined(self, context: bpy.types.Context, event: bpy.types.Event, view: "View") -> "PokeEvent | None":
-        """Let a soft body that was not selected join when it is pressed; return the press, None where there is none."""
+        """Start the session of an unselected soft body that is pressed; return the press, or None if there is none."""
         from . import poke_input
 
         found = poke_input.under(context, view)
@@ -206,13 +206,13 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
 
 
 def undoable(scene: bpy.types.Scene) -> dict[int, object]:
-    """Return the settings of the fingertip, and of each object by its session_uid: where they are others than when the
-    poke began, there is a step since then that undo may take back.
+    """Return the settings of the fingertip, and of each object by session_uid: if they have changed since the poke
+    began, undo may take a step back.
     """
     from ..bridge import body_model
 
     tool = settings_of(scene)
-    del tool["active"]  # a key chooses it, which is no step
+    del tool["active"]  # chosen by a key, which is no undo step
     return {0: tool} | {
         obj.session_uid: (body_model.settings_of(scene, obj), *(getattr(obj.dimple, name) for name in _CONTACT))
         for obj in scene.objects
@@ -220,7 +220,7 @@ def undoable(scene: bpy.types.Scene) -> dict[int, object]:
 
 
 def settings_of(scene: bpy.types.Scene) -> dict[str, float]:
-    """Return what a scene says of the fingertip, as `PokeState` names it."""
+    """Return the scene's settings of the fingertip by their names in `PokeState`, in SI units."""
     stored = scene.dimple
     return {
         "radius": stored.finger_radius_mm / 1e3,
@@ -233,7 +233,7 @@ def settings_of(scene: bpy.types.Scene) -> dict[str, float]:
 
 
 def taken(state: "PokeState", before: dict[str, float], now: dict[str, float]) -> "PokeState":
-    """Return a state with the settings that changed in the panels; the finger changes only between presses."""
+    """Return a state with the settings that changed in the panels; the active finger changes only between presses."""
     from ...core.poke import with_settings
 
     changed = {name: value for name, value in now.items() if value != before[name]}

@@ -1,4 +1,4 @@
-"""Mouse, tablet and keys become events of the poke: the surface under the pointer, and the meaning of each key."""
+"""Convert input of mouse, tablet and keyboard to events of the poke, and find the surface under the pointer."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ NAVIGATION = {
     "HOME", "ACCENT_GRAVE",
 }  # fmt: skip
 PASSING = {DEAD_MAN, *NAVIGATION}
-SIZING = "F"  # Blender's own, by the keymap of the tool; not in a stroke, whose end it would take
-SIDES = {"N", "T"}  # open and close the sidebar and the toolbar
+SIZING = "F"  # handled by Blender through the tool's keymap; not during a stroke, whose release it would swallow
+SIDES = {"N", "T"}  # keys that open and close the sidebar and the toolbar
 SAVE = "S"
 DOWN = {"PRESS", "DOUBLE_CLICK"}
 
@@ -33,7 +33,7 @@ Shapes = Mapping[int, np.ndarray]
 
 
 class Under(NamedTuple):
-    """A mesh that the pointer is on, and where in the scene, with the normal there."""
+    """The mesh under the pointer, with the point and the normal there in scene coordinates."""
 
     obj: bpy.types.Object
     point: Vector
@@ -42,7 +42,7 @@ class Under(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """The viewport under the pointer, and where the pointer is in it [px]."""
+    """The viewport under the pointer, and the position of the pointer in it [px]."""
 
     region: bpy.types.Region
     region_3d: bpy.types.RegionView3D
@@ -50,7 +50,7 @@ class View:
 
 
 def view_under(context: bpy.types.Context, event: bpy.types.Event) -> View | None:
-    """Return the viewport the pointer is in, None over anything else."""
+    """Return the viewport under the pointer, or None if it is over anything else."""
     x, y = event.mouse_x, event.mouse_y
     for area in context.window.screen.areas:
         if area.type != "VIEW_3D" or not _inside(area, x, y):
@@ -65,11 +65,11 @@ def view_under(context: bpy.types.Context, event: bpy.types.Event) -> View | Non
 def poke_event(
     event: bpy.types.Event, view: View | None, bodies: Mapping[int, LiveBody], shapes: Shapes, *, pressing: bool
 ) -> PokeEvent | None:
-    """Return what an event means to the poke, None when it is none of its business.
+    """Return the poke's event for an event of Blender, or None if the poke does not use it.
 
     Args:
-        view: the viewport the pointer is in.
-        shapes: positions (N, 3) of bodies as they were when the stroke began; others are taken as they are.
+        view: the viewport under the pointer.
+        shapes: positions (N, 3) of bodies when the stroke began, by session_uid; for others the current ones are used.
         pressing: a stroke is under way.
     """
     kind, down = event.type, event.value in DOWN
@@ -95,20 +95,20 @@ def poke_event(
 
 
 def passes(event: bpy.types.Event, view: View | None, *, pressing: bool, undo: bool = False) -> bool:
-    """Tell whether Blender may have an event that is not the poke's: navigation, what follows a click beside the
-    bodies, the keys that size the fingertip, those of sidebar and toolbar, the haptic device's dead-man key, and all
-    that happens outside the viewport.
+    """Return whether an event that the poke does not use is passed on to Blender: navigation, clicks beside the bodies,
+    the keys that size the fingertip, those of sidebar and toolbar, the haptic device's dead-man key, saving, undo, and
+    all events outside the viewport.
 
     Args:
         pressing: a stroke is under way.
-        undo: there is something to undo that was done since the poke began; what was done before it stays.
+        undo: a step since the start of the poke can be undone; earlier steps must not be.
     """
     if event.type == "Z" and (event.ctrl or event.oskey):
         return undo and not pressing
     if view is None or event.type in PASSING or event.type.startswith(("NDOF", "NUMPAD", "TIMER", "WINDOW")):
         return True
     if event.type == SAVE and (event.ctrl or event.oskey) and not event.alt:
-        return True  # Dimple saves bodies at rest
+        return True  # saving is safe: the handlers put the bodies at rest first
     if event.type in SIDES:
         return not (event.ctrl or event.shift or event.alt or event.oskey)
     if event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE", SIZING}:
@@ -117,13 +117,13 @@ def passes(event: bpy.types.Event, view: View | None, *, pressing: bool, undo: b
 
 
 def choose_tool(context: bpy.types.Context) -> None:
-    """Make the poke the tool of the viewport, where there is one."""
+    """Make Poke the active tool if the context is a viewport."""
     if context.area and context.area.type == "VIEW_3D" and context.window:
         bpy.ops.wm.tool_set_by_id(name=POKE_TOOL)
 
 
 def under(context: bpy.types.Context, view: View) -> Under | None:
-    """Return the mesh under the pointer that a click with the tool presses: a selected one, or a soft body."""
+    """Return the mesh under the pointer if a click with the tool would press it: it is selected, or a soft body."""
     origin, direction = _ray(view)
     graph = context.evaluated_depsgraph_get()
     _, at, normal, _, found, _ = context.scene.ray_cast(graph, origin, direction)
@@ -134,7 +134,7 @@ def under(context: bpy.types.Context, view: View) -> Under | None:
 
 
 def touched(context: bpy.types.Context, view: View) -> tuple[Vector, Vector, float] | None:
-    """Return where the pointer is on a body, the normal there, and the fingertip's radius, all in scene units."""
+    """Return the point of a body under the pointer, the normal there, and the fingertip's radius, in scene units."""
     radius = context.scene.dimple.finger_radius_mm / 1e3
     if not sessions:
         found = under(context, view)
@@ -147,7 +147,7 @@ def touched(context: bpy.types.Context, view: View) -> tuple[Vector, Vector, flo
 
 
 def fingertip_under(context: bpy.types.Context, view: View) -> bpy.types.Object | None:
-    """Return the fingertip object whose sphere the pointer is on, before any surface."""
+    """Return the fingertip object whose sphere is under the pointer and in front of any surface."""
     origin, direction = _ray(view)
     hit, place, *_ = context.scene.ray_cast(context.evaluated_depsgraph_get(), origin, direction)
     first, found = length(along(tuple(place), origin, -1.0)) if hit else np.inf, None
@@ -162,7 +162,7 @@ def fingertip_under(context: bpy.types.Context, view: View) -> bpy.types.Object 
 
 
 def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, LiveBody], shapes: Shapes) -> Hit | None:
-    """Return the first hit of a ray in the scene, in the space of the body that it hits."""
+    """Return the first hit of a ray of the scene, in the session space of the body that it hits."""
     best, found = np.inf, None
     for uid, body in bodies.items():
         scale = body.link.scale
@@ -183,7 +183,7 @@ def _pointed(
 
 
 def _ray(view: View) -> tuple[Vector, Vector]:
-    """Return where the pointer's ray begins in the scene, and its unit direction."""
+    """Return the origin of the pointer's ray in the scene, and its unit direction."""
     origin = tuple(view3d_utils.region_2d_to_origin_3d(view.region, view.region_3d, view.at))
     return origin, tuple(view3d_utils.region_2d_to_vector_3d(view.region, view.region_3d, view.at).normalized())
 

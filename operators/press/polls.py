@@ -1,4 +1,4 @@
-"""What operators need before they can be used, with the sentences that say what is missing; and their common form."""
+"""The preconditions of operators, with sentences that say what is missing, and the base class of operators."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from ..messages import LOG, say
 from ..translation import tip_
 from . import fingertip_objects, modal_runs, sessions
 
-LARGEST = 1e9  # of a number that an operator takes
-Need = Callable[..., bool]  # of an operator and a context
+LARGEST = 1e9  # largest magnitude of a number that an operator accepts
+Need = Callable[..., bool]  # a precondition; it takes an operator and a context
 
 
 class Declared:
-    """An operator that says what it needs, and makes one call: `run(context)`."""
+    """Base of an operator that declares its preconditions in `needs` and acts in `run(context)`."""
 
     needs: ClassVar[tuple[Need, ...]] = ()
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Tell whether all needs are met; the first that is not says why."""
+        """Return whether all preconditions are met; the first that is not says why."""
         return all(need(cls, context) for need in cls.needs)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Make the call, report what went wrong, and log what nobody foresaw."""
+        """Run the operator, report a DimpleError, and log any other exception."""
         try:
             return self.trying(self.run, context) or {"FINISHED"}
         except Exception:
@@ -35,7 +35,7 @@ class Declared:
             raise
 
     def trying(self, call: Callable[..., Any], *given: Any) -> Any:
-        """Return what a call returns; report a DimpleError and cancel."""
+        """Return the result of a call; if it raises a DimpleError, report it and cancel the operator."""
         try:
             return call(*given)
         except DimpleError as error:
@@ -44,18 +44,18 @@ class Declared:
 
 
 def need(is_met: Callable[[bpy.types.Context], object], sentence: str) -> Need:
-    """Return a need of a context, and the sentence that says what is missing."""
+    """Return a precondition on the context that shows a sentence if it is not met."""
     return lambda operator, context=None: bool(is_met(context)) or refuse(operator, sentence)
 
 
 def refuse(operator: type, sentence: str) -> bool:
-    """Say why an operator cannot be used now; Blender does not translate it, so it is looked up when it is shown."""
+    """Say why an operator cannot be used now; return False. Blender does not translate such messages: `tip_` does."""
     operator.poll_message_set(tip_, sentence)
     return False
 
 
 def check_numbers(operator: bpy.types.Operator, *names: str) -> None:
-    """Raise a DimpleError when a number that was given to an operator cannot be used: it is huge, or not a number."""
+    """Raise a DimpleError if a numeric property of an operator is huge or not a number."""
     for name in names:
         value = getattr(operator, name)
         if not all(abs(each) <= LARGEST for each in ([value] if isinstance(value, float) else value)):
@@ -74,7 +74,7 @@ _can_be_pressed = need(
 
 
 def is_own(operator: type, context: bpy.types.Context) -> bool:
-    """Tell whether the active object and its material belong to this file, so that settings stay with it."""
+    """Return whether the active object and its material belong to this file, so that their settings are saved."""
     body = context.object
     if body.override_library:
         return refuse(operator, "Settings of a library override would not be saved: make the object local first")
@@ -86,12 +86,12 @@ def is_own(operator: type, context: bpy.types.Context) -> bool:
 
 
 def has_free_fingertips(operator: type, scene: bpy.types.Scene, count: int) -> bool:
-    """Tell whether some fingertips are not in use."""
+    """Return whether at least `count` fingertips are not in use."""
     if len(fingertip_objects.free(scene)) < count:
         return refuse(operator, "All three fingertips are in use; take one out of its slot first")
     return True
 
 
 def can_press(operator: type, context: bpy.types.Context) -> bool:
-    """Tell whether the active object can be pressed virtually."""
+    """Return whether the active object can be pressed virtually."""
     return all(each(operator, context) for each in (in_object_mode, _can_be_pressed, is_free))

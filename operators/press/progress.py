@@ -1,6 +1,6 @@
-"""What takes more than a second: at once from a script, else between Blender's events, with the time left.
+"""Tasks of more than a second: run in one go from a script, else between Blender's events with the time left shown.
 
-So large meshes get ready before they are poked or played.
+Large meshes are prepared in this way before they are poked or played.
 """
 
 import time
@@ -14,13 +14,13 @@ from ..names import Op
 from ..translation import translated
 from . import modal_runs, polls, sessions
 
-SLICE_S = 0.1  # between two looks at the keyboard
-LARGE = 20_000  # vertices in all: more take longer than a second to read
-READY = 0.05  # of a bake, for getting ready: how long that takes does not tell how long the frames will
+SLICE_S = 0.1  # [s] work between two checks of the keyboard
+LARGE = 20_000  # total number of vertices above which reading takes longer than a second
+READY = 0.05  # fraction of a bake for preparation, whose duration says nothing about that of the frames
 
 
 def show_share(context: bpy.types.Context, verb: str, share: float) -> None:
-    """Show in the status bar how far something is whose time is not known."""
+    """Show in the status bar the fraction done of a task whose remaining time is unknown."""
     said = Message("{verb} {share:.0%} | Esc: cancel", verb=Message(verb), share=share)
     context.workspace.status_text_set(translated(said))
 
@@ -46,21 +46,21 @@ class FrameRange:
 class Working(polls.Declared):
     """Give an operator its `run`, `invoke`, `modal` and `cancel`.
 
-    The operator brings:
+    The operator defines:
 
-    _begin(context): the steps, a generator of the share that is done; closing it undoes what is half done.
-    _finished(context): what follows the last step.
-    verb: what the status bar says it does.
-    running: what the panel says meanwhile.
-    stopped: the message after Esc.
-    ready: the share after which the time left is known.
+    _begin(context): return a generator that works in steps and yields the fraction done; closing it undoes them.
+    _finished(context): act after the last step, and return the operator's result.
+    verb: the activity, as the status bar names it.
+    running: text shown while the task runs.
+    stopped: message after Esc.
+    ready: fraction done after which the remaining time can be estimated.
     """
 
     ready = 0.0
-    _run = None  # while it asks for a file nothing runs yet
+    _run = None  # still None while the operator asks for a file
 
     def run(self, context: bpy.types.Context) -> set[str]:
-        """Work in one go."""
+        """Do all the work in one go."""
         manager = context.window_manager
         manager.progress_begin(0, 1)
         try:
@@ -71,7 +71,7 @@ class Working(polls.Declared):
             manager.progress_end()
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Work with a progress bar, between Blender's own events."""
+        """Work between Blender's own events, with a progress bar."""
         return self.trying(self._start, context)
 
     def _start(self, context: bpy.types.Context) -> set[str]:
@@ -84,7 +84,7 @@ class Working(polls.Declared):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Work a little; nothing else may change the scene meanwhile."""
+        """Work for a moment at each timer event; block all other events, so that nothing changes the scene."""
         if self._run.closed:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
@@ -104,7 +104,7 @@ class Working(polls.Declared):
             return self._finished(context)
 
     def cancel(self, _context: bpy.types.Context) -> None:
-        """Leave when Blender ends the operator: the window closes, another file is loaded."""
+        """Stop the task when Blender cancels the operator: its window closes, or another file is loaded."""
         if self._run is not None:
             modal_runs.close_run(self._run)
 
@@ -116,7 +116,7 @@ class Working(polls.Declared):
         return {"FINISHED"}
 
     def _work(self) -> float:
-        """Work for a moment; return the share that is done, 1 when all is."""
+        """Work for a moment; return the fraction done, 1 at the end."""
         until = time.perf_counter() + SLICE_S
         while (share := next(self._steps, 1.0)) < 1 and time.perf_counter() < until:
             pass
@@ -146,7 +146,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
     bl_options = {"INTERNAL"}
     running = "Getting ready: Esc cancels"
     verb, stopped = "Getting ready", "Nothing was started"
-    ready = 1.0  # how long the parts take is not known
+    ready = 1.0  # the remaining time is never known
 
     then: StringProperty(name="Then", description="The operator that follows", options={"HIDDEN", "SKIP_SAVE"})
 
@@ -164,7 +164,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
 
 
 def takes_long(context: bpy.types.Context) -> bool:
-    """Tell whether what would be started is large, and does not run yet.
+    """Return whether the meshes whose sessions would be started are large.
 
     Raises:
         DimpleError: nothing can be started.

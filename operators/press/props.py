@@ -1,4 +1,4 @@
-"""Props in the scene: they are shown where they have fallen, and put back exactly when nothing runs any more."""
+"""Props in the scene: shown where they have fallen, and put back exactly when the last session ends."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ..bridge.keyframes import curve_bags
 if TYPE_CHECKING:
     from .colliders import LiveWorld
 
-Poses = dict[int, list[tuple[int, Matrix]]]  # by session_uid: frame and matrix in the scene
-fallen: dict[int, tuple[str, Matrix]] = {}  # what has fallen, by session_uid: its name and what to put back
+Poses = dict[int, list[tuple[int, Matrix]]]  # by session_uid: frames and matrices in the scene
+fallen: dict[int, tuple[str, Matrix]] = {}  # the moved props, by session_uid: name and original basis matrix
 
 
 def show(live: LiveWorld) -> None:
-    """Put the props of a world where they are now."""
+    """Move the objects of a world's props to where the simulation has them."""
     for index, (uid, name, start) in live.props.items():
         obj = scene_objects.find(uid, name)
         if obj is None:
@@ -30,7 +30,11 @@ def show(live: LiveWorld) -> None:
 
 
 def put_back(*, forget: bool = True) -> None:
-    """Put all props back to where they were before anything ran."""
+    """Put all props back to where they were before anything ran.
+
+    Args:
+        forget: the props have ended; else `show` moves them again.
+    """
     for uid, (name, basis) in fallen.items():
         if obj := scene_objects.find(uid, name):
             obj.matrix_basis = basis
@@ -39,14 +43,14 @@ def put_back(*, forget: bool = True) -> None:
 
 
 def note(live: LiveWorld, frame: int, poses: Poses) -> None:
-    """Add where the props of a world are at a frame."""
+    """Add the poses of a world's props at a frame."""
     for uid, name, _ in live.props.values():
         if obj := scene_objects.find(uid, name):
             poses.setdefault(uid, []).append((frame, obj.matrix_world.copy()))
 
 
 def keyframe(poses: Poses) -> None:
-    """Keyframe where props were at each frame of a bake, in place of the keyframes they had there."""
+    """Keyframe the poses of props at each frame of a bake, in place of all their keyframes of location and rotation."""
     for uid, way in poses.items():
         obj = scene_objects.find(uid)
         if obj is None:

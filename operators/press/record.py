@@ -10,7 +10,7 @@ from . import polls, sessions
 
 
 def begin(context: bpy.types.Context) -> None:
-    """Start to record every running session, from the current frame of the scene.
+    """Start recording every running session, from the current frame of the scene.
 
     Raises:
         DimpleError: a file cannot be written; nothing is recorded.
@@ -43,7 +43,7 @@ class DIMPLE_OT_record(polls.Declared, bpy.types.Operator):
 
     def run(self, context: bpy.types.Context) -> None:
         live = sessions.sessions.values()
-        if any(body.recording for body in live):  # each object plays its take once its session has ended
+        if any(body.recording for body in live):  # each object plays its recording once its session has ended
             report(self, [sentence for body in live for sentence in sessions.end_recording(body)])
         else:
             begin(context)

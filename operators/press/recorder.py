@@ -21,20 +21,20 @@ FINGERS = 3
 
 
 class ForceTable:
-    """Write one line a frame: force and friction [N], depth [mm], pressure [Pa], volume [m3], energy [J]; steps.
+    """A CSV table, a line per frame: force, friction [N], depth [mm], pressure [Pa], volume [m3], energy [J], steps.
 
-    work_j is what the fingertips have put in by the law, elastic_j what the skin's shape holds, kinetic_j its motion.
+    work_j is the work of the fingertips by the law; elastic_j and kinetic_j are the energies of the skin and its fill.
     """
 
     def __init__(self, path: Path) -> None:
-        self._file = path.open("w", buffering=1, newline="", encoding="utf-8")  # a line is the system's once written
+        self._file = path.open("w", buffering=1, newline="", encoding="utf-8")  # written line by line
         self._rows = csv.writer(self._file)
         columns = ["frame", "time_s"]
         for number in range(1, FINGERS + 1):
             columns += [f"force_{number}_n", f"friction_{number}_n", f"depth_{number}_mm"]
         columns += ["pressure_pa", "volume_m3", "rest_volume_m3", "work_j", "elastic_j", "kinetic_j", "steps"]
         self._rows.writerow(columns)
-        self._of: tuple[object, object] | None = None  # where and as what the energies were last computed
+        self._of: tuple[object, object] | None = None  # positions and model of the last energies
         self._energies = 0.0, 0.0
 
     def append(self, number: float, time_s: float, session: Session) -> None:
@@ -48,7 +48,7 @@ class ForceTable:
                 push, depth = float(frame.pushes[i]), float(frame.depths[i])
                 friction = max(float((frame.finger_forces[i] ** 2).sum()) - push**2, 0.0) ** 0.5
             row += [push, friction, depth * 1e3]
-        now = session.positions(), session.model  # of what sleeps the very same
+        now = session.positions(), session.model  # for a sleeping body, the same objects as before
         if self._of is None or any(a is not b for a, b in zip(now, self._of, strict=True)):
             self._of, self._energies = now, energies(session)
         numbers = [
@@ -63,13 +63,13 @@ class ForceTable:
 
 
 class Recorder:
-    """Record a live session at the frame rate of the scene, whatever the rhythm of the steps.
+    """Record a live session at the frame rate of the scene, whatever the lengths of the steps.
 
     Args:
-        path: the PC2 file; the table of forces goes beside it.
-        start_frame: the frame of the animation that is now.
+        path: the PC2 file; the table of forces is written next to it.
+        start_frame: frame of the animation that the current state becomes.
         fps: frames per second.
-        body: what is recorded.
+        body: the body to record.
     """
 
     def __init__(self, path: Path, start_frame: int, fps: float, body: ObjectBody) -> None:
@@ -88,12 +88,12 @@ class Recorder:
         return str(self._path), self._start_frame
 
     def append(self, time: float, offsets: Singles, session: Session) -> None:
-        """Take in the state of a session at a time [s]; frames in between are interpolated.
+        """Record the state of a session at a time [s]; frames since the last state are interpolated.
 
         Raises:
-            OSError: the disk refuses; what was written before is kept.
+            OSError: writing fails; what was written before is kept.
         """
-        if time < self._time:  # the session was put back to rest: its clock began again
+        if time < self._time:  # the session was put back to rest, and its clock restarted
             self._began -= self._time - time
             self._time = time
         span = time - self._time
@@ -105,11 +105,11 @@ class Recorder:
 
     @property
     def frames(self) -> int:
-        """Return how many frames there are so far."""
+        """Return the number of frames recorded so far."""
         return self._cache.samples
 
     def summary(self, name: str, scene_end: int) -> str:
-        """Return the sentence for the artist on a recording of an object that has ended."""
+        """Return the sentence for the artist on the finished recording of an object."""
         last = self._start_frame + self.frames - 1
         said = Message(
             'Recorded {frames} frames of "{name}" to {path}: when its session has ended, it plays them from frame '
@@ -122,7 +122,7 @@ class Recorder:
         """Close the files.
 
         Raises:
-            OSError: the disk refuses; the files are closed all the same.
+            OSError: writing fails; the files are closed all the same.
         """
         try:
             self._cache.close()
@@ -130,11 +130,11 @@ class Recorder:
             self._table.close()
 
     def discard(self) -> None:
-        """Close the files and delete them."""
+        """Close and delete the files."""
         self._files.close()
 
     def cut_short(self, name: str, error: OSError) -> str:
-        """Return the sentence for the artist when the disk refuses the recording of an object."""
+        """Return the sentence for the artist on a recording of an object that a disk error has ended."""
         return Message(
             'The recording of "{name}" has ended early: {error} ({path}). What was recorded until then is kept.',
             name=name, error=error.strerror, path=self._path
@@ -142,10 +142,10 @@ class Recorder:
 
 
 def open_file(files: contextlib.ExitStack, path: Path, make: Callable[[Path], Any]) -> Any:
-    """Open a file that is closed and deleted when `files` are, unless it has another name by then.
+    """Open a file that is closed and deleted when `files` closes, unless it has been renamed by then.
 
     Raises:
-        OSError: it cannot be made.
+        OSError: the file cannot be made.
     """
     files.callback(quietly, path.unlink)
     opened = make(path)
@@ -154,6 +154,6 @@ def open_file(files: contextlib.ExitStack, path: Path, make: Callable[[Path], An
 
 
 def quietly(action: Callable[[], None]) -> None:
-    """Do what may fail on a disk that is full, where an error is on its way already."""
+    """Call an action and ignore disk errors, because another error is already being raised."""
     with contextlib.suppress(OSError):
         action()

@@ -1,4 +1,4 @@
-"""A press from a script: its aim, and its course frame by frame without a window."""
+"""A press from a script: find the place that it presses, and run it frame by frame without a window."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from ..messages import report, say
 from . import live_step, poke_input, polls, record, sessions
 from .object_body import ObjectBody
 
-FORCE_N = 5.0  # of a press by force where none is given
+FORCE_N = 5.0  # [N] force of the press if none is given
 DOWN: Vector = (0.0, 0.0, -1.0)
 
 
 def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> None:
-    """Press, hold and release as the operator's properties say; show and record every frame of it."""
+    """Press, hold and release by the operator's properties; show every frame, and record it if asked to."""
     polls.check_numbers(
         operator, "location", "direction", "radius_mm", "depth_mm", "force_n", "press_s", "hold_s", "release_s"
     )
@@ -53,14 +53,14 @@ def pressed(
     """Return a state whose active fingertip begins to press at a place of the scene.
 
     Args:
-        place: [scene units]; the surface nearest to it along the direction is pressed. None is the middle of the
-            highest points of the first body.
-        direction: in which the fingertip moves; 0 is straight into the surface nearest to the place.
+        place: [scene units] the surface nearest to it along the direction is pressed. None: the middle of the highest
+            points of the first body.
+        direction: direction of the fingertip's motion; 0: straight into the surface nearest to the place.
 
     Raises:
-        DimpleError: no surface lies along that direction, or a body is thinner than the press is deep.
+        DimpleError: no surface lies along that direction, or the depth of the press exceeds the size of the body.
     """
-    # a direction that is given is meant, whatever the scene's setting for the mouse
+    # a given direction overrides the scene's setting for the mouse
     state = replace(state, along_normal=not any(direction))
     event = aimed(bodies, None if place is None else tuple(place), tuple(direction))
     assert event.hit
@@ -75,7 +75,7 @@ def pressed(
 
 
 def aimed(bodies: Mapping[int, ObjectBody], place: Vector | None, direction: Vector) -> PokeEvent:
-    """Return the press at the surface nearest to a place along a direction; see `pressed`."""
+    """Return the event that presses the surface nearest to a place along a direction; see `pressed`."""
     length = math.hypot(*direction)
     if not length and place is not None:
         return PokeEvent(kind=Kind.PRESS, hit=_nearest(bodies, place), view=DOWN)
@@ -86,7 +86,7 @@ def aimed(bodies: Mapping[int, ObjectBody], place: Vector | None, direction: Vec
     for uid, body in bodies.items():
         size = body.session.model.mesh.size / body.link.scale
         away = 2 * size + math.dist(place, body.to_world(tuple(map(float, body.session.positions().mean(axis=0)))))
-        # from outside the body, and from close by: a place inside a hollow means the wall beside it
+        # cast rays from outside the body and from nearby, so that a place in a hollow presses the wall next to it
         starts = [along(place, inward, -share * away) for share in (1.0, 1e-3, 1e-5)]
         found += [poke_input.nearest(start, inward, {uid: body}, {}) for start in starts]
     hits = [(math.dist(bodies[hit.body].to_world(hit.point), place), i, hit) for i, hit in enumerate(found) if hit]
@@ -99,12 +99,12 @@ def aimed(bodies: Mapping[int, ObjectBody], place: Vector | None, direction: Vec
 def _top(body: ObjectBody) -> Vector:
     used = body.session.positions()[np.unique(body.triangles)].astype(np.float64)
     high = used[used[:, 2] >= used[:, 2].max() - scene_objects.LEVEL * np.ptp(used, axis=0).max()]
-    middle = body.to_world(tuple(high.mean(axis=0).tolist()))  # where a ring has no surface
+    middle = body.to_world(tuple(high.mean(axis=0).tolist()))  # of a ring, this is not on the surface
     return body.to_world(_nearest({body.link.uid: body}, middle).point)
 
 
 def _nearest(bodies: Mapping[int, ObjectBody], place: Vector) -> Hit:
-    """Return the point of the bodies' surfaces at rest that is nearest to a place of the scene, outside up."""
+    """Return the point of the bodies' surfaces at rest that is nearest to a place of the scene, with its normal."""
     found = []
     for uid, body in bodies.items():
         at = np.array(place) * body.link.scale
@@ -116,13 +116,13 @@ def _nearest(bodies: Mapping[int, ObjectBody], place: Vector) -> Hit:
 
 
 def run(context: bpy.types.Context, state: PokeState, hold_s: float, messages: list[str]) -> tuple[float, float]:
-    """Run a press that has begun, frame by frame of the scene; return the greatest depth [m] and force [N]."""
+    """Run a press that has begun, frame by frame; return the greatest depth [m] and force [N]."""
     active, deepest, strongest = state.active, 0.0, 0.0
     tip = state.tips[active]
     assert tip
     body = sessions.sessions[tip.body]
     for seconds, begins in ((state.press_s + hold_s, None), (state.release_s, PokeEvent(kind=Kind.RELEASE))):
-        if begins and seconds > 0:  # else it stays in
+        if begins and seconds > 0:  # else the fingertip stays pressed in
             state = on_event(state, begins)
         for step_s, now in frames(context.scene, state, seconds):
             state = now
@@ -137,7 +137,7 @@ def run(context: bpy.types.Context, state: PokeState, hold_s: float, messages: l
 
 
 def frames(scene: bpy.types.Scene, state: PokeState | None, seconds: float) -> Iterator[tuple[float, PokeState | None]]:
-    """Yield the time [s] and the fingertips of each frame of a time; a last one may be shorter."""
+    """Split a time [s] into frames, of which the last may be shorter; yield the length [s] and fingertips of each."""
     dt = timeline.frame_s(scene)
     whole = math.floor(seconds / dt + 1e-9)
     left = seconds - whole * dt

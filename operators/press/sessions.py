@@ -1,4 +1,4 @@
-"""The running sessions: the mutable module state of the extension, but for the connection to the haptic device.
+"""The running sessions, and the worlds in which they are stepped together.
 
 `sessions` holds a LiveBody for every object that is being pressed, by the object's session_uid, which survives undo
 and renaming.
@@ -38,58 +38,58 @@ def _hand() -> Hand:
 class LiveBody(ObjectBody):
     """One object that is being pressed live."""
 
-    seen: Settings | None = None  # the settings it had when they were looked at last; the session may have refused them
-    hand: Hand = field(default_factory=_hand)  # what they have done
-    refused: str = ""  # "" or why
-    change: Generator[float, None, list[str]] | None = None  # of a large body to other settings, under way in a thread
-    changed_at: float | None = None  # when they were changed last, None where they were planned for [s]
+    seen: Settings | None = None  # settings when they were last compared; the session may have refused them
+    hand: Hand = field(default_factory=_hand)  # recorder of the press by hand
+    refused: str = ""  # why the last change of settings was refused, or ""
+    change: Generator[float, None, list[str]] | None = None  # change of settings that is under way in a thread
+    changed_at: float | None = None  # simulated time of the last change that has not been planned for yet, or None [s]
     # what it was planned for besides its settings, see `object_plan.around`; None before its first step
     around: tuple[float, float] | None = None
-    painted_at: float = 0.0  # when weights that are painted were read last [s]
+    painted_at: float = 0.0  # simulated time at which painted weights were last read [s]
     fingers: tuple[Finger | None, ...] = (None, None, None)  # the fingertips to be drawn, in the session's space
-    poked: frozenset[int] = frozenset()  # which fingertips are the poke's
-    # the fingertips of a hand, by number: the poke's and the haptic device's
+    poked: frozenset[int] = frozenset()  # indices of the poke's fingertips
+    # the fingertips that a hand moves, by index: those of the poke and of the haptic device
     held: dict[int, Finger] = field(default_factory=dict)
-    lead: float = 0.0  # simulated time that it is ahead of the slowest of those that run with it [s]
-    done: float = 0.0  # how far it came in the last step, that lead included [s]
-    recorder: Recorder | None = None  # of the recording under way
+    lead: float = 0.0  # simulated time by which it is ahead of the slowest session [s]
+    done: float = 0.0  # simulated time done in the last step, the previous lead included [s]
+    recorder: Recorder | None = None  # recorder while a recording is under way
     take: tuple[str, int] | None = None  # path and first frame of the last recording
-    shown: Singles | None = None  # the offsets that its object shows, None where they are not known
-    objects: int = 0  # how many there were in the file when duplicates were looked for last
+    shown: Singles | None = None  # the offsets that its object shows, None if unknown
+    objects: int = 0  # number of objects in the file at the last search for duplicates
 
     @property
     def running(self) -> bool:
-        """Tell whether time runs."""
+        """Return whether simulated time runs."""
         return any(not run.paused for run in runs)
 
     @property
     def recording(self) -> bool:
-        """Tell whether frames are being recorded."""
+        """Return whether frames are being recorded."""
         return self.recorder is not None
 
 
 sessions: dict[int, LiveBody] = {}
-worlds: list[LiveWorld] = []  # the sessions that are stepped together
-disarming: list[Callable[[], None]] = []  # what ends all force of the haptic device: `haptic_fingertips` adds itself
+worlds: list[LiveWorld] = []  # each holds sessions that are stepped together
+disarming: list[Callable[[], None]] = []  # functions that end the haptic device's force; `haptic_fingertips` adds one
 
 
 def get(obj: bpy.types.Object | None) -> LiveBody | None:
-    """Return the session of an object."""
+    """Return the running body of an object, or None."""
     return sessions.get(obj.session_uid) if obj else None
 
 
 def fingertip_objects(scene: bpy.types.Scene) -> set[bpy.types.Object | None]:
-    """Return the objects that are fingertips; they press and are not pressed."""
+    """Return the objects that are fingertips, which press and are not pressed; the set may contain None."""
     from ..bridge.sizing import fingertips
 
     return set(fingertips(scene))
 
 
 def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, list[str]]:
-    """Start the session of an object, or return the one it has; and sentences for the artist.
+    """Start the session of an object unless it has one; return its body, and sentences for the artist.
 
     Raises:
-        DimpleError: it cannot be pressed, with the reason and what to do; nothing was changed.
+        DimpleError: the object cannot be pressed, with the reason and what to do; nothing was changed.
     """
     from ...core.background_work import at_once
 
@@ -97,14 +97,14 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
 
 
 def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
-    """Start the session of an object in parts; see `start`. Closed, nothing was changed."""
+    """Start the session of an object in parts; see `start`. If closed early, it changes nothing."""
     if body := get(obj):
         return body, []
     from ..bridge import final_mesh, scene_objects, sizing, write_back
 
     scene_objects.check(obj)
     scene_objects.check_writable(obj)
-    write_back.rescue(sessions)  # a duplicate of a body that is live shows its press
+    write_back.rescue(sessions)  # the object may be a duplicate that still shows the press of a live body
     size = sizing.settle_size(context.scene, obj)
     try:
         final_mesh.attach(context, obj)
@@ -120,7 +120,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
 
 
 def set_worlds(now: Sequence[LiveWorld]) -> None:
-    """Let sessions be stepped together in these worlds from now on; those of a world that is left wake."""
+    """Step sessions together in these worlds from now on, and wake the sessions of worlds that are dropped."""
     for left in worlds:
         if left not in now:
             for session in left.world.sessions:
@@ -129,18 +129,19 @@ def set_worlds(now: Sequence[LiveWorld]) -> None:
 
 
 def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
-    """End a session; put the rest shape back, or keep the shape that shows.
+    """End a session, and restore the rest shape or keep the shape that is shown.
 
     Args:
-        undoing: Blender undoes: no undo step is pushed.
+        restore: restore the rest shape.
+        undoing: Blender is undoing a step: push no undo step.
 
     Returns:
-        Sentences for the artist: what went wrong with a recording.
+        Sentences for the artist on a recording.
     """
     body = sessions.pop(uid, None)
     if body is None:
         return []
-    set_worlds(())  # rebuilt from those that are left
+    set_worlds(())  # the next step rebuilds them from the remaining sessions
     from ..bridge import cache_files, final_mesh, scene_objects, write_back
     from . import props
 
@@ -154,7 +155,7 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     if obj:
         final_mesh.detach(obj)
     write_back.rescue(sessions)
-    messages = end_recording(body)  # after the mesh: whatever the disk does, that is safe
+    messages = end_recording(body)  # last, so that a disk error cannot leave the mesh pressed
     if obj and body.take:
         try:
             with cache_files.plain_os_errors("Recording"):
@@ -162,15 +163,15 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
         except DimpleError as error:
             messages.append(str(error))
         if not undoing:
-            write_back.remember("Record")  # else an undo of what came before would take the take along
+            write_back.remember("Record")  # else undoing an earlier step would remove the recording too
     return messages
 
 
 def end_recording(body: LiveBody) -> list[str]:
-    """End the recording of a body, if there is one; the object plays it once its session has ended.
+    """End the recording of a body, if one is under way; the object plays it once its session has ended.
 
     Returns:
-        Sentences for the artist: what was recorded, or went wrong.
+        Sentences for the artist: what was recorded, or what went wrong.
     """
     if body.recorder is None:
         return []
@@ -184,7 +185,7 @@ def end_recording(body: LiveBody) -> list[str]:
 
 
 def stop_all(*, restore: bool = True) -> list[str]:
-    """End every session and everything that drives them; the haptic device is disarmed first.
+    """Disarm the haptic device, then end all sessions and the operators that drive them.
 
     Returns:
         Sentences for the artist.
@@ -203,7 +204,7 @@ def disarm() -> None:
 
 @contextmanager
 def ending_on_error() -> Iterator[None]:
-    """End everything when something unforeseen is raised, and log it: no timer, no pressed mesh may stay behind."""
+    """End all sessions on any exception, and log it, so that no timer and no pressed mesh stays behind."""
     try:
         yield
     except BaseException as error:

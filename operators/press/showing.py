@@ -1,4 +1,4 @@
-"""Show the running sessions on their objects, take that away for a moment, and end the ones that were edited."""
+"""Show the running sessions on their objects, hide them temporarily, and end those whose objects were edited."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from . import sessions
 
 
 def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
-    """End the sessions whose object is gone, or was edited since it was shown: the edit is kept.
+    """End the sessions whose object is gone or was edited; the edit is kept.
 
-    Duplicates of live bodies are put at rest, before anybody edits them.
+    Duplicates of live bodies are put at rest before anyone can edit them.
 
     Args:
-        view_layer: an object that is not in it counts as gone.
+        view_layer: an object that is not in this view layer counts as gone.
 
     Returns:
         Sentences for the artist.
@@ -36,7 +36,7 @@ def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
 
 
 def _rest_duplicates() -> None:
-    """Put duplicates of live bodies at rest; look only when there are other objects than before."""
+    """Put duplicates of live bodies at rest; search only if the number of objects has changed."""
     count = len(bpy.data.objects)
     if any(body.objects != count for body in sessions.sessions.values()):
         from ..bridge import write_back
@@ -47,7 +47,7 @@ def _rest_duplicates() -> None:
 
 
 def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
-    """Show a session on its object, unless it shows there as it is: Blender has no work with what sleeps."""
+    """Show the current offsets of a session on its object, unless they are shown already (the body sleeps)."""
     from ..bridge import offset
 
     offsets = body.offsets()
@@ -57,7 +57,7 @@ def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
 
 
 def rest_all() -> None:
-    """Hide the sessions before Blender saves or undoes; they continue."""
+    """Hide the sessions before Blender saves or undoes; they continue afterwards."""
     from ..bridge import write_back
     from . import props
 

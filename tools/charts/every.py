@@ -1,4 +1,4 @@
-"""All charts in turn, and those that are kept."""
+"""Draw all charts, and copy those that the documentation shows."""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ def draw_literal(out: Path, quick: bool) -> None:
 
 
 def draw_cost(out: Path, quick: bool) -> None:
-    """Draw cost against vertices; methods in numpy get small bodies only, as a step of the slowest takes seconds."""
+    """Draw cost against vertices; methods in numpy get only small bodies, since a step of the slowest takes seconds."""
     slow, fast = ((2, 3), (2, 3, 4, 5)) if quick else ((2, 3, 4, 5), (2, 3, 4, 5, 6, 7))
     found = [*cost.costs(list(METHODS), slow), *cost.costs([cost.NATIVE], fast)]
     write_csv(

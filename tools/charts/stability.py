@@ -20,7 +20,7 @@ from studies.stability import Bound, Cell
 from .drawing import edges, save, table, write_csv
 
 CELLS = ("stable", "inaccurate", "blown up")
-COLOURS = ("#b7dcc3", "#f2b134", "#a4303f")  # of different lightness, for the color blind
+COLOURS = ("#b7dcc3", "#f2b134", "#a4303f")  # they differ in lightness, for color-blind readers
 
 
 def draw_stability(out: Path, quick: bool) -> None:

@@ -1,4 +1,4 @@
-"""The chart of work against precision: the cost of an error with each method, and the cheapest method."""
+"""The work-precision chart: the cost of each method against its error, and the cheapest method for each error."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def draw_work_precision(out: Path, quick: bool) -> None:
 
 
 def draw_panel(axes: Axes, case: Case, points: list[Point], best: list[Point], chosen: set[str]) -> None:
-    """Draw cost against error on one scene, the front ringed."""
+    """Draw cost against error on one scene, with the cheapest points ringed."""
     for name in LABELS:
         good = [p for p in points if p.method == name and math.isfinite(p.error)]
         if good:
@@ -84,7 +84,7 @@ def draw_panel(axes: Axes, case: Case, points: list[Point], best: list[Point], c
 
 
 def line(name: str, chosen: bool, x: Sequence[float] = (), y: Sequence[float] = (), label: str = "") -> Line2D:
-    """Return the line of a method, bold if it is the cheapest somewhere."""
+    """Return the line of a method, bold if the method is the cheapest for some error or is the native core."""
     bold = chosen or name == NATIVE
     return Line2D(
         x, y, color=STYLES[name], marker=MARKERS[name], ms=5, lw=1.8 if bold else 1.0, ls="-" if bold else "--",
