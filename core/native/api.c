@@ -1,4 +1,4 @@
-/* The door: every argument is checked, and the best instruction set chosen. */
+/* The functions of dimple.h: they check every argument and choose the best instruction set. */
 #include "many.h"
 #include "methods.h"
 #include "carriers.h"
@@ -15,7 +15,7 @@ extern const dm_methods dm_avx2_32, dm_avx2_64;
 #endif
 extern const dm_methods dm_base_32, dm_base_64;
 
-/* double precision is for tests: what ships does without */
+/* double precision is for tests; the shipped library does not have it */
 #ifdef DM_DOUBLE
 #define DM_OF_BITS(set) (bits == 32 ? &dm_##set##_32 : &dm_##set##_64)
 #else
@@ -27,7 +27,7 @@ enum { DM_MAX_COUNT = 1 << 28 };
 struct dm_body {
     dm_state *state;
     const dm_methods *does;
-    int64_t vertices, springs, materials; /* materials: that its surface asks for */
+    int64_t vertices, springs, materials; /* materials: number that its surface refers to */
     int64_t surface_vertices;
     double rest_volume;
 };
@@ -36,7 +36,7 @@ struct dm_body {
 static int dm_has_avx2(void) {
     unsigned a, b, c, d, low, high;
     if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_FMA) || !(c & bit_OSXSAVE)) return 0;
-    __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0)); /* does the system save the wide registers? */
+    __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0)); /* whether the operating system saves the wide registers */
     return (low & 6) == 6 && __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & bit_AVX2) != 0;
 }
 #endif
@@ -49,7 +49,7 @@ static const dm_methods *dm_choose(int32_t bits, int32_t set) {
     return set == DM_SET_AVX2 ? NULL : DM_OF_BITS(base);
 }
 
-/* Numbers too small to matter cost a hundred times as much: a body coming to rest would grow slow. */
+/* Flush denormal numbers to 0: they cost a hundred times as much, and would slow down a body that comes to rest. */
 uint64_t dm_flush_denormals(void) {
 #ifdef DM_X86
     uint64_t before = _mm_getcsr();
@@ -74,13 +74,13 @@ static void dm_keep_denormals(uint64_t before) {
 #endif
 }
 
-/* positive: 0 or more is asked for */
+/* positive: 1 if the numbers must be 0 or more */
 static int32_t dm_check_numbers(int64_t count, const double *a, int positive) {
     uint64_t bad = 0;
     for (int64_t k = 0; k < count; k++) {
         uint64_t word;
         memcpy(&word, a + k, sizeof word);
-        bad |= (word << 1) >= UINT64_C(0xffe0000000000000); /* all of the exponent: infinite or NaN */
+        bad |= (word << 1) >= UINT64_C(0xffe0000000000000); /* all bits of the exponent are set: infinite or NaN */
         bad |= (uint64_t)positive & (word > UINT64_C(0x8000000000000000));
     }
     return bad ? DM_NUMBER : DM_OK;
@@ -296,7 +296,7 @@ int32_t dm_check_step(const dm_body *body, const dm_motion *m) {
     for (const dm_fingertip *f = m->fingertips; f < m->fingertips + DM_MAX_FINGERTIPS; f++) {
         if (!f->down) continue;
         DM_CHECK(dm_check_numbers(3, f->from, 0) | dm_check_numbers(3, f->first, 0) | dm_check_numbers(3, f->last, 0));
-        if (!(f->radius > 0 && isnormal(f->radius))) return DM_NUMBER; /* one that is flushed to 0 never grows */
+        if (!(f->radius > 0 && isnormal(f->radius))) return DM_NUMBER; /* a denormal one is flushed to 0 */
         DM_CHECK(dm_check_numbers(1, &f->force, 1) | dm_check_numbers(3, f->inward, 0));
         DM_CHECK(dm_check_factors(body, f->factors, f->factors_end));
     }

@@ -1,14 +1,14 @@
-/* Eight meetings at once, none of which moves a vertex of another: what passes between them in a substep. It comes to what
- * all of them one after the other come to, for each waits for those before it that move a vertex of its own.
+/* The impulses of a substep for eight meetings at once, none of which moves a vertex of another. The result is that of
+ * resolving all meetings one after the other, because each waits for the earlier ones that move one of its vertices.
  * Source: studies/reference/touching.py. */
 #include "scene.h"
 
-/* The surfaces of the i-th lane of the batches; those of an empty one are the same. */
+/* Return the two surfaces of the i-th lane of the batches; in an empty lane they are equal. */
 DM_INLINE const uint32_t *dm_sides_of(const dm_scene_state *s, uint32_t i) {
     return s->sides[i / DM_LANES].surface[i % DM_LANES];
 }
 
-/* How many pairs of surfaces may touch, of which some are the same, and the i-th. */
+/* Return the number of pairs of surfaces that may touch, with repetitions; dm_both_of returns the i-th. */
 DM_INLINE uint32_t dm_side_count(const dm_scene_state *s) { return DM_LANES * s->batch_count + s->support_count; }
 
 DM_INLINE const uint32_t *dm_both_of(const dm_scene_state *s, uint32_t i) {
@@ -27,8 +27,8 @@ DM_INLINE double dm_give_of(const dm_scene_state *s, const dm_neighbour *n) {
     return f->body ? (double)f->body->inverse_mass[n->vertex - f->first] : 0;
 }
 
-/* Put a meeting into the first batch after those that its vertices are in which has a lane left. What nothing moves may
- * be in many lanes of one. */
+/* Add a meeting to the first batch that has a free lane, after all batches that contain its vertices. Immovable
+ * vertices may be in several lanes of one batch. */
 static void dm_add_meeting(dm_scene_state *s, const dm_meeting *m) {
     uint32_t k = 0;
     for (int j = 0; j < 4; j++)
@@ -57,12 +57,12 @@ static void dm_add_meeting(dm_scene_state *s, const dm_meeting *m) {
     memcpy(of->surface[l], m->surface, sizeof m->surface);
 }
 
-/* Are all eight lanes between the same two surfaces, in the same order? */
+/* Return whether all eight lanes are between the same two surfaces, in the same order. */
 DM_INLINE int dm_is_between_two(const dm_batch_sides *of) {
     return !memcmp(of->surface, of->surface + 1, sizeof of->surface - sizeof *of->surface);
 }
 
-/* Add what the meetings passed on to what their surfaces got. */
+/* Add the impulses of the meetings to those of their surfaces and vertices. */
 static void dm_sum_meetings(dm_scene_state *s) {
     dm_wide sum[6] = {{0}};
     for (uint32_t k = 0; k < s->batch_count; k++) {
@@ -76,7 +76,7 @@ static void dm_sum_meetings(dm_scene_state *s) {
         for (int c = 0, d = 1, e = 2; c < 3; d = e, e = c++) sum[c] += j[c], sum[3 + c] += x[d] * j[e] - x[e] * j[d];
         b->sum = dm_splat3((double[3]){0, 0, 0});
         if (k + 1 < s->batch_count && dm_is_between_two(of) && !memcmp(of->surface, next->surface, sizeof of->surface))
-            continue; /* the next is between the same two */
+            continue; /* the next batch is between the same two surfaces */
         for (uint32_t l = 0; l < DM_LANES; l++)
             for (int c = 0; c < 6; c++) {
                 dm_surface *f = s->surfaces + of->surface[l][0], *g = s->surfaces + of->surface[l][1];
@@ -93,12 +93,12 @@ DM_INLINE dm_vec3 dm_plus(dm_vec3 a, dm_lanes by, dm_vec3 b) {
 
 DM_INLINE dm_lanes dm_where(dm_mask which, dm_lanes a) { return (dm_lanes)(which & (dm_mask)a); }
 
-typedef struct { /* of one vertex of each meeting: a way, or a velocity, and 1 / mass */
+typedef struct { /* of one vertex of each meeting: displacement or velocity, and 1 / mass */
     dm_vec3 of;
     dm_lanes give;
 } dm_moving;
 
-/* Gather ways or velocities of the vertices of a batch; return those between its nearest points. */
+/* Gather the displacements or velocities of the vertices of a batch; return the relative ones of its nearest points. */
 DM_INLINE dm_vec3 dm_gather_batch(const dm_batch *b, const void *from, dm_moving *each) {
     dm_vec3 between = dm_splat3((double[3]){0, 0, 0});
     for (int j = 0; j < 4; j++) {
@@ -108,7 +108,8 @@ DM_INLINE dm_vec3 dm_gather_batch(const dm_batch *b, const void *from, dm_moving
     return between;
 }
 
-/* Change what moves by its share of an impulse. give: [1/kg] in the fourth numbers, of `each` or of others. */
+/* Change the displacements or velocities `each` of the vertices of a batch by their shares of impulses, and store them.
+ * give: 1 / mass [1/kg]; the fourth numbers stay. */
 DM_INLINE void dm_scatter_batch(const dm_batch *b, const dm_moving *each, const dm_lanes *give, dm_vec3 more,
                                 void *to) {
     for (int j = 0; j < 4; j++) {
@@ -118,8 +119,8 @@ DM_INLINE void dm_scatter_batch(const dm_batch *b, const dm_moving *each, const 
     }
 }
 
-/* Add to the impulses so much that nothing goes nearer than it may, and slides no more than friction lets it; return the
- * velocity between its nearest points after that. */
+/* Change the impulses so that no pair comes nearer than allowed, or slides more than friction allows; return the
+ * relative velocities of the nearest points after that. */
 DM_INLINE dm_vec3 dm_resolve_batch(const dm_scene_state *s, dm_batch *b, dm_moving *v, dm_vec3 u) {
     dm_lanes none = dm_splat(0), by = dm_where(b->active, b->by), along = dm_dot(u, b->normal);
     dm_lanes push = dm_vmax(b->push + by * (b->least - along), none);
@@ -134,7 +135,8 @@ DM_INLINE dm_vec3 dm_resolve_batch(const dm_scene_state *s, dm_batch *b, dm_movi
     return dm_plus(u, b->give, more);
 }
 
-/* Where meetings would go nearer than they touch within the substep: begin with them. awake: those that may move. */
+/* Begin the substep of a batch: activate and resolve the meetings that would come nearer than they touch; return
+ * whether there are any. awake: the meetings that may be active. */
 DM_INLINE int dm_begin_batch(const dm_scene_state *s, dm_batch *b, dm_mask awake) {
     dm_moving v[4], gone[4];
     dm_lanes h = dm_splat((dm_real)s->dt), none = dm_splat(0), back = dm_splat((dm_real)DM_BACK) / h;
@@ -153,7 +155,8 @@ DM_INLINE int dm_begin_batch(const dm_scene_state *s, dm_batch *b, dm_mask awake
     return 1;
 }
 
-/* Bring apart what would be nearer than it touches, at the velocities u between nearest points, and note what passed. */
+/* Separate the meetings that would be nearer than they touch at the relative velocities u; add up their impulses,
+ * and let the anchors of those that slide follow. */
 DM_INLINE void dm_part_batch(const dm_scene_state *s, dm_batch *b, const dm_moving *v, dm_vec3 u) {
     dm_moving out[4];
     dm_lanes h = dm_splat((dm_real)s->dt);
@@ -169,7 +172,7 @@ DM_INLINE void dm_part_batch(const dm_scene_state *s, dm_batch *b, const dm_movi
     b->anchor = dm_plus(b->anchor, dm_where(slides, h / dm_splat((dm_real)DM_BACK)), b->back);
 }
 
-/* Pass on what touches in this substep; return how many do. */
+/* Resolve all meetings in a substep; return the number of those that touch. */
 static int64_t dm_resolve_meetings(dm_scene_state *s) {
     int asleep = dm_any_sleeps(s), any = 0;
     for (uint32_t k = 0; k < s->batch_count; k++) {

@@ -1,4 +1,4 @@
-/* A body's life: made, placed, read. */
+/* Create, place, read and destroy a body. */
 #include "body.h"
 
 static void dm_state_destroy(dm_state *b) {
@@ -19,7 +19,7 @@ static void dm_state_destroy(dm_state *b) {
     dm_free(b);
 }
 
-/* Make room for everything whose size the definition knows. */
+/* Allocate all arrays; their sizes follow from the definition. */
 static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     int64_t n = d->vertices, size = b->groups * DM_LANES, t = d->triangles;
     int whole = (b->place = dm_alloc(n, sizeof *b->place)) && (b->rank = dm_alloc(n, sizeof *b->rank));
@@ -69,7 +69,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     return whole ? DM_OK : DM_MEMORY;
 }
 
-/* Order the triangles along the curve in space, and box them in runs. */
+/* Sort the triangles along the curve in space, and list the vertices of the box round each run of them. */
 static int32_t dm_lay_faces(dm_state *b, int64_t t, const int64_t *corners) {
     int64_t size = b->groups * DM_LANES;
     uint32_t *seen = dm_alloc(size, sizeof(uint32_t)), *next = dm_alloc(size + 1, sizeof(uint32_t));
@@ -157,7 +157,7 @@ static void dm_state_place(dm_state *b, const double *positions, const double *v
         double way = dm_weighted_mean(b, positions + c * n) - b->middle[c];
         b->origin[c] = b->middle[c] + b->cell * nearbyint(way / b->cell);
     }
-    /* the empty lanes too: a body that has blown up leaves NaN in them */
+    /* the empty lanes too: a body that has diverged leaves NaN in them */
     memset(b->records, 0, (size_t)(b->groups * DM_LANES) * sizeof(dm_record));
     memset(b->state, 0, (size_t)b->groups * sizeof(dm_group_state));
     for (int64_t k = 0; k < n; k++) {

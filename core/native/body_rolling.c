@@ -1,5 +1,5 @@
-/* Rolling resistance: what lies on something turns against it only by a moment above a small arm times its load, so a ball
- * comes to rest. Source: studies/reference/rolling.py. */
+/* Rolling resistance: a body turns against its support only by a moment above a small arm times its load, so that a
+ * ball comes to rest. Source: studies/reference/rolling.py. */
 #include "scene.h"
 
 static void dm_limit3(double *a, double most) {
@@ -9,7 +9,7 @@ static void dm_limit3(double *a, double most) {
 
 DM_INLINE int dm_rolls(const dm_surface *f) { return f->body && f->body->free && !f->body->asleep; }
 
-/* Find the moment that resists a body, from what presses on it. */
+/* Find the moment that resists the rolling of a body, from the impulses that press on it. */
 static void dm_resist_body(const dm_scene_state *s, dm_surface *f) {
     if (f->load == 0) {
         memset(f->resisting, 0, sizeof f->resisting);
@@ -21,13 +21,13 @@ static void dm_resist_body(const dm_scene_state *s, dm_surface *f) {
     for (int c = 0; c < 3; c++, row += 3) {
         double stop = dm_inner3(row, way) / s->dt;
         f->moment_of[c] = f->resisting[c] + DM_BACK * stop;
-        f->resisting[c] += DM_BACK * DM_BACK / 4 * stop; /* critical */
+        f->resisting[c] += DM_BACK * DM_BACK / 4 * stop; /* critical damping */
     }
     dm_limit3(f->moment_of, most), dm_limit3(f->resisting, most);
     for (int c = 0; c < 3; c++) f->body->resisted[c] += f->moment_of[c];
 }
 
-/* After a substep: find the moments that act in the next one, on bodies and back on those that they press. */
+/* After a substep: find the moments of the next one, on bodies, and the opposite ones on the bodies that they press. */
 static void dm_resist_rolling(dm_scene_state *s) {
     int rolling = 0;
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {

@@ -1,8 +1,8 @@
-/* How far what meets may go before the next query: planes between pairs, which move with what is rigid.
+/* Bounds on the motion of nearby surfaces until the next query: planes between pairs, which move with a rigid side.
  * Source: studies/reference/bounds.py. */
 #include "scene.h"
 
-/* Grow an array to hold some things, where it holds fewer. */
+/* Return an array that holds at least `count` items: the old one, or a new one without its contents. */
 static void *dm_roomy(dm_scene_state *s, void *array, uint32_t count, uint32_t *size, size_t each) {
     if (count <= *size) return array;
     dm_free(array);
@@ -11,19 +11,19 @@ static void *dm_roomy(dm_scene_state *s, void *array, uint32_t count, uint32_t *
     return array;
 }
 
-/* Where a vertex of a pair is. */
+/* Find the place of a vertex of a pair. */
 DM_INLINE void dm_corner(const dm_scene_state *s, const dm_pair *p, uint32_t corner, double *x) {
     const dm_neighbour *n = s->near + p->at[corner];
     dm_world_of(s, s->surfaces + n->surface, n->vertex, x);
 }
 
-/* Nearer than this, nothing of two surfaces goes nearer still. */
+/* Return the distance below which two surfaces come no nearer [m]. */
 DM_INLINE double dm_closest_of(const dm_surface *f, const dm_surface *g) {
     return f->closest > g->closest ? f->closest : g->closest;
 }
 
-/* Set the plane of a pair whose nearest points and distance are known: what is rigid gives the skin all of it to keep, two
- * that are soft half of it each. */
+/* Set the plane of a pair from its nearest points and distance. Beside a rigid side the skin keeps a part of the whole
+ * distance; of two soft sides, each keeps a part of half of it. */
 static void dm_set_plane(dm_plane *plane, const dm_pair *p, const double *const *x, const double *w,
                          const double *between, double gap, double closest) {
     double whole = p->rigid ? gap : gap / 2, least = (whole < closest ? whole : closest) / 2;
@@ -37,7 +37,7 @@ static void dm_set_plane(dm_plane *plane, const dm_pair *p, const double *const 
     }
 }
 
-/* Set the plane of a pair where things are now. */
+/* Set the plane of a pair from its present places. */
 static void dm_renew_plane(dm_scene_state *s, uint32_t pair) {
     double x[4][3], w[4], between[3];
     const dm_pair *p = s->pairs + pair;
@@ -47,10 +47,10 @@ static void dm_renew_plane(dm_scene_state *s, uint32_t pair) {
     dm_set_plane(s->planes + pair, p, at, w, between, gap, dm_closest_of(dm_surface_of(s, p, 0), dm_surface_of(s, p, 3)));
 }
 
-/* Let the plane between two that are soft go to the middle between them, where both were on their sides of it before this
- * substep. */
+/* Move the plane between two soft sides to the middle between them, within the range in which both were on their own
+ * sides of it before this substep. */
 static void dm_centre_plane(const dm_scene_state *s, const dm_pair *p, dm_plane *plane) {
-    double now[2] = {INFINITY, INFINITY}, last[2] = {INFINITY, INFINITY}; /* the least of the first, and of the second back */
+    double now[2] = {INFINITY, INFINITY}, last[2] = {INFINITY, INFINITY}; /* least along each side's direction */
     for (uint32_t j = 0; j < 4; j++) {
         double x[3], at[3], sign = j < p->ones ? 1 : -1;
         const dm_neighbour *n = s->near + p->at[j];
@@ -63,7 +63,7 @@ static void dm_centre_plane(const dm_scene_state *s, const dm_pair *p, dm_plane 
     if (low <= high) plane->level = middle < low ? low : middle > high ? high : middle;
 }
 
-/* Let the plane of a pair move with what is rigid: to the side of it that the other one sees. */
+/* Move the plane of a pair with its rigid side, if it has one: to the point of that side nearest to the other. */
 DM_INLINE void dm_move_plane(const dm_scene_state *s, const dm_pair *p, dm_plane *plane) {
     double x[3], level = -INFINITY, sign = p->rigid & 1 ? -1 : 1;
     if (!p->rigid) return;
@@ -75,7 +75,7 @@ DM_INLINE void dm_move_plane(const dm_scene_state *s, const dm_pair *p, dm_plane
     plane->level = sign * level;
 }
 
-/* How far a vertex is from what a pair lets it reach: less than nothing beyond that. */
+/* Return the distance of a vertex from the limit that a pair sets it [m], negative beyond the limit. */
 DM_INLINE double dm_left_of(const dm_plane *plane, int first, const double *x) {
     double along = dm_inner3(plane->normal, x) - plane->level;
     return (first ? along : -along) - plane->keep;
@@ -91,7 +91,7 @@ static void dm_link_pairs(dm_scene_state *s) {
         s->pairs_of[s->tally[s->pairs[k / 4].at[k % 4]].end++] = k;
 }
 
-/* The pairs of a vertex that is near, each four times its number and at which of its corners. */
+/* Return the pairs of a vertex in `near`, each as 4 x the pair's number + the vertex's place in the pair. */
 DM_INLINE const uint32_t *dm_pairs_of(const dm_scene_state *s, uint32_t near, uint32_t *count) {
     *count = s->tally[near].count;
     return s->pairs_of + s->tally[near].end - *count;
@@ -101,7 +101,7 @@ DM_INLINE double dm_left_at(const dm_scene_state *s, uint32_t which, const doubl
     return dm_left_of(s->planes + which / 4, which % 4 < s->pairs[which / 4].ones, x);
 }
 
-/* Shorten the way of a vertex since the query to what it may go. */
+/* Shorten the displacement of a vertex since the query to the greatest one allowed. */
 static void dm_shorten(const dm_surface *f, const double *from, double *x) {
     double way[3], most = f->slack * (1 - DM_ROUNDING);
     dm_minus(x, from, way);
@@ -109,13 +109,13 @@ static void dm_shorten(const dm_surface *f, const double *from, double *x) {
     for (int c = 0; c < 3 && length > most; c++) x[c] = from[c] + way[c] * (most / length);
 }
 
-/* Bring a vertex of a body to where it may be, as far as some sweeps over its planes do, so that it still slides along
- * them; return whether it is. */
+/* Bring a vertex of a body to an allowed place by some sweeps of projection on its planes, so that it can still slide
+ * along them; return whether the place is allowed. */
 static int dm_bring_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
     uint32_t count = 0;
     int near = s->place[vertex] != DM_NO_VERTEX, moved = 1;
     const uint32_t *mine = near ? dm_pairs_of(s, s->place[vertex], &count) : NULL;
-    double way[3], margin = DM_ROUNDING * f->body->size; /* for single precision */
+    double way[3], margin = DM_ROUNDING * f->body->size; /* for rounding to single precision */
     for (int sweep = 0; sweep <= DM_TRIES && moved; sweep++) {
         double local[3];
         if (sweep) dm_shorten(f, s->before[vertex], x);
@@ -139,13 +139,14 @@ static int dm_bring_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex
 
 DM_INLINE int dm_goes(const dm_surface *f) { return f->prop ? !f->prop->asleep : f->moving; }
 
-/* The surface that a plane moves with, beside a vertex; null where that is soft. */
+/* Return the rigid surface with which the plane of a pair moves, null if both sides are soft. */
 DM_INLINE dm_surface *dm_rigid_beside(const dm_scene_state *s, uint32_t which) {
     const dm_pair *p = s->pairs + which / 4;
     return p->rigid ? s->surfaces + s->near[p->at[p->rigid & 1 ? 0 : 3]].surface : NULL;
 }
 
-/* Find the rigid surface that is in the way of a vertex at x the most, and by what way it came nearer in this substep. */
+/* Return the rigid surface whose plane a vertex at x exceeds the most, or null; way: its displacement in this
+ * substep [m]. */
 static dm_surface *dm_pusher_of(const dm_scene_state *s, uint32_t near, const double *x, double *way) {
     uint32_t count, worst = DM_NO_VERTEX;
     const uint32_t *mine = dm_pairs_of(s, near, &count);
@@ -167,7 +168,7 @@ static dm_surface *dm_pusher_of(const dm_scene_state *s, uint32_t near, const do
     return dm_rigid_beside(s, worst);
 }
 
-/* Note which rigid surfaces a vertex at x, where it was before this substep, cannot get away from. */
+/* Mark as stuck the moving rigid surfaces that a vertex at x, its place before this substep, cannot avoid. */
 static void dm_note_stuck(dm_scene_state *s, uint32_t near, const double *x) {
     uint32_t count;
     const uint32_t *mine = dm_pairs_of(s, near, &count);
@@ -178,8 +179,8 @@ static void dm_note_stuck(dm_scene_state *s, uint32_t near, const double *x) {
     }
 }
 
-/* Put a vertex of a body where it may be. It gets the speed at which that is ahead of what pushes it, and loses that with
- * which it would go on; what of momentum it loses to what stands still is counted. */
+/* Move a vertex of a body from x to an allowed place. Along that correction its velocity becomes at least that of the
+ * surface that pushes it, and no longer points back; the momentum of the change is counted. */
 static void dm_put_vertex(dm_scene_state *s, dm_surface *f, uint32_t vertex, const double *x, const double *at,
                           dm_surface *pusher, const double *way) {
     dm_state *b = f->body;
@@ -207,8 +208,9 @@ static void dm_put_vertex(dm_scene_state *s, dm_surface *f, uint32_t vertex, con
     s->out->truncated++;
 }
 
-/* Bring a vertex of a body to its side of its planes: along them, else with what pushes it, else back to where it was
- * before this substep. Where it may not be there either, what pushes it has no room. */
+/* Bring a vertex of a body to its side of its planes: by sliding along them, or else by moving with the surface that
+ * pushes it, or else back to its place before this substep. If that is not allowed either, the pushing surface is
+ * stuck. */
 static void dm_settle(dm_scene_state *s, dm_surface *f, uint32_t vertex) {
     double x[3], at[3], last[3], way[3] = {0};
     uint32_t count = 0, near = s->place[vertex];
@@ -219,7 +221,7 @@ static void dm_settle(dm_scene_state *s, dm_surface *f, uint32_t vertex) {
     dm_surface *pusher = count ? dm_pusher_of(s, near, x, way) : NULL;
     for (int c = 0; c < 3 && count; c++) last[c] = f->body->origin[c] + (double)s->near[near].last[c];
     int pinned = !(f->body->inverse_mass[vertex - f->first] > 0), allowed = dm_bring_back(s, f, vertex, at);
-    if (pinned) { /* it slides on its way, and is not pushed farther */
+    if (pinned) { /* a pin may slide, but not be pushed farther than it moved itself */
         double gone[3], own[3];
         dm_minus(at, last, gone), dm_minus(x, last, own);
         allowed = allowed && dm_inner3(gone, gone) <= dm_inner3(own, own);
@@ -242,7 +244,7 @@ static void dm_note_held(dm_scene_state *s, uint32_t near) {
     if (dm_has_room(s)) s->near[near].held = 1, s->held[s->held_count++] = near;
 }
 
-/* Look whether the two of a pair are on their sides of its plane, and when that must be looked at again. */
+/* Check whether both sides of a pair are on their own sides of its plane, and set when to check again. */
 static void dm_check_pair(dm_scene_state *s, const dm_run *run, uint32_t pair) {
     const dm_pair *p = s->pairs + pair;
     dm_plane *plane = s->planes + pair;
@@ -270,7 +272,7 @@ static void dm_check_pair(dm_scene_state *s, const dm_run *run, uint32_t pair) {
     }
 }
 
-/* Put a collider or a prop on its way where its share of it ends. */
+/* Move a collider or a prop by its share of its motion in this substep. */
 static void dm_go(dm_scene_state *s, dm_surface *f) {
     double pose[12], most = 0;
     if (f->prop) dm_find_pose(f->prop, s->dt, f->share, pose), dm_find_places(f->prop, pose, s->here + f->first);
@@ -287,7 +289,8 @@ static void dm_go(dm_scene_state *s, dm_surface *f) {
     f->way = sqrt(most), f->fitted = 0;
 }
 
-/* Note how far vertices have gone since the query: whether the next is due, and none farther than it may. */
+/* Find the greatest displacement of a vertex since the query; bring back vertices beyond their limit, and note whether
+ * the next query is due. */
 static void dm_watch_way(dm_scene_state *s, dm_surface *f) {
     f->gone += f->way;
     if (!(f->gone > f->stale)) return;
@@ -306,8 +309,8 @@ static void dm_watch_way(dm_scene_state *s, dm_surface *f) {
     if (f->gone > f->stale) s->due = 1;
 }
 
-/* Keep skin ahead of all that has moved, and on its side of what it is near. Where it cannot get away, what is rigid goes
- * half of its way, and half of that. */
+/* Keep the skin ahead of everything that has moved, on its own side of its planes. Where it cannot get away, the
+ * share of its motion that the rigid surface covers is halved, again and again. */
 static void dm_keep_apart(dm_scene_state *s) {
     int again = 0;
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {

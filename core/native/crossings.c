@@ -1,7 +1,7 @@
-/* Which triangles pass through each other. Source: studies/reference/crossing.py. */
+/* Intersections of triangles. Source: studies/reference/crossing.py. */
 #include "scene.h"
 
-/* Does the segment ab pass through a triangle? Source: signs of volumes. */
+/* Return whether the segment ab passes through a triangle: its point in their plane is inside all three edges. */
 static int dm_passes(const double *a, const double *b, const double *const *t) {
     double u[3], v[3], n[3], from[3], way[3], across[3];
     dm_minus(t[1], t[0], u), dm_minus(t[2], t[0], v), dm_cross3(u, v, n);
@@ -45,7 +45,7 @@ static void dm_leave_out_crossing(dm_scene_state *s, const dm_surface *f, const 
     for (int k = 0; k < 3; k++) s->left_out[s->corners[i][k]] = s->left_out[s->corners[j][k]] = 1;
 }
 
-/* Leave out of self contact the vertices of faces that pass through others of their body now, and say which they are. */
+/* Leave out of self-contact the vertices of faces that intersect others of their body now, and report the pairs. */
 static void dm_leave_out(dm_scene_state *s, dm_crossings *left_out) {
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count && f->body; f++) {
         s->found = left_out++;
@@ -56,7 +56,7 @@ static void dm_leave_out(dm_scene_state *s, dm_crossings *left_out) {
     }
 }
 
-/* Count the pairs of triangles that pass through each other, and say where the first is. */
+/* Count the intersecting pairs of triangles, and set the place of the first. */
 static void dm_scene_state_find(dm_scene_state *s, dm_crossings *found) {
     memset(found, 0, sizeof *found);
     s->found = found;

@@ -1,4 +1,4 @@
-/* Rigid bodies that fall, and what they stand on. Source: studies/reference/falling.py. */
+/* Rigid bodies that fall, and their supports. Source: studies/reference/falling.py. */
 #include "falling.h"
 
 DM_SMALL
@@ -7,7 +7,7 @@ static void dm_times(const double *a, const double *x, double *r) {
     for (int c = 0; c < 3; c++) r[c] = dm_inner3(a + 3 * c, x);
 }
 
-/* r = a b for matrices by rows; transposed: a b^T. */
+/* Set r = a b, for matrices by rows; if transposed, r = a b^T. */
 static void dm_product(const double *a, const double *b, int transposed, double *r) {
     for (int i = 0; i < 9; i++) {
         r[i] = 0;
@@ -21,7 +21,7 @@ static void dm_add3(double *a, double by, const double *b) {
     for (int c = 0; c < 3; c++) a[c] += by * b[c];
 }
 
-/* Give a prop an impulse at an arm from its centre, and a moment of impulse beside it. */
+/* Apply an impulse at an arm from a prop's centre, and an angular impulse in addition, times `by`. */
 static void dm_push_prop(dm_falling *f, double by, const double *impulse, const double *arm, const double *moment) {
     double about[3], turn[3];
     dm_cross3(arm, impulse, about);
@@ -29,7 +29,7 @@ static void dm_push_prop(dm_falling *f, double by, const double *impulse, const 
     dm_add3(f->now.velocity, by / f->mass, impulse), dm_add3(f->now.momentum, by, about), dm_add3(f->spin, by, turn);
 }
 
-/* Begin a substep: weight, and what soft bodies answered in the last one. */
+/* Begin a substep: apply gravity, and the reaction of soft bodies in the last one. */
 void dm_let_fall(dm_falling *f, double h) {
     double back[9], damped = 0, *v = f->now.velocity, *l = f->now.momentum;
     for (int c = 0; c < 6; c++) damped += f->answer[c] * f->answer[c], f->apart[c] = 0;
@@ -51,7 +51,7 @@ void dm_answer_prop(dm_falling *f, const double *point, const double *impulse, d
 
 double dm_speed_of_prop(const dm_falling *f) { return dm_length3(f->now.velocity) + dm_length3(f->spin) * f->radius; }
 
-/* List what of a prop may touch the ground in a substep. */
+/* List the corners of a prop that may touch the ground in a substep; return their number. */
 int dm_find_ground(dm_falling *f, dm_support *to, double h) {
     static const double to_side[DM_SIDES][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
     double ground = f->now.ground, near = DM_HELD * f->radius + h * dm_speed_of_prop(f), lowest = INFINITY;
@@ -89,7 +89,7 @@ int dm_find_ground(dm_falling *f, dm_support *to, double h) {
     return count;
 }
 
-/* What an impulse along a direction gives: 1 / mass. */
+/* Return 1 / effective mass of a contact along a direction [1/kg]. */
 static double dm_give_along(const dm_support *c, const double *way) {
     double give = 0, about[3], turn[3];
     for (int j = 0; j < 2; j++) {
@@ -104,7 +104,7 @@ void dm_begin_support(dm_support *c, const double (*ends)[3], double h) {
     double way[3], skin = c->of[0] ? c->of[0]->skin : 0, whole = skin + (c->of[1] ? c->of[1]->skin : 0), all = 0;
     for (int k = 0; k < 3; k++) {
         way[k] = ends[0][k] - ends[1][k];
-        c->point[k] = ends[0][k] - (whole > 0 ? skin / whole : 0) * way[k]; /* of the surfaces as they are seen */
+        c->point[k] = ends[0][k] - (whole > 0 ? skin / whole : 0) * way[k]; /* between the visible surfaces */
     }
     for (int j = 0; j < 2; j++)
         for (int k = 0; k < 3 && c->of[j]; k++) c->arms[j][k] = c->point[k] - c->of[j]->now.centre[k];
@@ -116,7 +116,7 @@ void dm_begin_support(dm_support *c, const double (*ends)[3], double h) {
     for (int k = 0; k < 3; k++) c->back[k] = DM_BACK / h * (way[k] - c->anchor[k]);
 }
 
-/* Find the velocity between the points of two that may touch. */
+/* Find the relative velocity of the two sides at a contact. */
 static void dm_find_slip(const dm_support *c, double *u) {
     double turn[3];
     memcpy(u, c->led, sizeof c->led);
@@ -132,8 +132,8 @@ static void dm_pass_on(const dm_support *c, const double *impulse, const double 
         if (c->of[j]) dm_push_prop(c->of[j], j ? -1 : 1, impulse, c->arms[j], moment);
 }
 
-/* Add to an impulse so much that nothing goes nearer than it may, and slides no more than friction lets it; return how
- * much that is. */
+/* Change the impulse of a contact so that its sides come no nearer than allowed, and slide no more than friction
+ * allows; return the size of the change. */
 static double dm_resolve_support(dm_support *c) {
     static const double none[3] = {0};
     double u[3], more[3] = {0}, soft = c->give[0] * (1 / c->share - 1), before = c->push;
@@ -155,7 +155,7 @@ static double dm_resolve_support(dm_support *c) {
     return changed + dm_length3(more);
 }
 
-/* Rolling resistance: a moment above a small arm times the load turns one against the other. */
+/* Apply rolling resistance: the two sides turn against each other only by a moment above a small arm times the load. */
 static void dm_resist_turning(const dm_support *c) {
     static const double none[3] = {0};
     double spin[3] = {0}, turn[3], size = 0, give = 0;
@@ -170,7 +170,7 @@ static void dm_resist_turning(const dm_support *c) {
     dm_pass_on(c, none, turn);
 }
 
-/* Bring apart what would be nearer than it touches, and let the anchor follow where it slides. */
+/* Separate the sides of a contact if they would be nearer than they touch; let the anchor follow if they slide. */
 static void dm_part_support(dm_support *c, double h) {
     double u[3], turn[3], about[3];
     dm_find_slip(c, u);
@@ -192,7 +192,7 @@ static void dm_part_support(dm_support *c, double h) {
 
 void dm_resolve_supports(dm_support *c, uint32_t count, double h) {
     static const double none[3] = {0};
-    for (uint32_t k = 0; k < count; k++) { /* what they passed on in the last substep is next to the answer */
+    for (uint32_t k = 0; k < count; k++) { /* start from the impulses of the last substep: they are nearly right */
         double j[3] = {c[k].drag[0], c[k].drag[1], c[k].drag[2]};
         dm_add3(j, c[k].push, c[k].normal);
         if (c[k].push > 0) dm_pass_on(c + k, j, none);
@@ -201,7 +201,7 @@ void dm_resolve_supports(dm_support *c, uint32_t count, double h) {
         double changed = 0, whole = 0;
         for (uint32_t k = 0; k < count; k++)
             if (dm_is_awake(c + k)) changed += dm_resolve_support(c + k), whole += c[k].push;
-        if (!(changed > DM_ROUNDING / 10 * whole)) break; /* with all of it, a pile of four sinks by a millimeter */
+        if (!(changed > DM_ROUNDING / 10 * whole)) break; /* at DM_ROUNDING itself, a pile of four sinks by 1 mm */
     }
     for (uint32_t k = 0; k < count; k++) dm_resist_turning(c + k);
     for (uint32_t k = 0; k < count; k++)
@@ -232,7 +232,7 @@ void dm_find_places(const dm_falling *f, const double *pose, double (*x)[3]) {
     for (int64_t k = 0; k < f->count; k++) dm_times(pose + 3, f->arms[k], x[k]), dm_add3(x[k], 1, pose);
 }
 
-/* After a tick: note whether it has been slow for long, and is where it was when that began. */
+/* After a tick: note whether a prop has been slow, and in place, for DM_REST_TIME. */
 void dm_watch_prop(dm_falling *f, double tick) {
     double pose[12], way[3], size = 2 * f->radius, turn = 0;
     f->rested = 0;

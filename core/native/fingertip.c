@@ -1,22 +1,23 @@
-/* The contact of a fingertip: the measured law at its depth, Eq. (1), and Coulomb friction. In numpy:
+/* The contact force on a fingertip: the measured law at its depth, Eq. (1), and Coulomb friction. Reference in numpy:
  * studies/reference/fingertip.py.
  *
- * The way from the fingertip to its foot (foot.c), along the normals that hold the foot, is the depth x, and the law gives
- * the force. It is counted from where the skin was met. Where friction holds it is its anchor: a spring pulls sideways
- * towards it, and beyond the friction the anchor is drawn along.
- * The force depends on depth and anchor alone, and neither gives more than it took: a spring that becomes stiffer under
- * load keeps its force and gives up its way (Thornton and Yin 1991). The skin is kept out of the fingertip elsewhere, in
- * skin_contact.c; its impulses shape the dent and are not felt. */
+ * The depth x is the distance from the fingertip to its foot (foot.c), along the normals that hold the foot, counted
+ * from where the tip met the skin; the law gives the force. Friction holds the tip at its anchor: a spring pulls it
+ * tangentially towards the anchor, and beyond the friction limit the anchor is dragged along.
+ * The force depends on depth and anchor alone, and neither returns more energy than it took: when the tangential
+ * spring becomes stiffer under load, it keeps its force and shortens its elongation (Thornton and Yin 1991). The skin
+ * is kept out of the fingertip separately, in skin_contact.c; the impulses of that shape the dent and are no part of
+ * the contact force. */
 #include "foot.h"
 
-/* How many times as stiff an elastic layer that keeps its volume is under a contact of a radius as one without an end.
- * share: the radius over the thickness. Source: Dimitriadis and others 2002, bonded below. */
+/* Return the stiffness of an incompressible elastic layer under a round contact, relative to a half-space.
+ * share: radius of the contact over thickness. Source: Dimitriadis and others 2002, layer bonded below. */
 static double dm_layer(double share) {
     return 1 + share * (1.133 + share * (1.283 + share * (0.769 + share * 0.0975)));
 }
 
-/* The force of the law under a fingertip at a depth [m], with what is painted, and with the factor of a tip that is
- * another than the measuring one. */
+/* Return the force of the law on a fingertip at a depth x [m], with the painted factors, and with the factor of a tip
+ * other than the measuring one [N]. */
 static double dm_force_at(const dm_state *b, const dm_tip *f, double x) {
     if (!(x > 0)) return 0;
     const double *law = b->laws[f->material];
@@ -36,7 +37,7 @@ static double dm_force_at(const dm_state *b, const dm_tip *f, double x) {
     return times * dm_law_force((double[]){law[0], law[1], law[2] * f->deeper, law[3]}, x);
 }
 
-/* The depth at which the law gives a force. */
+/* Return the depth at which the law gives a force [m]. */
 static double dm_depth_of(const dm_state *b, const dm_tip *f, double force) {
     double low = 0, high = f->radius;
     while (dm_force_at(b, f, high) < force && high < DM_LARGEST_GROWTH * b->size) high *= 2;
@@ -48,7 +49,7 @@ static double dm_depth_of(const dm_state *b, const dm_tip *f, double force) {
     return high;
 }
 
-/* Take the material at the place where a fingertip's foot lies. */
+/* Take the material, the painted factors and the thickness at the place below a fingertip's foot. */
 static void dm_take_place(const dm_state *b, dm_tip *f, const dm_round *r) {
     const dm_facet *at = r->facet;
     double place[3], gone = 0, inward[3];
@@ -65,15 +66,16 @@ static void dm_take_place(const dm_state *b, dm_tip *f, const dm_round *r) {
     f->thickness = dm_thickness(b, place, inward), memcpy(f->thick_at, place, sizeof place);
 }
 
-/* Does anything touch the body, other than this fingertip? */
+/* Return whether anything other than this fingertip may touch the body. */
 static int dm_is_beside_others(const dm_state *b, int finger) {
     int others = b->meets;
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) others |= k != finger && b->fingers[k].in_contact;
     return others;
 }
 
-/* Find where a fingertip is, at x in the space of the shape at rest, and the way from its foot to its anchor.
- * before: where it was. It gets no deeper than it goes: in a crease another foot may be farther, which would give energy. */
+/* Find the foot and depth of a fingertip at x in the space of the shape at rest, and `aside`, the tangential vector
+ * from its foot to its anchor. before: its last x. The depth grows by no more than the tip has moved: in a crease
+ * the foot may jump to a farther one, which would create energy. */
 static void dm_place_tip(dm_state *b, int finger, const double *pose, const double *before, const double *x,
                          double *aside) {
     dm_tip *f = b->fingers + finger;
@@ -95,13 +97,14 @@ static void dm_place_tip(dm_state *b, int finger, const double *pose, const doub
     }
     double up = dm_inner3(aside, f->outward);
     for (int c = 0; c < 3; c++) aside[c] -= up * f->outward[c], place[c] = f->foot[c] - f->radius * f->outward[c];
-    /* while it moves the skin itself, that says nothing */
+    /* while the tip itself moves the skin, the skin's height is no reference */
     if (!in_contact && round.facet && b->fingers[finger].kept_count == 0)
         f->height = deep > -f->radius ? dm_skin_height(b, f, pose, place) : 0;
 }
 
-/* Evaluate the contact of a fingertip whose centre is at a place, for the body in a pose.
- * seconds: since the last time, where the body is free: what holds a body between springs would ring without damping. */
+/* Evaluate the contact of a fingertip with its centre at a place, for the body in a pose. seconds: since the last
+ * evaluation of a free body, otherwise 0; it adds damping, without which a free body on the contact springs would
+ * ring. */
 static void dm_press(dm_state *b, int finger, const double *pose, const double *centre, double seconds) {
     dm_tip *f = b->fingers + finger;
     double from[3], x[3], aside[3], force[3], before[3];
@@ -120,7 +123,7 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
     double far = sqrt(dm_inner3(aside, aside)), most = stick > 0 ? friction * law / stick : 0, left = far;
     if (was && stick > f->stick && f->stick > 0) left *= f->stick / stick;
     left = left < most ? left : most, f->slides = most > 0 ? left / most : 1, f->stick = stick;
-    if (left < (1 - 1e-9) * far) { /* the anchor comes nearer */
+    if (left < (1 - 1e-9) * far) { /* the anchor moves nearer */
         dm_round round;
         for (int c = 0; c < 3; c++) aside[c] *= left / far;
         memcpy(f->anchor, f->foot, sizeof f->anchor);
@@ -132,23 +135,23 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
         double drag = 2 * b->laws[f->material][DM_DAMPING] * sqrt(f->slope * b->mass_total) / seconds, up = 0;
         for (int c = 0; c < 3; c++) up += drag * (x[c] - before[c]) * f->outward[c];
         for (int c = 0; c < 3; c++) force[c] -= drag * (x[c] - before[c]) - up * f->outward[c];
-        push -= up > law ? law : up < -law ? -law : up; /* no more than the law: a touch begins without a jump */
+        push -= up > law ? law : up < -law ? -law : up; /* at most the law's force: contact begins without a jump */
         double size = sqrt(dm_inner3(force, force)), limit = friction * push;
         for (int c = 0; c < 3; c++) force[c] *= size > limit ? limit / size : 1;
     }
     for (int c = 0; c < 3; c++) force[c] += push * f->outward[c];
     if (dm_inner3(force, force) + f->slope < INFINITY)
         for (int c = 0; c < 3; c++) f->force[c] = dm_inner3(pose + 3 * c, force);
-    else f->law = f->slope = f->slides = 0, f->in_contact = 0; /* what is beyond all measure is no force */
+    else f->law = f->slope = f->slides = 0, f->in_contact = 0; /* an infinite force is discarded */
 }
 
-/* Let the depth be counted from the surface at rest again, where what had moved the skin has gone. */
+/* Let the zero of the depth return to the surface at rest once nothing else moves the skin. */
 static void dm_return_zero(dm_state *b, int finger, double tick) {
     dm_tip *f = b->fingers + finger;
     if (f->in_contact && f->beside && !dm_is_beside_others(b, finger)) f->zero *= exp(-tick / DM_REST_TIME);
 }
 
-/* Let a force push a fingertip on for a tick, towards the depth at which the law answers it. */
+/* Let the given force push a fingertip for a tick, towards the depth at which the law gives that force. */
 static void dm_push_on(const dm_state *b, dm_tip *f, const dm_fingertip *to, double tick) {
     if (!(f->depth > -f->radius)) return; /* nothing is under it */
     double pose[12], straight = 0;
@@ -165,8 +168,8 @@ static void dm_lift(dm_tip *f) {
     memset(f->force, 0, sizeof f->force);
 }
 
-/* Put a fingertip down where a motion begins. Where its centre is inside the body it comes from outside, or the skin would
- * close over it. */
+/* Put a fingertip down where a motion begins. If its centre is inside the body, it is first moved outside, or the skin
+ * would close over it. */
 static void dm_put_down(dm_state *b, dm_tip *f) {
     double pose[12], from[3], x[3], place[3];
     dm_round round;
@@ -188,11 +191,11 @@ static void dm_put_down(dm_state *b, dm_tip *f) {
     f->height = dm_skin_height(b, f, pose, place);
 }
 
-/* Take what a motion says of a fingertip. */
+/* Take over the data of a fingertip from a motion. */
 static void dm_take_fingertip(dm_state *b, dm_tip *f, const dm_fingertip *to) {
     if (!to->down || to->fresh) dm_lift(f);
     if (!to->down) return;
-    for (int c = 0; c < 3; c++) { /* another radius lies on the same place */
+    for (int c = 0; c < 3; c++) { /* with another radius the foot still rests on the same place */
         double more = (to->radius - f->radius) * f->outward[c] * (f->met || f->in_contact);
         f->anchor[c] += more, f->foot[c] += more;
     }
@@ -202,9 +205,9 @@ static void dm_take_fingertip(dm_state *b, dm_tip *f, const dm_fingertip *to) {
     if (to->fresh) dm_put_down(b, f);
 }
 
-/* Evaluate the contacts of a body that is held, or sleeps, at the end of a tick. */
+/* Evaluate the contacts of a body that is not free, or sleeps, at the end of a tick. */
 static void dm_press_held(dm_state *b, double tick, dm_frame *frame) {
-    double pose[12], carried = tick - (tick - b->dt) / 2; /* it stands where its substeps began on average */
+    double pose[12], carried = tick - (tick - b->dt) / 2; /* [s] from the mean of its substeps to the end of the tick */
     dm_pose_now(b, pose);
     for (int c = 0; c < 12 && b->carried && !b->asleep; c++) pose[c] += carried * b->pose_rate[c];
     for (const dm_near *t = b->touches; t < b->touches + b->finger_count; t++) {
@@ -214,7 +217,7 @@ static void dm_press_held(dm_state *b, double tick, dm_frame *frame) {
     }
 }
 
-/* The same of one that is free, as a substep begins. */
+/* Evaluate the contacts of a free body as a substep begins. */
 static void dm_press_free(dm_state *b, int64_t left, dm_frame *frame) {
     double pose[12];
     dm_fitted_pose(b, pose);
@@ -227,7 +230,7 @@ static void dm_press_free(dm_state *b, int64_t left, dm_frame *frame) {
     }
 }
 
-/* Show where fingertips are and what acts on them; those of a motion without a tick are evaluated where they are. */
+/* Write the fingertips' places and forces to the frame; in a motion without a tick they are evaluated first. */
 static void dm_show_fingertips(dm_state *b, const dm_motion *m, dm_frame *frame) {
     double pose[12];
     if (!m->fingertips[0].down && !m->fingertips[1].down && !m->fingertips[2].down) return;
@@ -248,7 +251,7 @@ static void dm_show_fingertips(dm_state *b, const dm_motion *m, dm_frame *frame)
     }
 }
 
-/* Evaluate the law where a fingertip is down, at depths. */
+/* Evaluate the law at given depths at the place where a fingertip is down. */
 static void dm_state_get_law(const dm_state *b, int64_t finger, const double *factors, double end, int64_t count,
                              const double *depths, double *forces) {
     dm_tip f = b->fingers[finger];
@@ -270,11 +273,11 @@ static void dm_pass_reaction(dm_state *b, int64_t from, int64_t to, double *unus
     }
 }
 
-/* Let the vertices of a free body take, as one, what is missing to the reaction on the fingertips: the skin's contact gave
- * them other impulses. */
+/* Give the vertices of a free body, as a rigid motion, the reaction to the fingertips' forces minus the impulses
+ * that the skin contact has already given them. */
 static void dm_react(dm_state *b) {
     double push[6] = {0}, pose[12], sums[DM_MOMENTS];
-    dm_inertia now; /* not as the substep began: nothing of the momentum may be lost */
+    dm_inertia now; /* of the present state, not of the substep's beginning: the momentum must be exact */
     dm_fitted_pose(b, pose);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         const dm_tip *f = b->fingers + k;

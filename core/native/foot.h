@@ -5,7 +5,7 @@
 
 enum { DM_SETTLING = 24, DM_CONE_SWEEPS = 32, DM_FOOT_STEPS = 4 };
 
-typedef struct { /* near a sphere: the vector from the nearest facet to its centre, and the normals of the facets that it touches */
+typedef struct { /* of a sphere: vector from the nearest facet to its centre; normals of the facets that it touches */
     const dm_facet *facet;
     double near, offset[3], normals[DM_NORMALS][3];
     int count;

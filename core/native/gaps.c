@@ -1,4 +1,4 @@
-/* Distances of pairs, of vertices and faces or of two edges: one by one, and eight at once. Source:
+/* Distances between a vertex and a face, or between two edges: for one pair, and for eight at once. Source:
  * studies/reference/proximity.py. */
 #include "scene.h"
 
@@ -8,7 +8,7 @@ DM_INLINE void dm_minus(const double *a, const double *b, double *r) {
 
 DM_INLINE double dm_share_of(double a) { return a < 0 ? 0 : a > 1 ? 1 : a; }
 
-/* Find how far along the segments ab and cd their nearest points lie. Source: Ericson, 5.1.9. */
+/* Find the shares of the segments ab and cd at which their nearest points lie. Source: Ericson, 5.1.9. */
 static void dm_shares_on_edges(const double *a, const double *b, const double *c, const double *d, double *along) {
     double u[3], v[3], r[3];
     dm_minus(b, a, u), dm_minus(d, c, v), dm_minus(a, c, r);
@@ -20,7 +20,7 @@ static void dm_shares_on_edges(const double *a, const double *b, const double *c
     along[0] = s, along[1] = t;
 }
 
-/* Find the signed weights of the four vertices of a pair at their nearest points, the vector between these, and
+/* Find the signed weights of the four vertices of a pair for its nearest points, and the vector between these;
  * return its length. */
 static double dm_measure_pair(const double *const *x, uint32_t ones, double *w, double *between) {
     if (ones == 1) {
@@ -71,8 +71,8 @@ DM_INLINE dm_wide dm_wide_share(dm_wide a) {
 }
 
 #if defined(__OPTIMIZE_SIZE__)
-/* Find the vectors between the nearest points of eight pairs, and the signed weights of their vertices at x there: in the
- * smallest of libraries one after the other, to the same bits. */
+/* Find the vectors between the nearest points of eight pairs, and the signed weights of their vertices, whose places
+ * are in x. Where code size matters most, one pair after the other, with the same bits. */
 static dm_wide3 dm_wide_measure(const double (*x)[3], const uint32_t *const *at, uint32_t ones, dm_wide *w,
                                 dm_wide_mask *inside) {
     dm_wide3 way;
@@ -87,8 +87,8 @@ static dm_wide3 dm_wide_measure(const double (*x)[3], const uint32_t *const *at,
     return way;
 }
 #else
-/* From the points of triangles nearest to p, to p, and their weights. Source: Ericson, Real-Time Collision Detection,
- * 5.1.5. */
+/* Return the vectors to p from the nearest points of triangles, and set their weights. Source: Ericson, Real-Time
+ * Collision Detection, 5.1.5. */
 DM_INLINE dm_wide3 dm_wide_off_face(dm_wide3 p, dm_wide3 a, dm_wide3 b, dm_wide3 c, dm_wide *w) {
     dm_wide3 ab = dm_wide_minus(b, a), ac = dm_wide_minus(c, a);
     dm_wide3 ap = dm_wide_minus(p, a), bp = dm_wide_minus(p, b), cp = dm_wide_minus(p, c);
@@ -112,8 +112,8 @@ DM_INLINE dm_wide3 dm_wide_off_face(dm_wide3 p, dm_wide3 a, dm_wide3 b, dm_wide3
     return dm_wide_plus(dm_wide_plus(dm_wide_plus(p, w[1], a), w[2], b), w[3], c);
 }
 
-/* From the points of segments cd nearest to segments ab, to those of ab, and their weights; inside: where both lie
- * between the ends. Source: Ericson, 5.1.9. */
+/* Return the vectors from the nearest points of segments cd to those of segments ab, and set their weights; inside:
+ * whether both points lie between the ends. Source: Ericson, 5.1.9. */
 DM_INLINE dm_wide3 dm_wide_off_edge(dm_wide3 a, dm_wide3 b, dm_wide3 c, dm_wide3 d, dm_wide *w, dm_wide_mask *inside) {
     dm_wide3 u = dm_wide_minus(b, a), v = dm_wide_minus(d, c), r = dm_wide_minus(a, c);
     dm_wide uu = dm_wide_dot(u, u), vv = dm_wide_dot(v, v), uv = dm_wide_dot(u, v), none = dm_wide_of(0);
@@ -138,8 +138,8 @@ DM_INLINE dm_wide3 dm_wide_corner(const double (*x)[3], const uint32_t *const *a
                       {a[2], b[2], c[2], d[2], e[2], f[2], g[2], h[2]}};
 }
 
-/* Find the vectors between the nearest points of eight pairs, and the signed weights of their vertices at x there. Large,
- * so not inlined. */
+/* Find the vectors between the nearest points of eight pairs, and the signed weights of their vertices, whose places
+ * are in x. Large, so not inlined. */
 static __attribute__((noinline)) dm_wide3 dm_wide_measure(const double (*x)[3], const uint32_t *const *at, uint32_t ones,
                                                           dm_wide *w, dm_wide_mask *inside) {
     dm_wide3 a = dm_wide_corner(x, at, 0), b = dm_wide_corner(x, at, 1);

@@ -1,7 +1,7 @@
-/* Eqs. (6) to (8): from what comes next to new velocities and positions. */
+/* Eqs. (6) to (8): add the pressure, and advance velocities and positions. */
 #include "body.h"
 
-/* Advance groups; `gone`: the farthest way of a vertex. */
+/* Advance groups; gone: the greatest displacement of a vertex [m]. */
 static void dm_pass_ways(dm_state *b, int64_t from, int64_t to, double *gone) {
     dm_lanes p = dm_splat((dm_real)(b->fill != DM_FILL_NONE ? b->pressure : 0)), dt = dm_splat((dm_real)b->dt);
     dm_real limit = (dm_real)b->skin_travel;
@@ -10,7 +10,7 @@ static void dm_pass_ways(dm_state *b, int64_t from, int64_t to, double *gone) {
     for (int64_t g = from; g < to; g++) {
         dm_vec3 x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
         v.x += p * n.x, v.y += p * n.y, v.z += p * n.z;
-        if (b->free) { /* whatever net force and torque shape matching left is taken out */
+        if (b->free) { /* subtract the net force and torque of shape matching */
             dm_vec3 spin = dm_cross(angular, x);
             dm_lanes by = dm_blend((dm_mask)(b->matter[g].inverse_mass > dm_splat(0)), dt, dm_splat(0));
             v.x -= by * (linear.x + spin.x), v.y -= by * (linear.y + spin.y), v.z -= by * (linear.z + spin.z);

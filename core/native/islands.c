@@ -1,10 +1,10 @@
-/* Sleep where bodies meet: what may touch sleeps together, and wakes before anything that moves can touch it.
+/* Sleep of bodies in contact: bodies that may touch fall asleep together, and wake before a moving one can touch them.
  * Source: studies/reference/islands.py. */
 #include "scene.h"
 
 DM_INLINE int dm_moves(const dm_surface *f) { return f->body ? !dm_sleeps(f) : dm_goes(f); }
 
-/* Wake bodies that may touch something that moves before the next look, and what they may touch. */
+/* Wake the bodies and props that may touch something moving before the next update, and those that they may touch. */
 static void dm_wake_touched(dm_scene_state *s, const dm_motion *motions, int64_t t, dm_frame *frames) {
     s->wakes = 0;
     for (int64_t k = 0; k < s->surface_count; k++) {
@@ -27,7 +27,7 @@ static void dm_wake_touched(dm_scene_state *s, const dm_motion *motions, int64_t
     }
 }
 
-/* Before bodies are watched: note how fast what is touched may be at rest. */
+/* Before the bodies' speeds are checked: set the speed that a body in contact may have though it rests. */
 static void dm_note_sag(dm_scene_state *s) {
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->touched = 0;
     for (uint32_t k = 0; k < s->batch_count; k++) {
@@ -45,7 +45,7 @@ static void dm_note_sag(dm_scene_state *s) {
 
 DM_INLINE int dm_has_rested(const dm_surface *f) { return f->body ? f->body->rested : f->prop && f->prop->rested; }
 
-/* After a tick: let bodies sleep that have come to rest with all that they may touch. */
+/* After a tick: put to sleep the bodies and props that are at rest, as is everything that they may touch. */
 static void dm_let_sleep(dm_scene_state *s, const dm_motion *motions) {
     int rested = 0;
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {

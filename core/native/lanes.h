@@ -1,4 +1,4 @@
-/* Eight vertices at once, as the compiler's own vectors: the same source and the same sums on every machine. */
+/* Eight vertices at once, in the compiler's vector types: the same source and the same sums on every machine. */
 #ifndef DM_LANES_H
 #define DM_LANES_H
 #include "constants.h"
@@ -7,20 +7,20 @@
 #include <string.h>
 
 #if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wpsabi" /* how vectors go by value matters between objects, and here none do */
+#pragma GCC diagnostic ignored "-Wpsabi" /* it concerns vectors passed by value between objects: none are */
 #endif
 #define DM_INLINE static inline __attribute__((always_inline))
 #if defined(__clang__)
-#define DM_UNROLLED _Pragma("clang loop unroll(full)") /* others are not: the library would be larger */
+#define DM_UNROLLED _Pragma("clang loop unroll(full)") /* other loops are not unrolled: the library would be larger */
 #else
 #define DM_UNROLLED
 #endif
-#if defined(__clang__) && defined(__AVX2__) /* full unrolling is 2 kB of the zip more, and no faster */
+#if defined(__clang__) && defined(__AVX2__) /* full unrolling adds 2 kB to the zip and is no faster */
 #define DM_BY_FOUR _Pragma("clang loop unroll_count(4)")
 #else
 #define DM_BY_FOUR
 #endif
-#if defined(__clang__) /* what is not run over and over is compiled for its size */
+#if defined(__clang__) /* code that is not in an inner loop is compiled for size */
 #define DM_SMALL _Pragma("clang attribute push(__attribute__((minsize)), apply_to = function)")
 #define DM_FAST _Pragma("clang attribute pop")
 #else
@@ -42,9 +42,9 @@ typedef int64_t dm_int;
 typedef dm_real dm_lanes __attribute__((vector_size(DM_LANES * sizeof(dm_real))));
 typedef dm_int dm_mask __attribute__((vector_size(DM_LANES * sizeof(dm_real))));
 typedef double dm_wide __attribute__((vector_size(DM_LANES * sizeof(double))));
-typedef dm_real dm_quad __attribute__((vector_size(4 * sizeof(dm_real)))); /* x y z and nothing */
+typedef dm_real dm_quad __attribute__((vector_size(4 * sizeof(dm_real)))); /* x, y, z, and a fourth number or 0 */
 
-typedef struct { /* one vertex, in one or two loads: what its neighbours gather */
+typedef struct { /* one vertex, as its neighbours gather it: in one or two loads */
     dm_quad x, v;
 } dm_record;
 
@@ -82,7 +82,7 @@ DM_INLINE int dm_any_of(dm_mask a) {
 
 DM_INLINE dm_wide dm_widen(dm_lanes a) { return __builtin_convertvector(a, dm_wide); }
 
-/* always the same tree, so that a sum is the same everywhere */
+/* Return the sum of the lanes, always in the same order, so that it is the same on every machine. */
 DM_INLINE double dm_sum_of(dm_wide a) { return ((a[0] + a[1]) + (a[2] + a[3])) + ((a[4] + a[5]) + (a[6] + a[7])); }
 
 DM_INLINE double dm_most_of(dm_lanes a) {
@@ -107,8 +107,7 @@ DM_INLINE dm_real dm_dot3(dm_quad a, dm_quad b) { return a[0] * b[0] + a[1] * b[
 
 DM_INLINE dm_quad dm_quad_of(const double *a) { return (dm_quad){(dm_real)a[0], (dm_real)a[1], (dm_real)a[2], 0}; }
 
-/* sums in single precision for a few groups only, then in double */
-enum { DM_RUN = 8 };
+enum { DM_RUN = 8 }; /* groups over which a sum is in single precision before it is added in double */
 
 DM_INLINE void dm_fold(dm_lanes *part, dm_wide *sum, int count) {
     for (int k = 0; k < count; k++) sum[k] += dm_widen(part[k]), part[k] = dm_splat(0);
@@ -128,7 +127,7 @@ DM_INLINE dm_vec3 dm_splat3(const double *a) {
 #define DM_PAIR_LOW(a, b) __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13)
 #define DM_PAIR_HIGH(a, b) __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15)
 
-/* the positions and velocities of the eight records at these offsets, in lanes */
+/* Gather the positions and velocities of the eight records at these byte offsets, in lanes. */
 DM_INLINE void dm_gather8(const void *records, const uint32_t *at, dm_vec3 *x, dm_vec3 *v) {
     dm_lanes r[8];
     DM_UNROLLED for (int l = 0; l < DM_LANES; l++) memcpy(r + l, (const char *)records + at[l], sizeof *r);
@@ -144,7 +143,7 @@ DM_INLINE void dm_gather8(const void *records, const uint32_t *at, dm_vec3 *x, d
 
 DM_INLINE dm_quad *dm_quad_at(const void *from, uint32_t at) { return (dm_quad *)((char *)from + at); }
 
-/* the quads at eight byte offsets: their vectors in lanes, and the fourth numbers */
+/* Gather the quads at eight byte offsets: return their vectors in lanes, and set the fourth numbers. */
 DM_INLINE dm_vec3 dm_gather_quads(const void *from, const uint32_t *at, dm_lanes *fourth) {
     dm_lanes r0 = DM_JOINED(*dm_quad_at(from, at[0]), *dm_quad_at(from, at[4]));
     dm_lanes r1 = DM_JOINED(*dm_quad_at(from, at[1]), *dm_quad_at(from, at[5]));
@@ -155,7 +154,7 @@ DM_INLINE dm_vec3 dm_gather_quads(const void *from, const uint32_t *at, dm_lanes
     return (dm_vec3){DM_PAIR_LOW(xy0, xy2), DM_PAIR_HIGH(xy0, xy2), DM_PAIR_LOW(z0, z2)};
 }
 
-/* the vectors of eight vertices, one in a quad each with a fourth number */
+/* Set eight quads to the vectors of the lanes, each with its fourth number. */
 DM_INLINE void dm_quads_of(dm_vec3 a, dm_lanes fourth, dm_quad *to) {
     dm_lanes t0 = DM_ZIP_LOW(a.x, a.y), t1 = DM_ZIP_LOW(a.z, fourth);
     dm_lanes t2 = DM_ZIP_HIGH(a.x, a.y), t3 = DM_ZIP_HIGH(a.z, fourth);
@@ -164,7 +163,7 @@ DM_INLINE void dm_quads_of(dm_vec3 a, dm_lanes fourth, dm_quad *to) {
     to[4] = DM_HIGH(r0), to[5] = DM_HIGH(r1), to[6] = DM_HIGH(r2), to[7] = DM_HIGH(r3);
 }
 
-/* and back, into eight records in a row */
+/* Scatter eight lanes to consecutive records. */
 DM_INLINE void dm_scatter8(dm_vec3 x, dm_vec3 v, dm_record *to) {
     dm_quad at[DM_LANES], speed[DM_LANES];
     dm_quads_of(x, dm_splat(0), at), dm_quads_of(v, dm_splat(0), speed);

@@ -1,5 +1,5 @@
-/* Threads that help whoever steps: with the bodies of a call, and with the slices of a body. What is shared out comes in
- * parts that do not depend on who runs them, so the bits are the same for any number of threads. */
+/* Helper threads for the stepping thread: they run bodies of a call, or slices of a body. The parts of a job do not
+ * depend on which thread runs them, so the bits are the same for any number of threads. */
 #include "many.h"
 #include "constants.h"
 #include <stdatomic.h>
@@ -50,22 +50,22 @@ typedef struct {
     _Alignas(64) atomic_llong left;
 } dm_range;
 
-/* Helpers look here for parts of what is shared out. Each worker has a range of them, the same in pass after pass, so
- * that its memory stays near it; what it does not come to, others take. Nobody waits for a helper unless it has a part, so
- * one that gets no core, and a process that was forked, which has none, cost hardly any time. */
+/* The job that is shared out. Each worker has its own range of parts, the same in every pass, so that their memory
+ * stays in its cache; other workers take the parts that it is late with. No thread waits for a helper that has not
+ * taken a part, so a helper that gets no core, or a forked process, which has no helpers, costs hardly any time. */
 static struct {
     dm_mutex lock;
     dm_condition changed;
-    atomic_llong threads, workers, asleep; /* helpers; wanted, with the caller; helpers that wait for `changed` */
-    atomic_int taken;                      /* something is shared out, */
-    atomic_llong posted, undone, ranges;   /* after so many others; parts that are not finished */
-    dm_range range[DM_MOST_SLICES];        /* parts that nobody has yet */
-    int64_t count; /* this and the next hold from when a part is taken until it is finished */
+    atomic_llong threads, workers, asleep; /* helpers; workers wanted, with the caller; helpers waiting for `changed` */
+    atomic_int taken;                      /* a job is shared out */
+    atomic_llong posted, undone, ranges;   /* jobs so far; parts that are not finished; workers of the job */
+    dm_range range[DM_MOST_SLICES];        /* parts that no thread has taken */
+    int64_t count; /* this and the next two are valid while a taken part is unfinished */
     dm_part *run;
     void *of;
 } dm_pool = {.lock = DM_MUTEX, .changed = DM_CONDITION, .workers = 1};
 
-/* Run parts of a range, at most so many; return how many. */
+/* Run at most `most` parts of a range; return the number of parts run. */
 static int64_t dm_run_range(int64_t r, int64_t most) {
     int64_t done = 0;
     for (int64_t left; done < most && dm_pool.range[r].left > 0 && (left = dm_pool.range[r].left--) > 0; done++)
@@ -74,7 +74,7 @@ static int64_t dm_run_range(int64_t r, int64_t most) {
     return done;
 }
 
-/* Run a part of somebody who is late; tell whether there was one. */
+/* Run a part that its worker is late with; return whether there was one. */
 static int dm_run_late_part(void) {
     for (int64_t r = 0; r < dm_pool.ranges; r++)
         if (dm_run_range(r, 1)) return 1;
@@ -83,7 +83,7 @@ static int dm_run_late_part(void) {
 
 static int dm_is_wanted(int64_t number) { return number < dm_pool.workers; }
 
-/* Look for more than has been seen; tell whether it came soon. */
+/* Wait actively for a job after the `seen` ones; return whether one came soon. */
 static int dm_comes_soon(int64_t number, int64_t seen) {
     for (int k = 0; k < DM_PATIENCE; k++) {
         if (dm_pool.posted != seen && dm_is_wanted(number)) return 1;
@@ -92,7 +92,7 @@ static int dm_comes_soon(int64_t number, int64_t seen) {
     return 0;
 }
 
-/* Help, under a number that ends when fewer workers are wanted. */
+/* Run the helper thread of a number; it ends when fewer workers than that are wanted. */
 static DM_THREAD_RESULT dm_help(void *as) {
     int64_t number = (intptr_t)as, seen = 0;
     dm_flush_denormals();
@@ -109,7 +109,7 @@ static DM_THREAD_RESULT dm_help(void *as) {
     }
 }
 
-/* Start the helpers that are missing, and wake those that sleep. */
+/* Start missing helpers, and wake sleeping ones. */
 static void dm_call_helpers(void) {
     dm_lock(&dm_pool.lock);
     while (dm_is_wanted(dm_pool.threads + 1) && dm_start(dm_help, (void *)(intptr_t)(dm_pool.threads + 1)))
@@ -120,7 +120,7 @@ static void dm_call_helpers(void) {
 
 void dm_share_out(int64_t count, dm_part *run, void *of) {
     int64_t workers = dm_pool.workers < count ? dm_pool.workers : count;
-    if (workers < 2 || dm_pool.taken || atomic_exchange(&dm_pool.taken, 1)) { /* within another, or beside it */
+    if (workers < 2 || dm_pool.taken || atomic_exchange(&dm_pool.taken, 1)) { /* inside another job, or beside one */
         for (int64_t k = 0; k < count; k++) run(of, k);
         return;
     }
@@ -133,14 +133,14 @@ void dm_share_out(int64_t count, dm_part *run, void *of) {
     if (dm_pool.asleep || dm_is_wanted(dm_pool.threads + 1)) dm_call_helpers();
     dm_run_range(0, INT64_MAX);
     for (int k = 0; dm_pool.undone; k++)
-        if (k >= DM_LATE && !dm_run_late_part()) dm_yield(); /* to the helper that has it */
+        if (k >= DM_LATE && !dm_run_late_part()) dm_yield(); /* to the helper that has the part */
     dm_pool.taken = 0;
 }
 
 void dm_set_workers(int64_t workers) {
     dm_pool.workers = workers < DM_MOST_SLICES ? workers : DM_MOST_SLICES;
     dm_lock(&dm_pool.lock);
-    dm_signal(&dm_pool.changed); /* to those that are not wanted */
+    dm_signal(&dm_pool.changed); /* for the helpers that must end */
     dm_unlock(&dm_pool.lock);
 }
 
@@ -168,7 +168,7 @@ int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *con
         int32_t code = frames[k] ? dm_check_step(bodies[k], motions[k]) : DM_SIZE;
         if (code != DM_OK) return code;
         for (int64_t j = 0; j < k; j++)
-            if (bodies[j] == bodies[k]) return DM_INDEX; /* it is stepped by one thread at a time */
+            if (bodies[j] == bodies[k]) return DM_INDEX; /* only one thread may step a body */
     }
     dm_run *runs = malloc((size_t)(count + 1) * sizeof *runs);
     if (!runs) return DM_MEMORY;
@@ -177,10 +177,10 @@ int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *con
         runs[k] = (dm_run){bodies[k], motions[k], frames[k], dm_cost(bodies[k], motions[k])};
         left += runs[k].cost;
     }
-    qsort(runs, (size_t)count, sizeof *runs, dm_is_cheaper); /* the dearest first, or it would be the last alone */
+    qsort(runs, (size_t)count, sizeof *runs, dm_is_cheaper); /* the most expensive first: last, it would run alone */
     for (int64_t k = 0, next; k < count; k = next) {
         int sliced = dm_is_sliced(runs[k].body);
-        /* what is dearer than a worker's share of the rest gets all workers, in slices; what sleeps needs none */
+        /* a body that costs more than a worker's share of the rest gets all workers, in slices; one asleep, none */
         if (!runs[k].cost || (sliced && runs[k].cost * workers > left)) next = k + 1;
         else next = sliced ? count - (count - k) % workers : count;
         dm_share_out(next - k, dm_run_one, runs + k);

@@ -1,10 +1,10 @@
-/* What a body can do, in one precision and for one instruction set; each variant.c offers one such table.
- * Arguments are those of dimple.h, checked by api.c. */
+/* The functions of a body, in one precision and for one instruction set; each build of variant.c has one such table.
+ * The arguments are those of dimple.h, checked by api.c. */
 #ifndef DM_METHODS_H
 #define DM_METHODS_H
 #include "many.h"
 
-typedef struct dm_state dm_state; /* of one body; what it holds depends on the precision */
+typedef struct dm_state dm_state; /* of one body; its fields depend on the precision */
 
 typedef struct dm_scene_state dm_scene_state;
 
@@ -24,7 +24,6 @@ typedef struct {
     void (*get_law)(const dm_state *state, int64_t fingertip, const double *factors, double factors_end, int64_t count,
                     const double *depths, double *forces);
     void (*carry)(const dm_binding *binding, const float *motions, float *skin);
-    /* null where this library has none: in double precision, but for tests */
     int32_t (*scene_create)(dm_scene_state **scene, int64_t bodies, dm_state *const *body, const uint8_t *self,
                             const double *offset, int64_t colliders, const dm_collider_def *collider,
                             dm_crossings *left_out);

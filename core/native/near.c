@@ -1,9 +1,9 @@
-/* What a query finds near: pairs of a vertex and a face, or of two edges, and which of them may touch before the next one,
- * in an order that does not depend on where anything lies in memory. */
+/* The results of a query: nearby pairs of a vertex and a face, or of two edges, and those of them that may touch before
+ * the next query, in an order that does not depend on the layout in memory. */
 #include "scene.h"
 
-/* How much two edges stick out towards each other. What is rigid and sharp presses skin that is flat, or folded round it:
- * that of the skin does not count. */
+/* Return how much two edges stick out towards each other, 0 to 1. A sharp rigid edge presses skin that is flat or
+ * folded round it, so beside a rigid edge the skin's own edge does not count. */
 static double dm_weight_of_edges(const dm_scene_state *s, const dm_pair *pair, const double *w, const double *between,
                                  double gap) {
     double point[2][3], normal[2][3], weight = 1;
@@ -18,7 +18,7 @@ static double dm_weight_of_edges(const dm_scene_state *s, const dm_pair *pair, c
     return weight;
 }
 
-/* Note a pair as a candidate where it may touch before the next query. */
+/* List a pair as a candidate if it may touch before the next query. */
 static void dm_note_candidate(dm_scene_state *s, const dm_pair *pair, double gap, const double *w,
                               const double *between) {
     const dm_surface *f = s->both[0], *g = s->both[1];
@@ -36,8 +36,8 @@ static void dm_note_candidate(dm_scene_state *s, const dm_pair *pair, double gap
     if (dm_has_room(s)) s->candidates[s->candidate_count++] = made;
 }
 
-/* Note a pair of the two surfaces that are searched, for now with its vertices as they are numbered in the scene.
- * w, between: of its nearest points, as dm_measure_pair finds them. */
+/* List a pair of the two surfaces that are being searched, for now with its vertices' numbers in the scene.
+ * w, between: of its nearest points, from dm_measure_pair. */
 static void dm_note_pair(dm_scene_state *s, const dm_pair *pair, double gap, const double *w, const double *between,
                          int inside) {
     const uint32_t *at = pair->at;
@@ -59,7 +59,7 @@ static void dm_note_pair(dm_scene_state *s, const dm_pair *pair, double gap, con
     if (inside) dm_note_candidate(s, made, gap, w, between);
 }
 
-/* List the vertices of the pairs that are near, in the order in which they lie in memory, and how many pairs each has. */
+/* List the vertices of the pairs, in the order in which they lie in memory, and count the pairs of each. */
 static void dm_number_near(dm_scene_state *s) {
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
         for (uint32_t i = f->first; i < f->first + f->count && dm_has_room(s); i++)
@@ -68,7 +68,7 @@ static void dm_number_near(dm_scene_state *s) {
         for (int k = 0; k < 4; k++) s->tally[s->pairs[i].at[k] = s->place[s->pairs[i].at[k]]].count++;
 }
 
-/* A candidate with its vertices in the order of the caller, each side from the lowest. */
+/* Return a candidate with the caller's vertex numbers, in ascending order on each side. */
 static dm_ordered dm_ordered_of(const dm_scene_state *s, const dm_candidate *candidate) {
     const dm_pair *p = s->pairs + candidate->pair;
     dm_ordered made = {.ones = p->ones, .own = *candidate};
@@ -98,8 +98,8 @@ static int dm_comes_before(const dm_ordered *a, const dm_ordered *b) {
     return 0;
 }
 
-/* Put the candidates into an order that does not depend on where anything lies in memory: faces first, then edges, by
- * their first vertex, and the few of one vertex by the others. */
+/* Sort the candidates in an order that does not depend on the layout in memory: faces first, then edges, by their first
+ * vertex (a bin for each), and the few of one vertex by the others. */
 static void dm_order_candidates(dm_scene_state *s) {
     uint32_t count = s->candidate_count, *bins = s->bins, many = (uint32_t)s->vertex_count;
     memset(bins, 0, (size_t)(2 * many + 1) * sizeof *bins);

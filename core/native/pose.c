@@ -1,7 +1,7 @@
-/* The rigid motion of a body: where its shape at rest lies, and the rigid part of a field of velocities. */
+/* The rigid motion of a body: the pose of its shape at rest, and the rigid part of a velocity field. */
 #include "body.h"
 
-/* Turn a symmetric matrix diagonal by plane rotations (Jacobi): a = q diag(a) q^T, q by columns. */
+/* Diagonalise a symmetric matrix by plane rotations (Jacobi): a = q diag(a) q^T, eigenvectors in the columns of q. */
 static void dm_diagonalise(int n, double *a, double *q) {
     for (int i = 0; i < n * n; i++) q[i] = i % (n + 1) == 0;
     for (int sweep = 0; sweep < 30; sweep++) {
@@ -32,8 +32,8 @@ static void dm_diagonalise(int n, double *a, double *q) {
     }
 }
 
-/* The rotation that maximises trace(r^T h): its quaternion is the eigenvector of the largest eigenvalue of a
- * 4 x 4 matrix. It exists for any h, and is unique wherever the polar decomposition is. Source: Horn 1987. */
+/* Find the rotation r that maximises trace(r^T h): its quaternion is the eigenvector of the largest eigenvalue of a
+ * 4 x 4 matrix. It exists for any h, and is unique if the polar decomposition is. Source: Horn 1987. */
 static void dm_nearest_rotation(const double *h, double *r) {
     double xx = h[0], yy = h[4], zz = h[8], q[16];
     double a = h[7] - h[5], b = h[2] - h[6], c = h[3] - h[1], d = h[1] + h[3], e = h[2] + h[6], f = h[5] + h[7];
@@ -56,7 +56,8 @@ static void dm_multiply3x3(const double *a, const double *b, double *r) {
         for (int j = 0; j < 3; j++) r[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
 }
 
-/* Invert a symmetric 3 x 3 matrix; a direction without inertia (a straight line of vertices) gets no spin. */
+/* Invert a symmetric 3 x 3 inertia tensor, and destroy it; an axis without inertia (a straight line of vertices)
+ * gets no spin. */
 static void dm_invert3x3(double *a, double *inverse) {
     double q[9], most = 0;
     dm_diagonalise(3, a, q);
@@ -85,8 +86,8 @@ static dm_rigid dm_rigid_part(const dm_state *b, const dm_inertia *at, const dou
     return r;
 }
 
-/* The moments that both fits ask for, in one pass. With q the place at rest from its centre, sum k1 q = 0; the tension
- * takes part by its pull p, sum p = 0. */
+/* The moments that the fits of the pose and of the motion need, in one pass. For q, the place at rest relative to its
+ * centre, sum k1 q = 0; the tension contributes through its pull p, sum p = 0. */
 enum { DM_K_X = 0, DM_K_XQ = 3, DM_M_X = 12, DM_M_XX = 15, DM_M_V = 21, DM_M_XV = 24 };
 
 static void dm_pass_moments(dm_state *b, int64_t from, int64_t to, double *sums) {
@@ -122,7 +123,7 @@ static void dm_sum_moments(dm_state *b, double *sums) {
 
 /* Fit the shape at rest to the body: least squares weighted by k1 and the tension. */
 static void dm_fit_pose(dm_state *b, const double *sums) {
-    /* from the last rotation it is a small way, so few sweeps are needed: r = r0 fit(r0^T h) */
+    /* starting from the last rotation r0, few sweeps are needed: r = r0 fit(r0^T h) */
     const double *t = b->turned;
     double near[9], turn[9], back[9] = {t[0], t[3], t[6], t[1], t[4], t[7], t[2], t[5], t[8]};
     dm_multiply3x3(back, sums + DM_K_XQ, near);
@@ -132,7 +133,7 @@ static void dm_fit_pose(dm_state *b, const double *sums) {
     for (int c = 0; c < 3; c++) b->translation[c] = sums[DM_K_X + c] / b->k1_total;
 }
 
-/* Find the moments of the mass. */
+/* Find the centre of mass, and the inertia tensor about it with its inverse. */
 static void dm_find_inertia(const dm_state *b, const double *sums, dm_inertia *at) {
     const double *s = sums + DM_M_X, *xx = sums + DM_M_XX;
     double *o = at->centre;
@@ -144,15 +145,16 @@ static void dm_find_inertia(const dm_state *b, const double *sums, dm_inertia *a
     dm_invert3x3(tensor, at->inverse);
 }
 
-/* Find the rigid part of the velocities, and the moments of the mass. */
+/* Find the rigid part of the velocities, and the centre and inertia of the mass. */
 static void dm_fit_motion(dm_state *b, const double *sums) {
     dm_find_inertia(b, sums, &b->moments);
     b->drift = dm_rigid_part(b, &b->moments, sums + DM_M_V, sums + DM_M_XV);
     memcpy(b->moments.spin, b->drift.angular, sizeof b->moments.spin);
 }
 
-/* Fit points at rest to points, all of one weight: pose is rotation by rows, then translation. Both are (3, stride), and
- * filled up to eights with the first one, from which all are counted, so that rounding stays small. */
+/* Fit points at rest to points of equal weight; pose: rotation by rows, then translation. Both arrays are (3,
+ * stride), and padded here to a multiple of eight with their first point. Points are taken relative to it, so that
+ * rounding stays small. */
 static void dm_fit_points(int64_t count, int64_t stride, double *rest, double *points, double *pose) {
     double from[3], to[3], h[9];
     dm_wide sum[15] = {{0}};
@@ -176,8 +178,8 @@ static void dm_fit_points(int64_t count, int64_t stride, double *rest, double *p
     for (int c = 0; c < 3; c++) pose[9 + c] = to[c] - dm_inner3(pose + 3 * c, from);
 }
 
-/* Where the shape at rest is: with the pins, or the best fit to the body, by k1 and the tension or, where k1 is 0,
- * by mass. */
+/* Find the pose of the shape at rest: that of the pins, or the best fit to a free body, weighted by k1 and the
+ * tension or, if all k1 are 0, by mass. */
 static void dm_fit_whole(const dm_state *b, double *pose) {
     if (!b->free) {
         memcpy(pose, b->pose, sizeof b->pose);
@@ -211,13 +213,13 @@ static void dm_fit_whole(const dm_state *b, double *pose) {
     }
 }
 
-/* Where the shape at rest is now. */
+/* Find the present pose of the shape at rest. */
 static void dm_pose_now(const dm_state *b, double *pose) {
     if (b->asleep) memcpy(pose, b->still_pose, sizeof b->still_pose);
     else dm_fit_whole(b, pose);
 }
 
-/* Where that of a free body was fitted as the substep began. */
+/* Find the pose of a free body's shape at rest that was fitted as the substep began. */
 static void dm_fitted_pose(const dm_state *b, double *pose) {
     memcpy(pose, b->rotation, sizeof b->rotation);
     for (int c = 0; c < 3; c++)

@@ -1,5 +1,5 @@
-/* What the parts of a step cost: DM_TIMED(part, call) makes the call and, in a build for tests/bench/profile.py, adds
- * up its time. Nothing else pays for it. */
+/* The time of each part of a step: DM_TIMED(part, call) makes the call and, in a build for tests/bench/profile.py, adds
+ * up its time. Other builds have no overhead. */
 #ifndef DM_PROFILE_H
 #define DM_PROFILE_H
 

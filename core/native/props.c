@@ -1,5 +1,5 @@
-/* Props among what else meets: what they may stand on, how far they may go, and what soft bodies answer. To a soft body a
- * prop is a collider that goes at its speed; what the body answers acts in the next substep. Source:
+/* Props in a scene: their supports, how far they may move, and the reaction of soft bodies. To a soft body a prop is a
+ * collider with the prop's velocity; the reaction acts on the prop in the next substep. Source:
  * studies/reference/twin_scene.py. */
 #include "scene.h"
 
@@ -23,11 +23,11 @@ static void dm_free_prop(dm_falling *p) {
     if (p) dm_free(p->arms), dm_free(p->seen), dm_free(p);
 }
 
-/* Take how a prop moves, where that is not as it was left. */
+/* Take over the state of a prop if the caller has changed it. */
 static void dm_take_prop(dm_scene_state *s, const dm_surface *f, const dm_prop *to) {
     dm_falling *p = f->prop;
     if (p->placed && !memcmp(to, &p->now, sizeof *to)) return;
-    int goes_on = p->placed && !memcmp(to, &p->now, offsetof(dm_prop, gravity)); /* weight and ground alone differ */
+    int goes_on = p->placed && !memcmp(to, &p->now, offsetof(dm_prop, gravity)); /* only gravity and ground differ */
     p->now = *to, p->asleep = 0, p->placed = 1, p->quiet = 0;
     if (goes_on) return;
     double pose[12];
@@ -38,7 +38,7 @@ static void dm_take_prop(dm_scene_state *s, const dm_surface *f, const dm_prop *
     s->due = 1;
 }
 
-/* Note a pair of which neither side is a soft body. */
+/* List a pair of which neither side is a soft body. */
 static void dm_add_support(dm_scene_state *s, const dm_meeting *m) {
     s->supports = dm_grown(s, s->supports, s->support_count, &s->support_room, sizeof *s->supports);
     if (!dm_has_room(s)) return;
@@ -48,7 +48,7 @@ static void dm_add_support(dm_scene_state *s, const dm_meeting *m) {
     memcpy(c->weight, m->weight, sizeof c->weight), memcpy(c->normal, m->normal, sizeof c->normal);
 }
 
-/* Begin a substep of what props may touch. */
+/* Begin a substep of the supports, and list the contacts of props with the ground. */
 static void dm_begin_supports(dm_scene_state *s) {
     for (dm_support *c = s->supports; c < s->supports + s->support_count; c++) {
         double ends[2][3] = {{0}};
@@ -76,7 +76,7 @@ static void dm_begin_supports(dm_scene_state *s) {
     }
 }
 
-/* Before anything moves in a substep: let props fall. */
+/* Before anything moves in a substep: let the props fall. */
 static void dm_begin_props(dm_scene_state *s) {
     if (!s->prop_count) return;
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
@@ -84,7 +84,8 @@ static void dm_begin_props(dm_scene_state *s) {
     dm_begin_supports(s);
 }
 
-/* Leave a prop where its way has ended; where that was before it should, it has lost as much of its speed. */
+/* Take over the pose at which a prop's motion has ended; if that was a share of its motion only, its velocity is
+ * reduced to that share. */
 static void dm_leave_prop(dm_scene_state *s, dm_surface *f) {
     double pose[12];
     dm_falling *p = f->prop;
@@ -96,7 +97,8 @@ static void dm_leave_prop(dm_scene_state *s, dm_surface *f) {
         p->now.velocity[c] *= f->share, p->now.momentum[c] *= f->share, p->spin[c] *= f->share;
 }
 
-/* Where colliders have moved: resolve what props touch but soft bodies, and let them go their way. */
+/* After the colliders have moved: resolve the contacts of props with everything except soft bodies, and move the
+ * props. */
 static void dm_move_props(dm_scene_state *s) {
     if (!s->prop_count) return;
     for (dm_support *c = s->supports; c < s->supports + s->standing; c++) {
@@ -123,7 +125,7 @@ static void dm_move_props(dm_scene_state *s) {
         if (f->prop && !f->prop->asleep) f->share = f->tried = 1, dm_go(s, f);
 }
 
-/* After a substep: note what soft bodies answered props. */
+/* After a substep: note the reactions of soft bodies on props. */
 static void dm_note_answers(dm_scene_state *s) {
     for (dm_surface *f = s->surfaces; s->prop_count && f < s->surfaces + s->surface_count; f++)
         if (f->prop && !f->prop->asleep) memset(f->prop->answer, 0, sizeof f->prop->answer);

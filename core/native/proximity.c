@@ -1,7 +1,7 @@
-/* Who is near whom: a vertex and a face, or two edges. Source: studies/reference/proximity.py. */
+/* Nearby pairs: a vertex and a face, or two edges. Source: studies/reference/proximity.py. */
 #include "scene.h"
 
-/* Put a vertex into the list of what is near. */
+/* Add a vertex to the list `near`. */
 static void dm_note_near(dm_scene_state *s, const dm_surface *f, uint32_t vertex) {
     s->near = dm_grown(s, s->near, s->near_count, &s->near_room, sizeof *s->near);
     s->tally = dm_grown(s, s->tally, s->near_count, &s->tally_room, sizeof *s->tally);
@@ -13,9 +13,9 @@ static void dm_note_near(dm_scene_state *s, const dm_surface *f, uint32_t vertex
     s->place[vertex] = s->near_count++;
 }
 
-/* How much an edge sticks out in a direction: 1 where the faces beside it fall away from there, 0 where they are flat
- * or rise, and faces do what is to be done. Of what is rigid and coarse, one of them may be flat: two bars that lie
- * crosswise touch nowhere else. */
+/* Return how much an edge sticks out in a direction: 1 if the faces beside it slope away, 0 if they are flat or
+ * rise, when pairs with faces do the work. On a rigid mesh, which may be coarse, one of the two may be flat: two
+ * crossed bars touch only at such edges. */
 static double dm_sharpness(const dm_scene_state *s, uint32_t edge, const double *point, const double *normal, int rigid) {
     double least = 1, most = 0, flat = 1;
     for (int k = 0; k < 2; k++) {
@@ -37,7 +37,7 @@ DM_INLINE const dm_surface *dm_surface_of(const dm_scene_state *s, const dm_pair
     return s->surfaces + s->near[p->at[corner]].surface;
 }
 
-/* The friction of the vertices `from` up to `to` of a pair, with their weights. */
+/* Return the friction coefficient of one side of a pair, its vertices from `from` to `to`, by their weights. */
 static double dm_friction_of(const dm_scene_state *s, const dm_pair *p, uint32_t from, uint32_t to, const double *w) {
     const dm_surface *f = dm_surface_of(s, p, from);
     if (!f->body) return f->friction;
@@ -57,7 +57,7 @@ DM_INLINE int dm_share_a_vertex(const uint32_t *a, int m, const uint32_t *b, int
 static void dm_note_pair(dm_scene_state *s, const dm_pair *pair, double gap, const double *w, const double *between,
                          int inside);
 
-/* Note what of the waiting pairs is near. */
+/* Measure the waiting pairs, eight at once, and list those that are near. */
 static void dm_note_waiting(dm_scene_state *s, uint32_t ones) {
     uint32_t count = s->waiting_count[ones - 1];
     const dm_pair *waiting = s->waiting[ones - 1];
@@ -90,7 +90,7 @@ DM_INLINE void dm_let_wait(dm_scene_state *s, dm_pair pair) {
     if (s->waiting_count[k] == DM_WAITING) dm_note_waiting(s, pair.ones);
 }
 
-/* Are some vertices farther from others along an axis than a query looks? */
+/* Return whether two sets of vertices are farther apart than the reach of the query along an axis. */
 DM_INLINE int dm_are_apart(const dm_scene_state *s, const uint32_t *a, int m, const uint32_t *b, int n) {
     for (int c = 0; c < 3; c++) {
         double low = s->before[a[0]][c], high = low, lower = s->before[b[0]][c], higher = lower;
@@ -120,7 +120,7 @@ static void dm_pair_edges(dm_scene_state *s, uint32_t i, uint32_t j) {
     }
 }
 
-/* Find what of triangle i, and of what it stands for, may be near triangle j. */
+/* Collect the pairs of the corners, edges and faces that triangles i and j represent, if they may be near. */
 static void dm_pair_triangles(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
     (void)f, (void)g;
     const uint32_t *a = s->corners[i], *b = s->corners[j];

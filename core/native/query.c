@@ -1,4 +1,4 @@
-/* The query: where everything is, who is near whom, and how far each may go until the next one. */
+/* The proximity query: places, nearby pairs, and how far each surface may move until the next query. */
 #include "scene.h"
 
 static void dm_note_rest(dm_scene_state *s, const dm_surface *f) {
@@ -7,7 +7,7 @@ static void dm_note_rest(dm_scene_state *s, const dm_surface *f) {
         for (int c = 0; c < 3; c++) s->rest[f->first + b->place[k]][c] = b->rest[c * b->n + k];
 }
 
-/* Note where the vertices of a surface are. */
+/* Note the places of a surface's vertices, and their bounding box. */
 static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
     for (int c = 0; c < 3; c++) f->low[c] = INFINITY, f->high[c] = -INFINITY;
     for (uint32_t i = f->first; i < f->first + f->count; i++) {
@@ -27,7 +27,7 @@ static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
     memcpy(f->origin, f->body->origin, sizeof f->origin);
 }
 
-/* The greatest speed of anything as a tick begins. */
+/* Return the greatest speed of any surface as a tick begins [m/s]. */
 static double dm_fastest_of(dm_scene_state *s) {
     double speed = 0;
     s->fastest_rigid = 0;
@@ -49,7 +49,8 @@ static double dm_fastest_of(dm_scene_state *s) {
     return speed;
 }
 
-/* As a tick begins: how much farther than they touch things are looked at, for they come nearer before the next look. */
+/* As a tick begins: set how much farther than their distance of touch pairs are still considered, because they may come
+ * nearer before the next update. */
 static void dm_set_approach(dm_scene_state *s) {
     s->fastest = dm_fastest_of(s);
     double least = s->touch + 3 * s->fastest * s->dt;
@@ -61,7 +62,7 @@ static void dm_bring_near(dm_surface *f, double slack, double stale) {
     f->slack = slack < f->slack ? slack : f->slack, f->stale = stale < f->stale ? stale : f->stale;
 }
 
-/* Was one of two torn past the other? */
+/* Return whether the skin of f has been released from the collider g. */
 DM_INLINE int dm_is_released(const dm_scene_state *s, const dm_surface *f, const dm_surface *g) {
     for (uint32_t k = 0; k < s->released_count; k++)
         if (s->released[k][0] == f - s->surfaces && s->released[k][1] == g - s->surfaces) return 1;
@@ -72,7 +73,7 @@ DM_INLINE int dm_may_touch(const dm_scene_state *s, const dm_surface *f, const d
     return f == g ? f->self : (f->body || g->body || f->prop || g->prop) && !dm_is_released(s, f, g);
 }
 
-/* How far [m] a vertex of a body is pulled from its place in the shape at rest along the way of a collider. */
+/* Return how far a vertex of a body is pulled from its place at rest along the motion of a collider [m]. */
 static double dm_pulled(const dm_state *b, uint32_t i, const double *rate) {
     double along = 0, speed = sqrt(dm_inner3(rate, rate)), rest[3];
     dm_vec3 lanes = b->matter[i / DM_LANES].rest;
@@ -82,7 +83,8 @@ static double dm_pulled(const dm_state *b, uint32_t i, const double *rate) {
     return along;
 }
 
-/* Let go of colliders that have pulled skin farther than the body's size, and let those meet it again that are apart. */
+/* Release skin from colliders that have pulled it farther than the body's size; once they are apart, they collide
+ * again. */
 static void dm_release(dm_scene_state *s) {
     for (uint32_t k = 0; k < s->released_count; k++) {
         const dm_surface *f = s->surfaces + s->released[k][0], *g = s->surfaces + s->released[k][1];
@@ -104,7 +106,7 @@ static void dm_release(dm_scene_state *s) {
     }
 }
 
-/* Find what of two surfaces is near each other, or how far they are apart. */
+/* List the nearby pairs of two surfaces, or limit their motion by the distance between them. */
 static void dm_query_pair(dm_scene_state *s, uint32_t i, uint32_t j) {
     dm_surface *f = s->both[0] = s->surfaces + i, *g = s->both[1] = s->surfaces + j;
     if (!dm_may_touch(s, f, g)) return;
@@ -125,7 +127,7 @@ static void dm_query_pair(dm_scene_state *s, uint32_t i, uint32_t j) {
 
 static void dm_query(dm_scene_state *s) {
     dm_sum_meetings(s), s->batch_count = s->support_count = 0;
-    s->reach = fmax(s->least_reach, s->touch + 3 * s->fastest_rigid * s->dt); /* so that it may go on */
+    s->reach = fmax(s->least_reach, s->touch + 3 * s->fastest_rigid * s->dt); /* so that rigid surfaces need not stop */
     for (int64_t k = 0; k < s->surface_count; k++) dm_note_surface(s, s->surfaces + k);
     dm_release(s);
     for (int64_t i = 0; i < s->vertex_count; i++) s->place[i] = DM_NO_VERTEX;
@@ -135,7 +137,7 @@ static void dm_query(dm_scene_state *s) {
     if (dm_has_room(s)) dm_number_near(s);
     if (dm_has_room(s)) dm_link_pairs(s);
     if (dm_has_room(s)) dm_order_candidates(s);
-    s->moving = dm_roomy(s, s->moving, s->near_count + 1, &s->moving_room, sizeof *s->moving); /* the last: of empty lanes */
+    s->moving = dm_roomy(s, s->moving, s->near_count + 1, &s->moving_room, sizeof *s->moving); /* last: empty lanes */
     s->there = dm_roomy(s, s->there, s->near_count, &s->there_room, sizeof *s->there);
     s->met = dm_roomy(s, s->met, s->near_count, &s->met_room, sizeof *s->met);
     s->looks = 1;

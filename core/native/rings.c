@@ -1,12 +1,12 @@
-/* The one pass over ordered one-rings: springs, dashpots, shape matching, normals and volume from a single gather. */
+/* The pass over the ordered one-rings: springs, dashpots, shape matching, normals and volume from a single gather. */
 #include "body.h"
 
-/* of an arm d that grows by w: d^2 and d.w */
+/* of an arm d with relative velocity w: d^2, and d.w */
 typedef struct {
     dm_lanes square, closing;
 } dm_strain;
 
-/* Gather the vectors to the neighbours in a slot. */
+/* Gather the vectors to the neighbours in a slot; return their strains. */
 DM_INLINE dm_strain dm_gather_slot(const dm_state *b, const dm_slot *s, dm_vec3 x, dm_vec3 v, dm_vec3 *arm) {
     dm_vec3 at, speed;
     dm_gather8(b->records, s->at, &at, &speed);
@@ -14,42 +14,42 @@ DM_INLINE dm_strain dm_gather_slot(const dm_state *b, const dm_slot *s, dm_vec3 
     return (dm_strain){dm_vmax(dm_dot(*arm, *arm), dm_splat(DM_LEAST)), dm_dot(*arm, dm_sub(speed, v))};
 }
 
-/* f = (k (1 - l0 / |d|) + t + c d.w / d^2) d, with one division: 1 / |d| = |d| / d^2 */
+/* Add f = (k (1 - l0 / |d|) + t + c d.w / d^2) d, with a single division: 1 / |d| = |d| / d^2. */
 DM_INLINE void dm_add_spring_force(const dm_slot *s, dm_vec3 d, dm_strain e, dm_vec3 *force) {
     dm_lanes root = dm_vsqrt(e.square), inverse = dm_splat(1) / e.square;
     dm_lanes tension = s->stiffness + (s->damping * e.closing - s->pull * root) * inverse;
     force->x += tension * d.x, force->y += tension * d.y, force->z += tension * d.z;
 }
 
-/* a x b + b x c = (a - c) x b: two triangles of the fan round a vertex with one product */
+/* Add a x b + b x c = (a - c) x b: two triangles of the fan round a vertex by one cross product. */
 DM_INLINE void dm_add_fan_normal(const dm_vec3 *arm, dm_vec3 *normal) {
     dm_vec3 m = dm_sub(arm[0], arm[2]), b = arm[1];
-    normal->x = normal->x + m.y * b.z - m.z * b.y; /* in this order each is two fused operations */
+    normal->x = normal->x + m.y * b.z - m.z * b.y; /* in this order, each is two fused operations */
     normal->y = normal->y + m.z * b.x - m.x * b.z;
     normal->z = normal->z + m.x * b.y - m.y * b.x;
 }
 
-/* -(k1 + (k2 - k1) max(1 - d0 / |u|, 0)) u - c w: a spring of two slopes to the place at rest */
+/* Return -(k1 + (k2 - k1) max(1 - d0 / |u|, 0)) u - c w: the force of a bilinear spring to the place at rest. */
 DM_INLINE dm_vec3 dm_matching_force(const dm_group_matter *m, dm_vec3 u, dm_vec3 w) {
     dm_lanes k = m->k1, square = dm_dot(u, u), none = dm_splat(0), one = dm_splat(1);
-    if (dm_any_of((dm_mask)(square > m->d0 * m->d0))) { /* few vertices are that far from home */
+    if (dm_any_of((dm_mask)(square > m->d0 * m->d0))) { /* few vertices are beyond the knee */
         dm_lanes inverse = one / dm_vsqrt(dm_vmax(square, dm_splat(DM_LEAST)));
         k += m->k_more * dm_vmax(one - m->d0 * inverse, none);
     }
     return (dm_vec3){-(k * u.x + m->damping * w.x), -(k * u.y + m->damping * w.y), -(k * u.z + m->damping * w.z)};
 }
 
-/* The fan closes; where its triangles are odd in number, the last is turned alone. */
+/* Add the normals of a closed fan; if the number of triangles is odd, the last is added alone. */
 DM_INLINE void dm_add_fan(dm_vec3 *arm, int64_t count, dm_vec3 *normal) {
     arm[count] = arm[0], arm[count + 1] = (dm_vec3){dm_splat(0), dm_splat(0), dm_splat(0)};
     for (int64_t k = 0; k < count; k += 2) dm_add_fan_normal(arm + k, normal);
 }
 
-/* Add the forces of the springs of a ring, and six times the normal of its fan. */
+/* Add the forces of the springs of a ring, and six times the area vector of its vertex. */
 DM_INLINE void dm_add_ring(const dm_state *b, const dm_slot *s, int64_t count, dm_vec3 x, dm_vec3 v, dm_vec3 *force,
                            dm_vec3 *normal) {
     dm_vec3 arm[DM_MAX_RING + 2];
-    /* each force a slot late: its root and division take as long as the next one's gather */
+    /* each force is computed a slot late: its root and division take as long as the gather of the next slot */
     dm_strain strain = dm_gather_slot(b, s, x, v, arm);
     for (int64_t k = 1; k < count; k++) {
         dm_strain next = dm_gather_slot(b, s + k, x, v, arm + k);
@@ -60,7 +60,7 @@ DM_INLINE void dm_add_ring(const dm_state *b, const dm_slot *s, int64_t count, d
     dm_add_fan(arm, count, normal);
 }
 
-/* Set what comes next of a group that is pinned: it keeps its velocity. Return its part of the volume. */
+/* Set the next velocities of a pinned group, which are unchanged. Return its part of the volume. */
 static __attribute__((noinline)) dm_wide dm_pass_pinned(dm_state *b, int64_t g) {
     dm_vec3 arm[DM_MAX_RING + 2], none = {dm_splat(0), dm_splat(0), dm_splat(0)}, normal = none, x = b->state[g].x;
     int64_t count = b->ring.start[g + 1] - b->ring.start[g];
@@ -72,8 +72,8 @@ static __attribute__((noinline)) dm_wide dm_pass_pinned(dm_state *b, int64_t g) 
     return dm_widen(dm_dot(x, normal));
 }
 
-/* Set what comes next of groups but for the pressure. Sums: the volume as far as rings span it; where the shape at rest
- * follows the body, the force and the moment of shape matching. */
+/* Set the next velocities of groups, without the pressure. sums: the volume that the rings span and, if the shape at
+ * rest follows the body (fitted), the net force and moment of shape matching. */
 DM_INLINE void dm_run_ring_groups(dm_state *b, int64_t from, int64_t to, double *sums, int fitted) {
     dm_wide volume = {0}, sum[6] = {{0}};
     dm_lanes part[6] = {{0}}, dt = dm_splat((dm_real)b->dt), sixth = dm_splat((dm_real)1 / 6);
@@ -90,7 +90,7 @@ DM_INLINE void dm_run_ring_groups(dm_state *b, int64_t from, int64_t to, double 
             continue;
         }
         dm_vec3 x = b->state[g].x, v = b->state[g].v, w = v, normal = none;
-        /* damping is against the shape at rest as it moves */
+        /* damping acts on the velocity relative to the moving shape at rest */
         if (b->carried) w = dm_sub(v, dm_rotated(turning, m->rest, shifting));
         if (fitted) {
             dm_vec3 spin = dm_cross(angular, x);
@@ -98,8 +98,8 @@ DM_INLINE void dm_run_ring_groups(dm_state *b, int64_t from, int64_t to, double 
         }
         if (b->moving) w = dm_sub(w, dm_rotated(rows, b->rest_rate[g], none));
         dm_vec3 force = dm_matching_force(m, dm_sub(x, dm_rotated(rows, m->rest, offset)), w);
-        /* the tension between displacements is that of the arms, in the springs, less that of the shape at rest */
-#ifndef DM_NO_TENSION /* bench --tension leaves it out to see what it costs */
+        /* the tension between displacements is that of the arms, in the springs, minus that of the shape at rest */
+#ifndef DM_NO_TENSION /* bench --tension leaves it out to measure its cost */
         force = dm_sub(force, dm_rotated(rows, m->pull, none));
 #endif
         if (fitted) {
@@ -112,7 +112,7 @@ DM_INLINE void dm_run_ring_groups(dm_state *b, int64_t from, int64_t to, double 
         int64_t slots = b->ring.start[g + 1] - b->ring.start[g];
         if (slots) dm_add_ring(b, s, slots, x, v, &force, &normal);
         if (slots) volume += dm_widen(dm_dot(x, normal));
-        /* pinned vertices have no inverse mass: they keep the velocity they were given */
+        /* the inverse mass of pinned vertices is 0: they keep the velocity that was set */
         dm_lanes by = dt * m->inverse_mass, fall = dm_blend((dm_mask)(by > dm_splat(0)), dt, dm_splat(0));
         b->next[g].v = (dm_vec3){
             v.x + by * force.x + fall * gravity.x,
@@ -132,8 +132,8 @@ static void dm_pass_rings(dm_state *b, int64_t from, int64_t to, double *sums) {
     else dm_run_ring_groups(b, from, to, sums, 0);
 }
 
-/* Set what comes next of every group but for the pressure, and the volume as far as rings span it; of a free body, `drift`
- * becomes the rigid acceleration that shape matching must not leave. */
+/* Set the next velocities of all groups, without the pressure, and the volume that the rings span; `drift` of a free
+ * body becomes the rigid acceleration by shape matching, which is to be subtracted. */
 static void dm_run_rings(dm_state *b) {
     double net[6];
     dm_run_pass(b, dm_pass_rings);

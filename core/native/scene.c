@@ -60,7 +60,7 @@ static int32_t dm_lay_collider(dm_scene_state *s, dm_surface *f, const dm_collid
     return d->mass > 0 ? dm_lay_prop(f, d) : DM_OK;
 }
 
-/* Lay the surfaces one after the other: first the bodies, then the colliders. */
+/* Set up the surfaces one after the other: first the bodies, then the colliders. */
 static int32_t dm_lay_surfaces(dm_scene_state *s, int64_t bodies, const dm_collider_def *colliders) {
     int32_t code = DM_OK;
     uint32_t node = 0;
@@ -126,7 +126,7 @@ static void dm_scene_state_place(dm_scene_state *s, int64_t collider, const doub
     int64_t which = 0;
     while (s->surfaces[which].body) which++;
     dm_place_collider(s, which + collider, positions);
-    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) /* it may stand on what has gone */
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) /* it may have stood on that collider */
         if (f->prop) f->prop->asleep = 0, f->prop->quiet = 0;
     if (s->surfaces[which + collider].prop) s->surfaces[which + collider].prop->placed = 0;
     s->due = 1;
@@ -140,8 +140,8 @@ static void dm_scene_state_read(const dm_scene_state *s, int64_t collider, doubl
         for (uint32_t c = 0; c < 3; c++) positions[c * f->count + k] = s->here[f->first + k][c];
 }
 
-/* Set where the colliders are to be at the end of a tick. One that was held back catches up in the time of a press, on top
- * of the way that it is led. */
+/* Set the target places of the colliders at the end of a tick. A collider that was held back catches up with the
+ * time constant DM_PUSH_TIME, in addition to its keyframed motion. */
 static void dm_aim_colliders(dm_scene_state *s, const dm_collider_motion *to, double share) {
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         if (f->body) continue;
@@ -165,7 +165,8 @@ static void dm_aim_colliders(dm_scene_state *s, const dm_collider_motion *to, do
     }
 }
 
-/* Let colliders go on their way in a substep, one of so many left in the tick. What was held back tries twice as much. */
+/* Move the colliders in a substep. left: substeps left in the tick, including this one. A collider that was held back
+ * tries twice the share that it covered before. */
 static void dm_lead_colliders(dm_scene_state *s, double left) {
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         if (f->body || !dm_goes(f)) continue;
@@ -177,7 +178,7 @@ static void dm_lead_colliders(dm_scene_state *s, double left) {
     }
 }
 
-/* Is a body counted from elsewhere than at the last query, or was it changed? */
+/* Return whether the origin of a body has moved since the last query, or the body was changed. */
 static int dm_is_changed(const dm_scene_state *s) {
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
         if (f->body && (f->changes != f->body->changes || memcmp(f->origin, f->body->origin, sizeof f->origin)))
@@ -209,7 +210,7 @@ static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, in
         if (f->prop && !f->prop->asleep) dm_leave_prop(s, f);
 }
 
-/* After a tick: note how far colliders are behind their way. */
+/* After a tick: note how far colliders lag behind their paths. */
 static void dm_note_late(dm_scene_state *s) {
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         f->late = 0;

@@ -1,4 +1,4 @@
-/* The door of scenes; part of api.c. */
+/* The functions of dimple.h for scenes; part of api.c. */
 
 struct dm_scene {
     dm_scene_state *state;

@@ -1,4 +1,4 @@
-/* A pass over the vertices of a body, in slices that several threads run. */
+/* Passes over the groups of a body, in slices that several threads share. */
 #include "body.h"
 
 static void dm_run_slice(void *of, int64_t k) {
@@ -13,7 +13,7 @@ static void dm_run_pass(dm_state *b, dm_pass *pass) {
     dm_share_out(b->slices, dm_run_slice, b);
 }
 
-/* in the order of the slices, so that the bits do not depend on who ran them */
+/* Return a sum over the slices, in their order, so that the bits do not depend on the threads. */
 static double dm_sum_of_slices(const dm_state *b, int which) {
     double sum = 0;
     for (int64_t k = 0; k < b->slices; k++) sum += b->sums[k][which];

@@ -1,5 +1,5 @@
-/* Semi-implicit Euler, then contact. Source: studies/reference/semi_implicit.py, laws.py; and what of a
- * body changes from tick to tick: its pins, where its numbers are counted from, and whether it is still whole. */
+/* A substep: semi-implicit Euler, then contact. Source: studies/reference/semi_implicit.py, laws.py. A tick: the
+ * pins, the origin of the positions, and the test for divergence. */
 #include "body.h"
 #include "profile.h"
 
@@ -9,7 +9,7 @@ static void dm_fit_body(dm_state *b) {
     dm_fit_pose(b, sums), dm_fit_motion(b, sums);
 }
 
-/* Take out the moment with which what it touches resists its turning: with the drift, as it is no motion. */
+/* Apply the rolling resistance of the surfaces that a body touches, as part of the drift, which is subtracted. */
 static void dm_take_moment(dm_state *b) {
     const double *m = b->resisted, *row = b->moments.inverse, *o = b->moments.centre;
     double a[3];
@@ -33,7 +33,7 @@ static void dm_substep(dm_state *b, int64_t left, dm_frame *frame) {
 DM_SMALL
 enum { DM_PINS_AHEAD = 8 };
 
-/* Fetch a pin that comes soon: pins lie anywhere in memory. */
+/* Prefetch a later pin: pins are scattered in memory. */
 DM_INLINE void dm_fetch_pin(const dm_state *b, int64_t k) {
     if (k >= b->pinned_count) return;
     uint32_t i = b->place[b->pinned[k]];
@@ -41,8 +41,9 @@ DM_INLINE void dm_fetch_pin(const dm_state *b, int64_t k) {
     for (int j = 0; j < 3; j++) __builtin_prefetch((char *)(b->state + i / DM_LANES) + 64 * j, 1);
 }
 
-/* Lead the pins of a tick: a velocity that brings them to a share of their way, and with them the shape at rest.
- * Over the tick it stands where the substeps begin on average, so that the body neither leads nor lags. */
+/* Move the pins of a tick: set velocities that take them to a share of their path, and the shape at rest with them.
+ * During the tick that shape stays at the mean of its poses as the substeps begin, so that the body neither leads nor
+ * lags. */
 static void dm_drive_pins(dm_state *b, const dm_motion *m, double share) {
     int64_t used = 0, count = b->pinned_count, n = b->n, stride = b->groups * DM_LANES;
     double *rest = b->pin_room, *here = rest + 3 * stride, *there = here + 3 * stride, rate = 1 / m->tick;
@@ -70,7 +71,7 @@ static void dm_drive_pins(dm_state *b, const dm_motion *m, double share) {
     dm_place_pose(b);
 }
 
-/* Let pins that were led stand where they are. */
+/* Stop pins that were moved. */
 static void dm_rest_pins(dm_state *b) {
     for (int64_t k = 0; k < b->pinned_count; k++) {
         uint32_t i = b->place[b->pinned[k]];
@@ -81,7 +82,7 @@ static void dm_rest_pins(dm_state *b) {
     dm_place_pose(b);
 }
 
-/* After the last tick: pins that have arrived are where they were sent to the last digit. */
+/* After the last tick: put the pins that have arrived exactly at the end of their paths. */
 static void dm_finish_pins(dm_state *b, const dm_motion *m) {
     int64_t used = 0, whole = m->pins_last >= 1, count = b->pinned_count, n = b->n, stride = b->groups * DM_LANES;
     double *rest = b->pin_room, *here = rest + 3 * stride, farthest = 0;
@@ -105,12 +106,12 @@ static void dm_finish_pins(dm_state *b, const dm_motion *m) {
         dm_set_vertex(b, i, dm_quad_of(local), b->records[i].v);
         farthest = behind > farthest ? behind : farthest;
     }
-    b->led = 1, b->jumped = 2 * farthest; /* of three coordinates each */
+    b->led = 1, b->jumped = 2 * farthest; /* bound for three coordinates, each at most `farthest` */
     if (whole && !b->free && !b->rigged) dm_fit_points(used, stride, rest, here, b->pose), dm_place_pose(b);
 }
 
-/* Count positions from near the body, so that single precision does not depend on where it is. It follows in steps of
- * at least the body's size, a power of two, so that it hardly ever changes. */
+/* Keep the origin of the positions near the body, so that the error of single precision does not depend on where the
+ * body is. The origin moves in steps of a power of two, at least the body's size, and so hardly ever. */
 static void dm_move_origin(dm_state *b, const double *centre) {
     dm_quad by = {0, 0, 0, 0};
     int far = 0;
@@ -124,7 +125,8 @@ static void dm_move_origin(dm_state *b, const double *centre) {
     dm_place_pose(b);
 }
 
-/* Find: three moments of mass; NaN where a number is not finite; the fastest; and the farthest from its place at rest. */
+/* Find the three first moments of mass; NaN if a number is not finite, otherwise 0; the greatest speed; and the
+ * greatest distance from the place at rest. */
 static void dm_pass_looks(dm_state *b, int64_t from, int64_t to, double *found) {
     dm_wide sum[3] = {{0}};
     dm_lanes part[3] = {{0}}, probe = dm_splat(0), fastest = probe, farthest = probe;
@@ -135,7 +137,7 @@ static void dm_pass_looks(dm_state *b, int64_t from, int64_t to, double *found) 
         dm_lanes m = b->matter[g].mass;
         part[0] += m * x.x, part[1] += m * x.y, part[2] += m * x.z;
         probe += (x.x + x.y + x.z + v.x + v.y + v.z) * dm_splat(0);
-        dm_mask held = (dm_mask)(b->matter[g].k1 > dm_splat(0)); /* vertices without a face may be anywhere */
+        dm_mask held = (dm_mask)(b->matter[g].k1 > dm_splat(0)); /* loose vertices may be anywhere */
         fastest = dm_vmax(dm_dot(v, v), fastest);
         farthest = dm_vmax(dm_blend(held, dm_dot(way, way), dm_splat(0)), farthest);
         if (g % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 3);
@@ -145,7 +147,8 @@ static void dm_pass_looks(dm_state *b, int64_t from, int64_t to, double *found) 
     found[3] = dm_sum_of(dm_widen(probe)), found[4] = sqrt(dm_most_of(fastest)), found[5] = sqrt(dm_most_of(farthest));
 }
 
-/* Tell whether every number is finite and nothing far too fast or too far from where it rests; find the body's middle. */
+/* Return whether every number is finite, and no vertex is far too fast or too far from its place at rest; find the
+ * centre of mass. */
 static int dm_is_finite(dm_state *b, double tick, double *centre) {
     double most = DM_LARGEST_GROWTH * b->size;
     dm_run_pass(b, dm_pass_looks);
@@ -184,7 +187,7 @@ static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
 }
 
 DM_FAST
-/* Run a substep; `left` more follow in the tick. */
+/* Run a substep. left: number of substeps that follow it in the tick. */
 static void dm_run_substep(dm_state *b, int64_t left, dm_frame *frame) {
     dm_substep(b, left, frame);
     DM_TIMED(DM_CONTACT, dm_resolve_contact(b, (double)left * b->dt));

@@ -1,12 +1,14 @@
-/* What touches: in each substep, impulses that let nothing go nearer than the distance at which it touches, with Coulomb
- * friction; and what is nearer all the same is brought apart, without a speed. Source: studies/reference/touching.py.
+/* Contact: in each substep, impulses that keep pairs at least as far apart as they touch, with Coulomb friction. Pairs
+ * that are nearer all the same are separated by a displacement, without a velocity.
+ * Source: studies/reference/touching.py.
  *
- * For a pair at distance d (r: where it touches), with relative speed u along its normal, and g = 1 / mass of the two:
- *     j = max(0, (w - u) / g)   with   w = -(d - r) / h where d > r, and 0 where it is nearer
+ * For a pair at distance d (r: distance of touch), with relative speed u along its normal, and g = 1 / mass of both:
+ *     j = max(0, (w - u) / g)   with   w = -(d - r) / h if d > r, otherwise 0
  * so that after the substep h it is not nearer than r, or no nearer than before. Its nearest points and its normal are
- * kept until what is near has moved by a part of r. The pairs are taken one after the other, in an order that does not
- * depend on where they lie in memory, twice, and what is still too near is brought apart the second time. What sticks goes back to where it stuck first, so that it does not creep: an
- * anchor, which follows where it slides.
+ * kept until a nearby vertex has moved by half of the greatest r. The pairs are resolved one after the other, twice, in
+ * an order that does not depend on the layout in memory; the second time, those still too near are separated. A pair
+ * that sticks returns to an anchor, the displacement at which it began to stick, so that it does not creep; if the pair
+ * slides, the anchor follows.
  */
 #include "scene.h"
 
@@ -18,8 +20,8 @@ DM_INLINE int dm_nearer_towards(const dm_scene_state *s, const dm_surface *g, ui
     return dm_inner3(arm, between) > 0;
 }
 
-/* Is the nearest point of this face the nearest of the surface round it? On its border, a face beside it may be nearer,
- * and has a pair of its own. */
+/* Return whether the nearest point of a face is also the nearest of the surface round it. On the border of the face a
+ * neighbouring face, which has a pair of its own, may be nearer. */
 static int dm_is_nearest(const dm_scene_state *s, const dm_pair *p, const double *w, const double *between) {
     const dm_surface *g = dm_surface_of(s, p, 3);
     double point[3];
@@ -42,9 +44,9 @@ static int dm_is_nearest(const dm_scene_state *s, const dm_pair *p, const double
     return 1;
 }
 
-/* How much the border of a face acts on a vertex: 0 where the surface of the vertex runs through square to what is
- * between them, from a neighbour that is nearer to one that is farther: then some other pair is nearer, and this one would
- * only stop what slides; 1 where it falls away, or rises, on both sides. */
+/* Return how much the border of a face acts on a vertex. 1 if the surface of the vertex slopes away, or rises, on both
+ * sides; 0 if it runs through, from a neighbour that is nearer to one that is farther: then another pair is nearer, and
+ * this one would only stop sliding. */
 static double dm_share_of_border(const dm_scene_state *s, const dm_pair *p, const double *between, double gap) {
     const dm_neighbour *n = s->near + p->at[0];
     uint32_t start = s->ring_start[n->vertex], end = s->ring_start[n->vertex + 1];
@@ -64,7 +66,7 @@ static double dm_share_of_border(const dm_scene_state *s, const dm_pair *p, cons
     return 1 - dm_share_of(through / DM_FLAT);
 }
 
-/* Note a pair whose nearest points are known, if it may touch before the next look. */
+/* List a pair, whose nearest points are known, if it may touch before the next update. */
 static void dm_note_meeting(dm_scene_state *s, const dm_candidate *candidate, double gap, const double *w,
                             const double *between) {
     const dm_pair *p = s->pairs + candidate->pair;
@@ -88,7 +90,7 @@ static void dm_note_meeting(dm_scene_state *s, const dm_candidate *candidate, do
     else dm_add_support(s, &m);
 }
 
-/* Look where the nearest points of up to eight candidates are, all of faces or all of edges. */
+/* Find the nearest points of up to eight candidates, all with a face or all of edges, and list those that may touch. */
 static void dm_look_at(dm_scene_state *s, const dm_candidate *const *some, uint32_t count) {
     const uint32_t *at[DM_LANES];
     dm_wide w[4];
@@ -101,7 +103,7 @@ static void dm_look_at(dm_scene_state *s, const dm_candidate *const *some, uint3
                         (double[]){way.x[l], way.y[l], way.z[l]});
 }
 
-/* Look where the nearest points are of all pairs that may touch. */
+/* Update the nearest points of all candidates, and rebuild the list of pairs that may touch. */
 static void dm_look(dm_scene_state *s) {
     double far = 0;
     dm_sum_meetings(s);
@@ -132,7 +134,7 @@ static void dm_look(dm_scene_state *s) {
         if (s->near[k].batch) s->met[s->met_count++] = k;
 }
 
-/* Before a substep: note where everything near is, and look again where that has moved. */
+/* Before a substep: note the displacements of `near`, and update the nearest points if they have become too large. */
 static void dm_begin_contact(dm_scene_state *s) {
     dm_real far = 0;
     if (!dm_has_room(s)) return;
@@ -148,7 +150,7 @@ static void dm_begin_contact(dm_scene_state *s) {
     if (s->looks || (double)far > s->touch * s->touch / 4) dm_look(s), s->wakes = 1;
 }
 
-/* After bodies and colliders have moved: resolve what touches. */
+/* After bodies and colliders have moved: resolve the contacts of soft bodies. */
 static void dm_resolve_touching(dm_scene_state *s) {
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->met_way = 0;
     if (!s->batch_count) return;

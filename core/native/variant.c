@@ -1,5 +1,5 @@
-/* The whole core once more for DM_BITS and DM_SET: everything static but one table, so that variants never mix and
- * the compiler sees all of it. */
+/* The whole core, compiled for one DM_BITS and DM_SET: everything except one table is static, so that variants never
+ * mix and the compiler sees all of it. */
 #include "methods.h"
 
 #include "lanes.h"
