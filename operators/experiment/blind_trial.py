@@ -123,8 +123,8 @@ class DIMPLE_OT_open_experiment(polls.Declared, bpy.types.Operator):
         check_levels(context.scene, plan, materials)
         stated = {
             "dimple": version(), "blender": bpy.app.version_string, "object": context.object.name,
-            "fingertip_mm": settings.finger_radius_mm, "port": settings.device_port, "scale": settings.device_scale,
-            "device": settings.device_file, "cap_n_m": haptic_fingertips.get().report.cap,
+            "fingertip_mm": settings.finger_radius_mm, "port": haptic_fingertips.choice().device_port,
+            "scale": settings.device_scale, "cap_n_m": haptic_fingertips.get().report.cap,
         }  # fmt: skip
         close()
         answers = path.with_name(f"{path.stem}_{participant}.csv")

@@ -40,7 +40,7 @@ def judge(body: str, out: Path, check: Callable[..., None]) -> robot.Waits:
     obj.dimple.enabled = True
     emulator = processes.start(["emulator", "--lifeline", "--pty", str(port)], None, script=device.BENCH)
     yield from robot.until(port.exists, "the emulated device has a port", 60)
-    bpy.context.scene.dimple.device_port, bpy.context.scene.dimple.device_origin = str(port), FAR
+    haptics.choice().device_port, bpy.context.scene.dimple.device_origin = str(port), FAR
     panel = device.open_panel("DIMPLE_PT_experiment", TAB)
     for area in robot.window().screen.areas:
         if area.type == "PROPERTIES":
