@@ -171,15 +171,27 @@ def pin(skin: bpy.types.Object, hand: minute.Hand) -> robot.Waits:
         if area.spaces.active.context == "PHYSICS":
             break
     hand.count += 1
-    yield from pick((yield from clicking.fields(area, shown, "pinned"))["pinned"], "V", hand)
+    yield from pick((yield from standing(area, shown, "pinned")), "V", hand)
     yield from robot.until(lambda: skin.dimple.pinned == "GROUP", "it is pinned by a group", 20)
-    yield from robot.looks(10)
-    place = (yield from clicking.fields(area, shown, "pin_group"))["pin_group"]
+    place = yield from standing(area, shown, "pin_group")
     yield from hand.click(place)
     yield from clicking.write("Firm", place)
     yield from robot.looks(10)
     yield from hand.key("RET", place)
     yield from robot.until(lambda: skin.dimple.pin_group == "Firm", "the group is chosen", 20)
+
+
+def standing(area: bpy.types.Area, region: bpy.types.Region, name: str) -> clicking.Found:
+    """Return where a field is, once nothing above it opens or closes any more."""
+    for _ in range(5):
+        yield from robot.redrawn()
+        found = yield from clicking.fields(area, region, name)
+        if name in found:
+            yield from robot.move(*found[name])
+            yield from robot.looks(10)
+            if clicking.hovered(area, region).endswith(f".{name}"):
+                return found[name]
+    raise robot.NotReached(f"the Physics tab shows no {name}")
 
 
 def pick(menu: clicking.Place, letter: str, hand: minute.Hand) -> robot.Waits:
