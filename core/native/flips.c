@@ -1,6 +1,6 @@
 /* Edge flips towards a Delaunay triangulation.
  *
- * * If the angles opposite an edge sum to more than a half turn, its cotangent weight is negative: shape matching
+ * If the angles opposite an edge sum to more than a half turn, its cotangent weight is negative: shape matching
  * would lose its tension there, and slivers tilt a dent. Then the edge is replaced by the other diagonal. Source:
  * Lawson 1977. */
 #include "dimple.h"

@@ -1,6 +1,6 @@
 /* The foot of a fingertip on the surface at rest. In numpy: studies/reference/fingertip.py.
  *
- * * A sphere of the fingertip's radius lies on the surface at rest, which it cannot enter (the virtual proxy of
+ * A sphere of the fingertip's radius lies on the surface at rest, which it cannot enter (the virtual proxy of
  * Ruspini 1997). Its place straight above the fingertip is the foot. The foot follows the fingertip continuously
  * along the surface, so that it does not jump to another side at thin parts and edges. */
 #include "foot.h"

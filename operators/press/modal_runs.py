@@ -37,6 +37,7 @@ class ModalRun:
     step_s: float = 0.002  # longest simulated time of the next step [s]; it shrinks when the computer lags
     saved_at: float = field(default_factory=time.monotonic)  # time at which the last recovery copy was due [s]
     leave: Callable[[], None] | None = None  # called when the run is closed, whatever closes it
+    follows: bool = False  # the timeline plays, and the timer was renewed since
 
 
 runs: list[ModalRun] = []
@@ -57,6 +58,17 @@ def open_run(context: bpy.types.Context, kind: str, state: str = "", *, interval
     if state:
         show_status(context, run, tip_(state))
     return run
+
+
+def follow_timeline(context: bpy.types.Context, run: ModalRun, playing: bool) -> None:
+    """Renew the timer when the timeline begins to play: timers fire in the order in which they were added, so Blender then
+    changes the frame before the run steps, and draws the step of that frame.
+    """
+    if playing and not run.follows and run.timer:
+        manager, interval = context.window_manager, run.timer.time_step
+        manager.event_timer_remove(run.timer)
+        run.timer = manager.event_timer_add(interval, window=context.window)
+    run.follows = playing
 
 
 def show_status(context: bpy.types.Context, run: ModalRun, text: str) -> None:

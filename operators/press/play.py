@@ -127,9 +127,11 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
 
         wall = self.passed()
         modal_runs.show_status(context, self._run, polls.tip_(PAUSED if self._run.paused else PLAYING))
+        playing = timeline.is_playing(context)
+        modal_runs.follow_timeline(context, self._run, playing)
         if self._run.paused:
             messages = showing.end_changed(context.view_layer)
-        elif timeline.is_playing(context):
+        elif playing:
             messages = self._follow(context)
         else:
             asked, budget = live_step.ask(context.scene, self._run, wall)

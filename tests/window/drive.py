@@ -30,6 +30,7 @@ import minute
 import models
 import opening
 import robot
+import swaying
 import tuning
 
 OUT = Path("/mnt/out")
@@ -172,6 +173,7 @@ def play() -> robot.Waits:
         "closing": lambda: closing.close(check),
         "opening": lambda: opening.open_samples(OUT, check, REPORT["measured"]),
         "minute": lambda: minute.first(OUT, check),
+        "swaying": lambda: swaying.sway(OUT, check, REPORT["measured"]),
         **{f"{name}_model": partial(models.model, name, OUT, check) for name in models.MODELS},
         "meeting": lambda: meeting.meet(OUT, check, REPORT["measured"]),
     }
