@@ -34,7 +34,7 @@ FLAGS = (
 )  # fmt: skip
 # fused multiply-add saves a tenth of the time; without it double precision gives the same bits on every machine
 FUSE = {32: "-ffp-contract=on", 64: "-ffp-contract=off"}
-ONCE = "api", "many", "cells", "flips", "seeds", "carriers", "falling"  # compiled once for all instruction sets
+ONCE = "api", "threads", "cells", "flips", "seeds", "carriers", "falling"  # compiled once for all instruction sets
 VARIANTS = {"base": (), "avx2": ("-mavx2", "-mfma")}
 SMALL = "-Os"  # for the fallback set, which only processors from before 2013 use, and zig's runtime: 50 kB less
 DOUBLE = "-DDM_DOUBLE"  # compiles bodies in double precision too; only tests use them

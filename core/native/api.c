@@ -1,5 +1,5 @@
 /* The functions of dimple.h: they check every argument and choose the best instruction set. */
-#include "many.h"
+#include "threads.h"
 #include "methods.h"
 #include "carriers.h"
 #include <math.h>

@@ -1,6 +1,6 @@
 /* The motions of a proxy's vertices, which carry the fine surface. */
-#ifndef DM_MOTIONS_H
-#define DM_MOTIONS_H
+#ifndef DM_CARRIERS_H
+#define DM_CARRIERS_H
 #include "dimple.h"
 
 /* Set the motions (seeds, 12) of a proxy at positions (3, seeds) [m], divided by 65535 because the weights are

@@ -1,6 +1,6 @@
 /* Every number of the C core that belongs to no material and no mesh, with its unit and the reason for its value. */
-#ifndef DM_NUMBERS_H
-#define DM_NUMBERS_H
+#ifndef DM_CONSTANTS_H
+#define DM_CONSTANTS_H
 #include <float.h>
 
 /* Numbers that Python needs too: `dev.py native` writes them into core/constants.py. */

@@ -2,7 +2,7 @@
  * The arguments are those of dimple.h, checked by api.c. */
 #ifndef DM_METHODS_H
 #define DM_METHODS_H
-#include "many.h"
+#include "threads.h"
 
 typedef struct dm_state dm_state; /* of one body; its fields depend on the precision */
 

@@ -18,8 +18,8 @@ DM_FAST
 #include "foot.c"
 #include "fingertip.c"
 DM_SMALL
-#include "reach.c"
-#include "matter.c"
+#include "fingertip_reach.c"
+#include "body_constants.c"
 #include "body.c"
 #include "moved_rest.c"
 #include "sleep.c"
@@ -31,14 +31,14 @@ DM_SMALL
 DM_FAST
 #include "gaps.c"
 #include "proximity.c"
-#include "bounds.c"
+#include "contact_planes.c"
 #include "batch.c"
 DM_SMALL
 #include "props.c"
 #include "touching.c"
 #include "body_rolling.c"
-#include "near.c"
-#include "query.c"
+#include "contact_pairs.c"
+#include "contact_query.c"
 #include "crossings.c"
 #include "islands.c"
 #include "scene.c"

@@ -61,8 +61,10 @@ def open_run(context: bpy.types.Context, kind: str, state: str = "", *, interval
 
 
 def follow_timeline(context: bpy.types.Context, run: ModalRun, playing: bool) -> None:
-    """Renew the timer when the timeline begins to play: timers fire in the order in which they were added, so Blender then
-    changes the frame before the run steps, and draws the step of that frame.
+    """Renew the timer of a run when the timeline begins to play.
+
+    Timers fire in the order in which they were added. Blender then changes the frame before the run steps, so that it
+    draws the step of that frame.
     """
     if playing and not run.follows and run.timer:
         manager, interval = context.window_manager, run.timer.time_step

@@ -1,6 +1,6 @@
 /* Functions that one body and many bodies have in common, and work shared among threads. */
-#ifndef DM_MANY_H
-#define DM_MANY_H
+#ifndef DM_THREADS_H
+#define DM_THREADS_H
 #include "dimple.h"
 
 typedef void dm_part(void *of, int64_t k);

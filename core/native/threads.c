@@ -1,6 +1,6 @@
 /* Helper threads for the stepping thread: they run bodies of a call, or slices of a body. The parts of a job do not
  * depend on which thread runs them, so the bits are the same for any number of threads. */
-#include "many.h"
+#include "threads.h"
 #include "constants.h"
 #include <stdatomic.h>
 #include <stdlib.h>
