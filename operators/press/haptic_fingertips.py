@@ -166,14 +166,15 @@ def write(scene: bpy.types.Scene) -> None:
     If that body pushes, the device is disarmed instead of kicking.
     """
     from ...core.device.limits import QUIET_FORCE
-    from ...core.device.orders import TIPS, LinkState
+    from ...core.device.orders import LinkState
+    from ...core.device.wire import FINGERS
     from ...core.device.workspace import surfaces_of
 
     connection = get()
     if connection is None or connection.report.link is not LinkState.READY:
         return
     now, radius, known, kicks = time.perf_counter(), scene.dimple.finger_radius_mm, set(), False
-    deepest, surfaces = [-math.inf] * TIPS, [None] * TIPS
+    deepest, surfaces = [-math.inf] * FINGERS, [None] * FINGERS
     for body in sessions.sessions.values():
         where, touches = workspace(scene, body.link.scale), body.frame.touches
         for i, surface in enumerate(surfaces_of(body.session, touches, where, now)):
