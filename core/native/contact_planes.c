@@ -309,15 +309,28 @@ static void dm_watch_way(dm_scene_state *s, dm_surface *f) {
     if (f->gone > f->stale) s->due = 1;
 }
 
+/* Find how far the vertices that are near something have moved in this substep. It is less than the travel of the body: a
+ * vertex in contact is advanced by its forces and then brought back. */
+static void dm_find_near_ways(dm_scene_state *s) {
+    for (const dm_neighbour *n = s->near; n < s->near + s->near_count; n++) {
+        if (!n->body) continue;
+        dm_quad way = n->body->x - n->last;
+        double square = (double)dm_dot3(way, way), *most = &s->surfaces[n->surface].near_way;
+        if (square > *most * *most) *most = sqrt(square);
+    }
+}
+
 /* Keep the skin ahead of everything that has moved, on its own side of its planes. Where it cannot get away, the
  * share of its motion that the rigid surface covers is halved, again and again. */
 static void dm_keep_apart(dm_scene_state *s) {
     int again = 0;
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         const dm_state *b = f->body;
+        f->near_way = f->jumped;
         if (b) f->way = b->finger_count ? INFINITY : f->jumped + (b->asleep ? 0 : b->way + f->met_way), f->jumped = 0;
         else if (!dm_goes(f)) f->way = 0;
     }
+    dm_find_near_ways(s);
     do {
         uint32_t pair = 0;
         for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
@@ -325,11 +338,11 @@ static void dm_keep_apart(dm_scene_state *s) {
             dm_watch_way(s, f);
         }
         for (dm_run *run = s->runs; run < s->runs + s->run_count; run++) {
-            double way = s->surfaces[run->first].way + s->surfaces[run->second].way;
-            run->gone += again ? 0 : way < 1e18 ? way : 0;
-            int all = again || !(way < 1e18);
+            const dm_surface *f = s->surfaces + run->first, *g = s->surfaces + run->second;
+            double way = (f->body ? f->near_way : f->way) + (g->body ? g->near_way : g->way);
+            run->gone += again ? 0 : way;
             for (; way > 0 && pair < run->end; pair++)
-                if (all || !(s->planes[pair].next > run->gone)) dm_check_pair(s, run, pair);
+                if (again || !(s->planes[pair].next > run->gone)) dm_check_pair(s, run, pair);
             pair = run->end;
         }
         for (uint32_t k = 0; k < s->held_count; k++) {
