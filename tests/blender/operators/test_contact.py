@@ -305,8 +305,9 @@ def led_down(bpy: ModuleType, scene: Any, add: Add) -> Callable[[Sequence[float]
 def test_a_led_cube_of_eight_vertices_goes_into_a_soft_cube_as_deep_as_its_keyframes_say(
     led_down: Callable[..., Any], size: Sequence[float], caplog: pytest.LogCaptureFixture
 ) -> None:
-    deepest = led_down(size, 0.4)[:, 2].min()
-    assert deepest == pytest.approx(-0.6, abs=0.08)  # edges of 0.25 touch at 0.025, and fold deeper at its rim
+    deep = np.sort(led_down(size, 0.4)[:, 2])
+    assert deep[4] == pytest.approx(-0.6, abs=0.08)  # edges of 0.25 touch at 0.025
+    assert deep[0] > -0.8, "a fold under it is no deeper than an edge"
     assert "Collider" not in caplog.text
 
 
