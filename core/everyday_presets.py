@@ -11,16 +11,15 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from .material import FINGERTIP, HERTZ, PRESETS, Indenter, Material, Preset
+from .material import FINGERTIP, HERTZ, POUND, PRESETS, STANDARD_GRAVITY, Indenter, Material, Preset
 from .other_tip import softness
 
 MADE_UP = "Made up: no measurement stands behind it, only the feel of such an object in the hand"
-_KGF_PER_CM2 = 98_066.5  # [Pa]
-_PSI = 6_894.76  # [Pa]
+_KGF_PER_CM2 = 1e4 * STANDARD_GRAVITY  # [Pa]
+_POUND_FORCE = POUND * STANDARD_GRAVITY  # [N]
+_PSI = _POUND_FORCE / 0.0254**2  # [Pa]
 _PUNCH = 0.005  # [m] radius of the flat punch on rubber
 _IFD = 0.1013  # [m] radius of the plate of 50 square inches in the foam standard
-_POUND = 4.44822  # [N]
-_GRAM = 9.80665e-3  # [N]
 _WOBBLE = 4.0  # [Hz] made up to look like flesh: the modulus alone gives a far slower swing
 _PLUNGER = 0.00635  # [m] radius of the plunger in the Bloom test
 
@@ -59,7 +58,7 @@ def _rubber(name: str, label: str, brand: str, psi: float, density: float) -> Pr
 
 def _foam(name: str, label: str, pounds: tuple[float, float], kind: str) -> Preset:
     """Return a block of foam 100 mm thick, from the force [lbf] that compresses it by a quarter."""
-    low, high = (force * _POUND / 0.025 for force in pounds)
+    low, high = (force * _POUND_FORCE / 0.025 for force in pounds)
     stiffness = _short((low + high) / 2)
     material = Material(
         K1=stiffness, K2=_short(stiffness * 25 / 40), x0=0.025, k=3_000, spread=0.02, density=29, fill="none",
@@ -90,7 +89,7 @@ def _flesh(name: str, label: str, kpa: tuple[float, float], what: str, density: 
 
 def _jelly(name: str, label: str, bloom: tuple[float, float]) -> Preset:
     """Return a block of gelatin of 100 mm, from the range of its Bloom strength [g]."""
-    low, high = (grams * _GRAM / 0.004 for grams in bloom)
+    low, high = (grams * 1e-3 * STANDARD_GRAVITY / 0.004 for grams in bloom)
     stiffness = _short((low + high) / 2)
     material = Material(
         K1=stiffness, K2=stiffness, x0=0.01, k=300, spread=0.012, density=1020, fill="solid", damping_ratio=0.1,

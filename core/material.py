@@ -13,6 +13,9 @@ _PER_UNIT = {"N/mm": 1e-3, "mm": 1e3, "kPa": 1e-3}  # in one SI unit
 LEAST_PRESSURE, MOST_PRESSURE = -1e5, 1e6  # [Pa] nearly a vacuum, and more than any skin holds
 TIPS = ("point", "punch", "sphere")
 HERTZ = 1.5  # exponent of the depth in the force of a sphere on an elastic solid
+NOTICEABLE_FORCE = (0.06, 0.08)  # lower and upper just-noticeable difference of a force, as a share of the force
+STANDARD_GRAVITY = 9.80665  # [m/s2] of the kilogram-force, by definition
+POUND = 0.45359237  # [kg] by definition
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,7 +14,6 @@ from .press import LoadingCurve
 from .table import MIN_ROWS
 from .touch import SURE
 
-NOTICEABLE_FORCE = (0.06, 0.08)  # lower and upper just-noticeable difference of a force, as a share of the force
 _PARTS = 20  # intervals of depth in which points are averaged, so that their noise does not count as an error
 _SEEN = 0.05  # share of the force, or of full scale: just below the just-noticeable difference
 _FAR = 0.2  # share of the force, or of the depth, from which on an error or a gap is worth a warning

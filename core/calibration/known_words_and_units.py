@@ -5,18 +5,17 @@ from __future__ import annotations
 import re
 import unicodedata
 
-_POUND = 0.45359237  # [kg]
-_GRAVITY = 9.80665  # [m/s2] of the kilogram-force, by definition
+from ..material import POUND, STANDARD_GRAVITY
 
 # unit: (kind, factor to SI); looked up as written first, then in lower case
 UNITS: dict[str, tuple[str, float]] = {
     **dict.fromkeys(("N", "Newton", "Newtons", "ニュートン"), ("force", 1.0)),
     "mN": ("force", 1e-3), "cN": ("force", 1e-2), "daN": ("force", 10.0), "kN": ("force", 1e3),
     "uN": ("force", 1e-6), "μN": ("force", 1e-6), "dyn": ("force", 1e-5),
-    **dict.fromkeys(("gf", "g", "grams", "gram", "gr", "グラム", "p", "pond"), ("force", 1e-3 * _GRAVITY)),
-    **dict.fromkeys(("kgf", "kg", "kp", "kilopond", "キログラム"), ("force", _GRAVITY)),
-    **dict.fromkeys(("lbf", "lb", "lbs", "pound", "pounds"), ("force", _POUND * _GRAVITY)),
-    **dict.fromkeys(("ozf", "oz"), ("force", _POUND / 16 * _GRAVITY)),
+    **dict.fromkeys(("gf", "g", "grams", "gram", "gr", "グラム", "p", "pond"), ("force", 1e-3 * STANDARD_GRAVITY)),
+    **dict.fromkeys(("kgf", "kg", "kp", "kilopond", "キログラム"), ("force", STANDARD_GRAVITY)),
+    **dict.fromkeys(("lbf", "lb", "lbs", "pound", "pounds"), ("force", POUND * STANDARD_GRAVITY)),
+    **dict.fromkeys(("ozf", "oz"), ("force", POUND / 16 * STANDARD_GRAVITY)),
     **dict.fromkeys(("mm", "millimeter", "millimetre", "millimeters", "ミリ"), ("length", 1e-3)),
     **dict.fromkeys(("um", "μm", "micron", "microns"), ("length", 1e-6)),
     "nm": ("length", 1e-9), "cm": ("length", 1e-2), "m": ("length", 1.0), "mil": ("length", 25.4e-6),

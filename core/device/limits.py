@@ -51,7 +51,6 @@ GRAIN = 4e-4  # [m] segment of the path for which energy is counted: five times 
 MOST_DAMPING = 12.0  # [N s/m] of the passivity controller: a tenth of tip mass over tick; more would shake the tip
 ALLOWED = 5e-4  # [J] that a touch may give back beyond what it took: one segment of the path at 1.25 N
 YIELD_ENERGY = ALLOWED / 2  # [J] each time this much more is given back, the force falls to 1/e
-FELT = 0.07  # share by which a force must fall for a hand to notice: the just-noticeable difference is 6 to 8 %
 SPARE = 4 * ALLOWED  # [J] reserve that is not given back after the device let go: energy is counted some segments late
 GRAIN_ENERGY = ALLOWED / 5  # [J] less than this is noise of the converters
 KNOWN_LATE = STATE_GAP + TICK  # [s] delay after which the energy of a force has been counted, and the force has ended

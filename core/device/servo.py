@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from ..errors import DimpleError
+from ..material import NOTICEABLE_FORCE
 from ..messages import Message
 from ..vectors import ZERO, Vector, is_finite, length
 from . import limits, wire
@@ -99,7 +100,8 @@ class Servo:
         """Return the state of device and link."""
         measured, received = self._measured, self._received
         warning = Message(LOSSY, share=received.lost_share) if received.lost_share > limits.LOSS_WARNS else ""
-        if self._switch.arming is Arming.ON and any(f.guard.passivity.share < 1 - limits.FELT for f in self._fingers):
+        least = min((finger.guard.passivity.share for finger in self._fingers), default=1.0)
+        if self._switch.arming is Arming.ON and least < 1 - NOTICEABLE_FORCE[0]:
             warning = warning or YIELDS
         return ServoReport(
             link=self.link, arming=self._switch.arming, states=received.taken, lost=received.missing,

@@ -5,9 +5,9 @@ It is used only if its ABI number equals `constants.ABI` and a small body moves 
 
 The C files by subject. Interface: dimple.h, api, scene_door, threads; constants.h has every number. Step: step, slices,
 rings, integrate, fill, pose, body_constants, sleep. Fingertips: foot, fingertip, skin_contact, facets, fingertip_reach.
-Contact of bodies and props: scene, tree, contact_query, contact_pairs, contact_planes, proximity, gaps, batch,
-crossings, islands, touching, props, falling, body_rolling. Proxies: cells, seeds, flips, carriers, carry. variant.c
-compiles them for each precision and instruction set.
+Contact of bodies and props: scene, tree, contact_query, contact_pairs, contact_planes, keep_apart, proximity, gaps,
+batch, crossings, islands, touching, props, falling, body_rolling. Proxies: cells, seeds, flips, carriers, carry.
+variant.c compiles them for each precision and instruction set.
 """
 
 from __future__ import annotations

@@ -60,8 +60,7 @@
 /* Meeting bodies: the reach of a query, and the way allowed until the next one. */
 #define DM_QUERY_REACH 4     /* reach of a query, in distances at which surfaces touch: the number of pairs grows with its
                               * square, that of queries falls with it; 4 to 6 cost least in the scenes of `dev.py contact` */
-#define DM_BOUND 0.9         /* share of the distance that two primitives may use up; rounding gets the rest */
-#define DM_ROAM 0.99         /* share of half the reach that a vertex without neighbours may move */
+#define DM_BOUND 0.9         /* share of a distance, or of half the reach, that may be used up; rounding gets the rest */
 #define DM_STALE 0.8         /* share of the way to a first unknown contact after which a query is due; a substep follows */
 #define DM_TRIES 8           /* projections of a vertex onto its planes */
 #define DM_LEAST_WAY 0.005   /* share of its way below which a rigid surface waits: eight halvings */

@@ -112,11 +112,11 @@ static void dm_query_pair(dm_scene_state *s, uint32_t i, uint32_t j) {
     if (!dm_may_touch(s, f, g)) return;
     double apart = f == g ? -1 : dm_boxes_apart(f->low, f->high, g->low, g->high);
     if (apart > s->reach) {
-        dm_bring_near(f, DM_ROAM * apart / 2, apart / 4), dm_bring_near(g, DM_ROAM * apart / 2, apart / 4);
+        dm_bring_near(f, DM_BOUND * apart / 2, apart / 4), dm_bring_near(g, DM_BOUND * apart / 2, apart / 4);
         return;
     }
     for (int k = 0; k < 2; k++) {
-        dm_bring_near(s->both[k], DM_ROAM * s->reach / 2, DM_STALE * (s->reach - s->touch) / 2);
+        dm_bring_near(s->both[k], DM_BOUND * s->reach / 2, DM_STALE * (s->reach - s->touch) / 2);
         if (!s->both[k]->fitted) dm_fit_boxes(s, s->both[k]), s->both[k]->fitted = 1;
     }
     dm_visit_pairs(s, f, g, s->reach, dm_pair_triangles);

@@ -32,6 +32,7 @@ DM_FAST
 #include "gaps.c"
 #include "proximity.c"
 #include "contact_planes.c"
+#include "keep_apart.c"
 #include "batch.c"
 DM_SMALL
 #include "props.c"

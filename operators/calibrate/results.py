@@ -34,7 +34,7 @@ def load(text: str) -> dict[str, Any]:
 def to_text(calibration: Calibration) -> str:
     """Return the text that stores a calibration: the core's record, and the data for the chart and the material."""
     from ...core.calibration.calibrate import to_record
-    from ...core.calibration.doubts import NOTICEABLE_FORCE
+    from ...core.material import NOTICEABLE_FORCE
 
     record = to_record(calibration)
     loading, surface = calibration.loading, calibration.surface

@@ -12,7 +12,7 @@ from core.native.scene import Collider, ColliderMotion, Crossings, SceneFrame, W
 
 from . import touching
 from .bounds import Bounds, beyond, bounds_of, is_allowed, left_of, moved, renewed, settle, way_of
-from .constants import LEAST_WAY, OFFSET, PUSH_TIME, QUERY_REACH, ROAM, ROUNDING, STALE, TOO_NEAR
+from .constants import BOUND, LEAST_WAY, OFFSET, PUSH_TIME, QUERY_REACH, ROUNDING, STALE, TOO_NEAR
 from .crossing import crossing_vertices, find_crossings
 from .islands import let_sleep, woken
 from .proximity import Pairs, find_pairs, join_surfaces, touching_distance
@@ -233,7 +233,7 @@ class TwinScene:
                 far = apart if apart > reach else reach
                 way = apart / 4 if apart > reach else STALE * (reach - self._touch) / 2
                 for k in (i, j):
-                    slack[k], stale[k] = min(slack[k], ROAM * far / 2), min(stale[k], way)
+                    slack[k], stale[k] = min(slack[k], BOUND * far / 2), min(stale[k], way)
                 if apart > reach:
                     continue
                 closest = float(max(self._sizes[i], self._sizes[j]))
