@@ -168,7 +168,7 @@ def fit_law(
         DimpleError: too few rows.
     """
     x, f, touches = np.asarray(depth, np.float64), np.asarray(force, np.float64), np.atleast_1d(touch)
-    if len(free) == 2 and len(np.unique(x[x <= touches.max()])) < MIN_PIECE:  # the two cannot be told apart
+    if len(free) == 2 and len(np.unique(x[x <= touches.max()])) < MIN_PIECE:  # touch and tare cannot be distinguished
         free = ("contact",)
     if not free:
         x, f = x[x > touches[0]], f[x > touches[0]]

@@ -123,7 +123,7 @@ class Experiment:
         if trial is None or not 1 <= chosen <= len(self.plan.answers):
             raise DimpleError("There is no answer {chosen}.", chosen=chosen)
         if not self.is_shown:
-            raise DimpleError("Each object must be felt for {seconds:g} s.", seconds=self.plan.exposure_s)
+            raise DimpleError("Touch each object for at least {seconds:g} s.", seconds=self.plan.exposure_s)
         cells = {}
         for name, stimulus, each in zip(("first", "second"), trial.show, self.intervals, strict=False):
             cells[name], level = stimulus.real or stimulus.object, "real" if stimulus.real else f"{stimulus.level:g}"

@@ -108,7 +108,7 @@ def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, n
 
 
 def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
-    """Return the proxy of a changed model, None for the full mesh; plan anew if `again` or if the old choice fails."""
+    """Return the proxy of a changed model, None for the full mesh; plan again if `again` or if the old choice fails."""
     from ...core.reduction.proxy import build_proxy, with_constants
 
     old = body.session.proxy

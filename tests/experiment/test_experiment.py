@@ -143,7 +143,7 @@ def test_an_answer_needs_all_its_stimuli_and_an_interrupted_one_is_counted(pairs
     experiment = begun(tmp_path / "a.csv", pairs)
     for seconds in ([], [10.0], [0.1], [1.9]):
         feel(experiment, *seconds)
-        with pytest.raises(DimpleError, match="felt for 2 s"):
+        with pytest.raises(DimpleError, match="at least 2 s"):
             experiment.answer(1)
     feel(experiment, 2.0)
     with pytest.raises(DimpleError, match="no answer 3"):

@@ -1,4 +1,4 @@
-"""What is led goes where its keyframes lead, and the skin gives way, whatever its faces are and however fast it is."""
+"""A collider follows its keyframes and the skin gives way, whatever its tessellation and speed."""
 
 import numpy as np
 import pytest
