@@ -141,6 +141,7 @@ static void dm_query(dm_scene_state *s) {
     s->there = dm_roomy(s, s->there, s->near_count, &s->there_room, sizeof *s->there);
     s->met = dm_roomy(s, s->met, s->near_count, &s->met_room, sizeof *s->met);
     s->looks = 1;
+    if (!dm_has_room(s)) s->near_count = s->pair_count = s->candidate_count = s->run_count = 0, s->due = 1;
     s->out->queries++, s->out->pairs = s->pair_count > s->out->pairs ? s->pair_count : s->out->pairs;
     s->out->gap = s->gap < s->out->gap ? s->gap : s->out->gap;
 }

@@ -273,7 +273,7 @@ typedef struct {
     int64_t pairs;      /* most pairs near each other */
     int64_t touching;   /* most pairs that touched */
     int64_t truncated;  /* times that a vertex or a prop was held back from an intersection */
-    double taken;       /* momentum that this removed [N s] */
+    double taken;       /* momentum that this changed [N s] */
     double gap;         /* least distance at a query [m], infinite if nothing was near */
 } dm_scene_frame;
 

@@ -61,12 +61,12 @@ static dm_surface *dm_pusher_of(const dm_scene_state *s, uint32_t near, const do
     const dm_pair *p = s->pairs + worst / 4;
     for (uint32_t j = 0; j < 4; j++) dm_corner(s, p, j, at[j]);
     dm_measure_pair((const double *[4]){at[0], at[1], at[2], at[3]}, p->ones, w, between);
-    for (uint32_t j = 0; j < 4; j++) {
-        uint32_t vertex = s->near[p->at[j]].vertex;
-        for (int c = 0; c < 3 && s->near[p->at[j]].surface == s->near[p->at[p->rigid & 1 ? 0 : 3]].surface; c++)
-            way[c] += fabs(w[j]) * (s->here[vertex][c] - s->was[vertex][c]);
+    dm_surface *g = dm_rigid_beside(s, worst);
+    for (uint32_t j = 0; j < 4 && dm_goes(g); j++) {
+        const dm_neighbour *n = s->near + p->at[j];
+        for (int c = 0; c < 3 && s->surfaces + n->surface == g; c++) way[c] += fabs(w[j]) * s->dt * s->rate[n->vertex][c];
     }
-    return dm_rigid_beside(s, worst);
+    return g;
 }
 
 /* Mark as stuck the moving rigid surfaces that a vertex at x, its place before this substep, cannot avoid. */
@@ -90,6 +90,7 @@ static void dm_put_vertex(dm_scene_state *s, dm_surface *f, uint32_t vertex, con
     dm_quad v = b->records[i].v;
     dm_minus(at, x, back);
     double length = sqrt(dm_inner3(back, back));
+    f->put_way = fmax(f->put_way, length);
     for (int c = 0; c < 3 && length > 0; c++) {
         back[c] /= length, along += (double)v[c] * back[c], least += way[c] * back[c] / s->dt;
     }
@@ -193,7 +194,6 @@ static void dm_go(dm_scene_state *s, dm_surface *f) {
 /* Find the greatest displacement of a vertex since the query; bring back vertices beyond their limit, and note whether
  * the next query is due. */
 static void dm_watch_way(dm_scene_state *s, dm_surface *f) {
-    f->gone += f->way;
     if (!(f->gone > f->stale)) return;
     double most = 0;
     for (uint32_t i = f->first; i < f->first + (f->body ? (uint32_t)f->body->n : f->count); i++) {
@@ -227,11 +227,13 @@ static void dm_keep_apart(dm_scene_state *s) {
     int again = 0;
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         const dm_state *b = f->body;
-        f->near_way = f->jumped;
-        if (b) f->way = b->finger_count ? INFINITY : f->jumped + (b->asleep ? 0 : b->way + f->met_way), f->jumped = 0;
+        f->near_way = 0;
+        if (b) f->way = b->finger_count ? INFINITY : f->jumped + f->put_way + (b->asleep ? 0 : b->way + f->met_way);
         else if (!dm_goes(f)) f->way = 0;
+        f->gone += f->way, f->put_way = 0;
     }
     dm_find_near_ways(s);
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->near_way += f->jumped, f->jumped = 0;
     do {
         uint32_t pair = 0;
         for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {

@@ -189,6 +189,7 @@ static int dm_is_changed(const dm_scene_state *s) {
 static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, int64_t t, dm_frame *frames, int64_t left) {
     if (s->due) dm_query(s);
     dm_begin_contact(s);
+    if (!dm_has_room(s)) return;
     if (s->wakes) dm_wake_touched(s, motions, t, frames);
     dm_begin_props(s);
     int64_t bodies = 0;

@@ -25,6 +25,7 @@ typedef struct { /* the surface of a body, or a collider */
     double gone, way;       /* [m] upper bounds of a vertex's travel: since the query; in this substep */
     double near_way;        /* [m] largest displacement in this substep of a vertex that is near something */
     double jumped, met_way; /* [m] farthest that a vertex was moved: between two calls; by contact */
+    double put_way;         /* [m] farthest that a vertex was brought back in the last substep */
     double share, tried;    /* of a rigid surface's motion in this substep: share covered, and share tried first */
     double pace, pace_now;  /* of a keyframed collider: share of its remaining path, in this tick, this substep */
     double late, place[3];  /* [m] its lag behind its path, and where the skin last could not get away */

@@ -79,7 +79,7 @@ class SceneFrame(NamedTuple):
     pairs: largest number of pairs near each other.
     touching: largest number of pairs in contact.
     truncated: number of times that a vertex was stopped from passing through something.
-    taken: momentum that these stops removed [N s].
+    taken: momentum that these stops changed [N s].
     gap: smallest distance found by a query [m], infinite if nothing was near.
     impulses: impulse on each surface from the others [N s], (k, 3): bodies, then colliders.
     moments: moments of these impulses about the origin [N m s], (k, 3).

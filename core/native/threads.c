@@ -138,7 +138,7 @@ void dm_share_out(int64_t count, dm_part *run, void *of) {
 }
 
 void dm_set_workers(int64_t workers) {
-    dm_pool.workers = workers < DM_MOST_SLICES ? workers : DM_MOST_SLICES;
+    dm_pool.workers = workers < 1 ? 1 : workers < DM_MOST_SLICES ? workers : DM_MOST_SLICES;
     dm_lock(&dm_pool.lock);
     dm_signal(&dm_pool.changed); /* for the helpers that must end */
     dm_unlock(&dm_pool.lock);

@@ -132,6 +132,7 @@ static void dm_look(dm_scene_state *s) {
     if (count && dm_has_room(s)) dm_look_at(s, some, count);
     for (uint32_t k = 0; k < s->near_count && dm_has_room(s); k++)
         if (s->near[k].batch) s->met[s->met_count++] = k;
+    s->looks = !dm_has_room(s);
 }
 
 /* Before a substep: note the displacements of `near`, and update the nearest points if they have become too large. */

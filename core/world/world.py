@@ -27,7 +27,7 @@ class Meeting(NamedTuple):
 
     touching: largest number of pairs in contact.
     truncated: number of times that a vertex was stopped from passing through something.
-    taken: momentum that these stops removed [N s].
+    taken: momentum that these stops changed [N s].
     held_back: largest distance of a collider behind its prescribed motion at the end [m].
     forces: mean force on each surface over the step (k, 3) [N]: bodies, then colliders; sleeping bodies exert none.
     queries: number of proximity queries.

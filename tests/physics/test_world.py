@@ -39,6 +39,17 @@ def table(slope: float = 0.0, friction: float = 0.4) -> Collider:
     return Collider(Rotation.from_euler("y", slope).apply(points).T.copy(), faces, friction)
 
 
+def test_a_fast_ball_meets_a_resting_table_alike_at_any_height() -> None:
+    taken = []
+    for height in (0.0, 1.0):
+        body, top = session((0.0, 0.0, height + RADIUS + 0.002), gravity=0.0), table()
+        positions = body.body.positions()
+        body.body.set_state(positions, np.tile([[0.0], [0.0], [-8.0]], positions.shape[1]))
+        world = World([body], [top._replace(positions=top.positions + [[0.0], [0.0], [height]])])
+        taken.append(sum(world.step(1e-3).taken for _ in range(20)))
+    assert taken[1] == pytest.approx(taken[0], rel=0.1, abs=1e-3)
+
+
 def momentum(body: Session) -> np.ndarray:
     return body.body.velocities() @ body.model.mass
 
