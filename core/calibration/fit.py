@@ -115,7 +115,6 @@ class Fit:
     noise: standard deviation of the residuals [N].
     correlation: correlation of neighbouring residuals.
     full_scale: largest force above the tare [N].
-    knee_bic: decrease of the Bayesian information criterion by a knee.
     rows: number of rows in contact.
     fitted: the law with its free parameters.
     spread: (p, p) covariance of the free parameters, scaled up to 95 % intervals.
@@ -131,7 +130,6 @@ class Fit:
     noise: float
     correlation: float
     full_scale: float
-    knee_bic: float
     rows: int
     fitted: Law
     spread: Floats
@@ -183,9 +181,9 @@ def fit_law(
     if not laws or laws[0].knee:
         raise _too_few(rows)
     if len(laws) == 1:
-        return _result(laws[0], x, f, 0.0)
+        return _result(laws[0], x, f)
     bic = _knee_gain(laws[0], laws[1], x, f)
-    return replace(_result(laws[bic > 0], x, f, bic), falls=falls and bic > 0)
+    return replace(_result(laws[bic > 0], x, f), falls=falls and bic > 0)
 
 
 def slope_of(x: Floats, y: Floats) -> tuple[float, float]:
@@ -329,7 +327,7 @@ def t_95(freedom: float) -> float:
     return 1.960 + 2.372 / freedom + 2.823 / freedom**2 + 2.556 / freedom**3
 
 
-def _result(law: Law, x: Floats, f: Floats, bic: float) -> Fit:
+def _result(law: Law, x: Floats, f: Floats) -> Fit:
     """Return the fit of a law with its errors: the covariance of its parameters is s^2 (J^T J)^-1."""
     residual, slopes = law.pressed_residual(x, f), law.slopes(x - law.contact)
     rows, r, p = len(residual), _correlation(residual), len(law.free)
@@ -349,6 +347,6 @@ def _result(law: Law, x: Floats, f: Floats, bic: float) -> Fit:
     )
     return Fit(
         model="two" if law.knee else "one", K1=K1, K2=K2, x0=x0, contact=contact, tare=tare, noise=math.sqrt(variance),
-        correlation=r, full_scale=float(np.abs(f - tare.value).max()), knee_bic=bic, rows=rows, fitted=law,
+        correlation=r, full_scale=float(np.abs(f - tare.value).max()), rows=rows, fitted=law,
         spread=reach**2 * covariance,
     )  # fmt: skip

@@ -170,17 +170,27 @@ def is_row(cells: Sequence[str], dialect: Dialect) -> bool:
 
 
 def pairs(text: str) -> list[tuple[float, float]]:
-    """Return the first two numbers of each row of a text, such as one copied from a spreadsheet.
+    """Return the first two numbers, with or without units, of each row of a text copied from a spreadsheet.
 
     Raises:
-        DimpleError: there are no such rows.
-        Undecided: the decimal mark is ambiguous.
+        DimpleError: there are no such rows, or the decimal mark is ambiguous.
     """
     lines = text.splitlines()
-    dialect = find_dialect(lines)
+    try:
+        dialect = find_dialect(lines)
+    except Undecided:
+        raise DimpleError("1.000 may be one or a thousand. Copy the numbers with fewer decimals.") from None
     rows = [cells for line in lines if is_row(cells := split(line, dialect.delimiter), dialect)]
-    found = [[value for cell in cells if (value := number(cell, dialect.decimal)) is not None] for cells in rows]
-    return [(values[0], values[1]) for values in found if len(values) > 1]
+    found = [[value for cell in cells if (value := _value(cell, dialect.decimal)) is not None] for cells in rows]
+    if not found:
+        raise DimpleError("The copied text has no rows of two numbers: depth and grams.")
+    return [(values[0], values[1]) for values in found]
+
+
+def _value(cell: str, decimal: str) -> float | None:
+    """Return the number in a cell that may have a unit, or None."""
+    plain, with_unit = number(cell, decimal), number_and_unit(cell, decimal)
+    return with_unit[0] if plain is None and with_unit else plain
 
 
 def find_dialect(lines: Sequence[str], decimal: str | None = None) -> Dialect:

@@ -44,6 +44,7 @@ class HaplyLine(SocketLine):
         self._hello: wire.Hello | None = None
         self._session = self._states = self._ack = self._late = 0
         self._mode, self._asked = wire.IDLE, 0.0  # when the last message left [s]
+        self._waiting = 0.0  # when the oldest unanswered message left [s], 0: none
         self._trips: deque[float] = deque(maxlen=1000)  # round trips [s]
         self._forces: wire.Nine = wire.NO_FORCE
 
@@ -84,6 +85,7 @@ class HaplyLine(SocketLine):
         """Set the forces, which also requests the positions."""
         time.sleep(max(self._asked + INVERSE3.tick - time.perf_counter(), 0.0))
         self._asked = time.perf_counter()
+        self._waiting = self._waiting or self._asked
         field, force = "vector" if self._is_new else "values", [part * wire.FORCE_STEP for part in self._forces]
         devices = []
         for i, each in enumerate(self._devices):
@@ -103,8 +105,9 @@ class HaplyLine(SocketLine):
             self._devices = list(devices)[: wire.FINGERS]
             self._is_new = "preset" in devices[self._devices[0]].get("config", {})
             self._ask()
-        else:
-            self._trips.append(time.perf_counter() - self._asked)
+        elif self._waiting:
+            self._trips.append(time.perf_counter() - self._waiting)
+            self._waiting = 0.0
             self._late += self._trips[-1] > INVERSE3.tick
         out, hello, self._hello = b"", self._hello, None
         if hello:

@@ -100,11 +100,18 @@ class WebSocket:
         return first & 0x0F, bool(first & 0x80), payload
 
     def _send(self, kind: int, payload: bytes) -> bool:
-        size, fits = len(payload), not self._out  # no frame may start inside a half-sent one
+        size = len(payload)
         head = bytes((0x80 | kind, 0x80 | size)) if size < 126 else bytes((0x80 | kind, 0xFE)) + size.to_bytes(2, "big")
-        self._out = self._out or head + bytes(4) + payload  # a mask of zeros suffices: no proxy is in between
+        if not self._flush():  # no frame may start inside a half-sent one
+            return False
+        self._out = head + bytes(4) + payload  # a mask of zeros suffices: no proxy is in between
+        self._flush()
+        return True
+
+    def _flush(self) -> bool:
+        """Send what is left of the last frame; return whether nothing is."""
         try:
-            self._out = self._out[self.socket.send(self._out) :]
+            self._out = self._out[self.socket.send(self._out) :] if self._out else self._out
         except BlockingIOError:
             pass
-        return fits
+        return not self._out

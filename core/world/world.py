@@ -170,6 +170,8 @@ class World:
         found, seen = [], SLACK * min(session.body.model.mesh.size for session in self.sessions)
         for i, name in enumerate(self._names):
             torn, late = any(part.torn[i] for part in self._parts), float(self._parts[-1].late[i])
+            if not torn and late <= seen:
+                continue
             where = _where(self._parts[-1].places[i])
             if torn:
                 said = Message(
@@ -182,8 +184,7 @@ class World:
                     'Collider "{name}" is held back by {late} mm: the skin at ({where}) mm has no room.',
                     name=name, late=f"{1e3 * late:.1f}", where=where
                 )  # fmt: skip
-            if torn or late > seen:
-                found.append(Held(name, late, torn, said))
+            found.append(Held(name, late, torn, said))
         return found
 
     def _make(self) -> None:

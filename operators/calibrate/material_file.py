@@ -47,6 +47,11 @@ class DIMPLE_OT_save_material(polls.Declared, bpy.types.Operator):
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
+    def check(self, _context: bpy.types.Context) -> bool:
+        """Complete the typed name, so that Blender asks before it overwrites the file that is really written."""
+        typed, self.filepath = self.filepath, bpy.path.ensure_ext(self.filepath, ENDING)
+        return self.filepath != typed
+
     def run(self, context: bpy.types.Context) -> None:
         material = context.object.active_material
         record = {"name": material.name, "license": self.license, "date": date.today().isoformat()}
