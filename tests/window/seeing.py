@@ -17,7 +17,7 @@ Check = Callable[..., None]
 FORCE_N, PAINTED = 15.0, 0.375  # past the knee, which is painted to be three quarters as deep
 LOOP, SWELL_S = 20, 2.4  # pictures of it, and how long it takes in simulated time [s]
 DEEPEST = 0.25  # of the side of a cube: how deep the press of two is
-ROOM = Vector((0.7, 0.0, 0.0))  # [m] to the left of the two cubes, for their charts
+ROOM = Vector((0.35, 0.0, 0.0))  # [m] to the left of the two cubes, for their charts
 
 
 def as_measured() -> None:
@@ -111,6 +111,9 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     as_measured()
     settings, view, cube = bpy.context.scene.dimple, robot.area().spaces.active.region_3d, bpy.data.objects["Cube"]
     bpy.ops.ed.undo_push(message="Before the second cube")
+    round_edges = cube.modifiers.new("Bevel", "BEVEL")
+    round_edges.width, round_edges.segments = 0.4, 6
+    cube.data.shade_smooth()
     other = cube.copy()
     other.name, other.data = "Cube B", cube.data.copy()
     other.active_material = cube.active_material.copy()
@@ -118,8 +121,8 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     other.location.x += 2.5
     other.active_material.dimple.K1, other.active_material.dimple.x0 = 1.83, 5.0
     before = view.view_distance, view.view_location.copy(), view.view_rotation.copy()
-    view.view_distance = 8.5
-    view.view_rotation = Euler((0.7, 0.0, 0.0)).to_quaternion()  # side by side, seen from above
+    view.view_distance = 6.9
+    view.view_rotation = Euler((0.8, 0.0, 0.0)).to_quaternion()  # side by side, seen from above
     view.view_location = 0.5 * other.matrix_world.translation - view.view_rotation @ ROOM
     settings.show_field = "DEPTH"
     robot.area().spaces.active.show_region_ui = False  # both are seen whole
@@ -136,6 +139,9 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     bodies = robot.extension("operators.press.sessions").sessions
     readout = robot.extension("addon.readout")
     rate, readout.rate_hz = readout.rate_hz, lambda _frame: 0.0  # how slow this machine is belongs in no picture
+    for each in (cube, other, *tips):
+        each.select_set(False)
+    yield from robot.move(200, 120)  # off the bodies
     up = tips[0].location.z
     for number in range(LOOP):  # `run.py` makes a looping picture of it
         for tip in tips:
