@@ -15,9 +15,8 @@ from core.body.springs import membrane_stiffness
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Frame, Session
+from studies.meshes.cube import cube as cube
 from studies.reference.laws import State, initial_state
-
-from .specimen import cube as cube
 
 BALL_RADIUS = 0.08  # [m]
 BALL = Material(K1=610, K2=7230, x0=0.0163, k=600, spread=0.02, mass=0.2, fill="liquid")

@@ -18,9 +18,9 @@ from core.calibration.surface_constant import surface_constant
 from core.calibration.virtual_press import text_cell, write_press
 from core.material import PRESETS
 from studies.__main__ import main
-from studies.reconstruct import DEEPEST, write_samples
+from studies.law.reconstruct import DEEPEST, write_samples
+from studies.meshes.cube import load_mesh
 from studies.reference.paper import surface_stretch, surface_tension
-from studies.specimen import load_mesh
 from tools.environment import ROOT
 
 SAMPLES = ROOT / "blend_samples" / "calibration"
@@ -95,7 +95,7 @@ def test_a_picture_is_drawn_where_matplotlib_is(tmp_path):
 
 
 def test_without_matplotlib_the_picture_is_refused_in_words(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("studies.calibration_plot.util.find_spec", lambda name: None)
+    monkeypatch.setattr("studies.files.util.find_spec", lambda name: None)
     assert main(["calibrate", str(SAMPLES / "object_1_nylon_air.csv"), "--plot", str(tmp_path / "out.png")]) == 2
     assert "matplotlib" in capsys.readouterr().err
 

@@ -9,10 +9,10 @@ import pytest
 
 from core.base import DimpleError
 from core.experiment.plan import read_plan
-from studies import experiment
-from studies.experiment import MANNERS, person, take_part, written
-from studies.experiment_plans import LEVELS, make
-from studies.experiment_results import QUARTER, Pairs, Ratings, fit, group, read, summary
+from studies.experiment import people as experiment
+from studies.experiment.people import MANNERS, person, take_part, written
+from studies.experiment.plans import LEVELS, make
+from studies.experiment.results import QUARTER, Pairs, Ratings, fit, group, read, summary
 
 GUESSED = [10, 9, 11, 10, 8, 12, 10]
 

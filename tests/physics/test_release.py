@@ -10,10 +10,9 @@ from core.body.model import build_model
 from core.material import Material
 from core.mesh.surface import base_vertices
 from studies.__main__ import main
-from studies.bodies import DOUGH, GEL, VINYL, head
-from studies.primitives import HARD, PRIMITIVES, SIZE, grid, icosphere, joined, makers, moved, sized
-from studies.release import Place, flipped, place_at, release, residual
-from studies.release_report import run_mesh
+from studies.body.release import Place, flipped, place_at, release, residual, run_mesh
+from studies.meshes.bodies import DOUGH, GEL, VINYL, head
+from studies.meshes.primitives import HARD, PRIMITIVES, SIZE, grid, icosphere, joined, makers, moved, sized
 
 FINGERTIP = 0.015  # [m]
 

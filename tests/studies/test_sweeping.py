@@ -15,9 +15,9 @@ from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from studies.methods import vertex_block_descent
 from studies.methods.colours import colours
 from studies.methods.implicit import run_implicit
+from studies.methods.motion import move, relative_error
 from studies.methods.newton import CONTACT_STIFFNESS
 from studies.methods.registry import METHODS, Run
-from studies.motion import move, relative_error
 from studies.reference.laws import State, initial_state
 from studies.reference.path import FingerPath
 from studies.scenes import BALL, FINGERTIP, ball, cube, twisted_ball
