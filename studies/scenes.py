@@ -15,7 +15,8 @@ from core.body.springs import membrane_stiffness
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Frame, Session
-from studies.meshes.cube import cube as cube
+from studies.meshes.simple import cube as cube
+from studies.meshes.simple import icosphere
 from studies.reference.laws import State, initial_state
 
 BALL_RADIUS = 0.08  # [m]
@@ -27,10 +28,7 @@ POKE = ((0.25, 1.0), (0.5, 1.0), (0.75, 0.0), (1.0, 0.0))  # (time [s], share of
 
 def ball(subdivisions: int, radius: float = BALL_RADIUS) -> Mesh:
     """Return an icosphere of 10 * 4**subdivisions + 2 vertices."""
-    import trimesh
-
-    sphere = trimesh.creation.icosphere(subdivisions, radius)
-    return mesh_from_triangles(sphere.vertices, sphere.faces)
+    return mesh_from_triangles(*icosphere(subdivisions, radius))
 
 
 def oscillator(*, damping_ratio: float = 0.0, stretch: float = 0.1) -> tuple[Model, State]:

@@ -22,7 +22,7 @@ from core.mesh.surface import Mesh
 from studies.body import dents
 from studies.body.solid_mesh import BALL_RADIUS, BLOCK_EDGE
 from studies.files import new_figure, read_csv, save_picture, write_csv
-from studies.meshes.primitives import box, sized
+from studies.meshes.simple import box, sized
 
 KEPT = Path(__file__).parents[2] / "tests" / "studies" / "solid"  # the finite elements' force and dents
 BODIES, LAWS, FILLS = ("ball", "block"), ("linear", "neo-hookean"), ("liquid", "solid")

@@ -20,7 +20,7 @@ from core.session import Finger, Session
 from studies.body.dent_shape import vertex_roughness
 from studies.body.solid_mesh import BALL_RADIUS
 from studies.files import aligned, write_csv
-from studies.meshes.primitives import icosphere, sized
+from studies.meshes.simple import icosphere, sized
 
 TIP = 0.010  # [m] radius of the fingertip
 DEPTHS = (0.005, 0.010, 0.015, 0.020, 0.025)  # [m]

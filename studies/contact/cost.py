@@ -11,13 +11,13 @@ from statistics import mean, median
 
 import numpy as np
 
-from core.base import Floats, Ints
 from core.body.model import build_model
 from core.constants import OFFSET
 from core.material import PRESETS, Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from core.world import Collider, World
+from studies.meshes.bodies import ball
 from studies.reference.proximity import find_pairs, join_surfaces
 
 SOFT = Material(K1=600, K2=4000, x0=0.02, k=400, mass=0.15, friction=0.4)
@@ -47,15 +47,6 @@ def measure_cost() -> dict[str, dict[str, float]]:
     }
 
 
-def ball(cells: int = CELLS, radius: float = RADIUS) -> tuple[Floats, Ints]:
-    """Return a ball made of a cube of cells x cells squares on each side, 6 cells^2 + 2 vertices."""
-    from studies.meshes.cube import cube
-
-    mesh = cube(cells, 2.0)
-    x = np.tan(np.pi / 4 * (mesh.rest_positions - mesh.rest_positions.mean(axis=0)))
-    return radius * x / np.linalg.norm(x, axis=1)[:, None], np.array(mesh.triangles)
-
-
 def press(tick: int, depth: float = PRESS) -> float:
     """Return by how much the pins are led at a tick [m]: on their way, then to and fro."""
     return depth * min(tick / LEAD, 1.0) + AMPLITUDE * np.sin(0.05 * max(tick - LEAD, 0))
@@ -69,7 +60,8 @@ def lead_together(sessions: list[Session], depth: float) -> None:
 
 def bodies(gap: float, material: Material = SOFT, radius: float = RADIUS) -> list[Session]:
     """Return two balls a distance apart [m], each pinned on its far side."""
-    points, faces = ball(radius=radius)
+    mesh = ball(CELLS, 2 * radius)
+    points, faces = mesh.rest_positions, mesh.triangles
     found = []
     for side in (-1, 1):
         pinned = points[:, 2] * side > 0.6 * radius

@@ -12,14 +12,14 @@ from dataclasses import dataclass, field
 import numpy as np
 import trimesh
 
-from core.base import Bools, Floats, Ints
+from core.base import Bools, Floats
 from core.body.model import build_model
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from core.world import Collider, World
+from studies.meshes.simple import Shape, grid, icosphere
 
-Shape = tuple[Floats, Ints]
 Lead = Callable[[float], Floats]  # vertices (m, 3) [m] at a share of the time, 0 to 1
 
 SOFT = Material(K1=600, K2=4000, x0=0.02, k=400, mass=0.15, friction=0.4)
@@ -228,10 +228,6 @@ def _box(*size: float) -> Shape:
     return _of(trimesh.creation.box(size))
 
 
-def icosphere(subdivisions: int, radius: float) -> Shape:
-    return _of(trimesh.creation.icosphere(subdivisions, radius))
-
-
 def _of(mesh: trimesh.Trimesh) -> Shape:
     return np.array(mesh.vertices), np.array(mesh.faces, np.int64)
 
@@ -240,15 +236,6 @@ def moved(shape: Shape, rng: np.random.Generator, to: Sequence[float] = (0.0, 0.
     """Turn a shape at random and put it somewhere, up to half a millimetre off."""
     turn = trimesh.transformations.random_rotation_matrix(rng.random(3))[:3, :3]
     return shape[0] @ turn.T + np.asarray(to) + rng.uniform(0, JITTER, 3), shape[1]
-
-
-def grid(columns: int, rows: int, width: float, depth: float) -> Shape:
-    """Return a flat sheet of columns x rows squares in the plane z = 0, facing up."""
-    x, y = np.linspace(-width / 2, width / 2, columns + 1), np.linspace(-depth / 2, depth / 2, rows + 1)
-    points = np.stack([a.ravel() for a in (*np.meshgrid(x, y, indexing="ij"), np.zeros((columns + 1, rows + 1)))], 1)
-    index = np.arange(len(points)).reshape(columns + 1, rows + 1)
-    a, b, c, d = (i.ravel() for i in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
-    return points, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
 
 
 def _bar(length: float, side: float, along: int, across: int) -> Shape:

@@ -23,7 +23,7 @@ from core.material import PRESETS, Preset
 from core.mesh.surface import base_vertices
 from studies.files import new_figure, save_picture, write_csv
 from studies.law.reconstruct import DEEPEST, write_samples
-from studies.meshes.cube import cube
+from studies.meshes.simple import cube
 from studies.reference.paper import surface_stretch, surface_tension
 
 CELLS, ROWS = 16, 60  # along an edge of the cube that is pressed, 1538 vertices; of the press that is written

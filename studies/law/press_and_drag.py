@@ -26,8 +26,9 @@ from core.native.motion import Touch
 from core.reduction.proxy_rule import plan
 from core.session import Finger, Session
 from studies.files import write_json
-from studies.meshes.cube import SUFFIXES, load_triangles
-from studies.meshes.primitives import SIZE, Shape, makers
+from studies.meshes.mesh_file import SUFFIXES, load_triangles
+from studies.meshes.primitives import makers
+from studies.meshes.simple import SIZE, Shape
 
 Row = dict[str, Any]
 MATERIALS = {"air": PRESETS[1].material, "water": PRESETS[2].material}

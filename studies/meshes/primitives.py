@@ -11,13 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
-from core.base import DimpleError, Floats, Ints
-from core.mesh.surface import Mesh, mesh_from_triangles
+from core.base import DimpleError, Floats
+from core.mesh.surface import Mesh
 from studies.meshes import bodies
-from studies.meshes.cube import SUFFIXES, cube, load_mesh
+from studies.meshes.mesh_file import SUFFIXES, load_mesh
+from studies.meshes.simple import SIZE, Shape, box, grid, icosphere, sized
 
-Shape = tuple[Floats, Ints]
-SIZE = 0.165  # [m] of the paper's larger cube
 FINENESS = (5, 10, 18)  # of the shapes of `bodies`: about 150, 600 and 2,000 vertices
 SHAPES = (
     bodies.ball, bodies.blob, bodies.head, bodies.scan, bodies.box, bodies.slab, bodies.torus, bodies.capsule,
@@ -45,25 +44,6 @@ def makers(folder: Path | None = None) -> dict[str, Callable[[], Mesh]]:
 
 def _sized(shape: Callable[[], Shape]) -> Mesh:
     return sized(*shape())
-
-
-def sized(points: Floats, faces: Ints, size: float = SIZE) -> Mesh:
-    """Return a mesh whose longest side has a size [m]."""
-    return mesh_from_triangles(points * (size / np.ptp(points, axis=0).max()), faces)
-
-
-def box(cells: int) -> Shape:
-    """Return a cube of cells x cells squares a side; 1 is Blender's default cube of 8 vertices."""
-    mesh = cube(cells, 2.0)
-    return mesh.rest_positions, mesh.triangles
-
-
-def icosphere(subdivisions: int) -> Shape:
-    """Return a sphere of 10 * 4**subdivisions + 2 vertices; Blender calls the same number one more."""
-    import trimesh
-
-    made = trimesh.creation.icosphere(subdivisions)
-    return np.array(made.vertices), np.array(made.faces)
 
 
 def turned(outline: Floats, sections: int) -> Shape:
@@ -95,15 +75,6 @@ def torus(major: int, minor: int) -> Shape:
 
     made = trimesh.creation.torus(1.0, 0.25, major_sections=major, minor_sections=minor)
     return np.array(made.vertices), np.array(made.faces)
-
-
-def grid(cells: int) -> Shape:
-    """Return a flat sheet of cells x cells squares; 1 is Blender's plane of 4 vertices."""
-    line = np.linspace(-1, 1, cells + 1)
-    x, y = (a.ravel() for a in np.meshgrid(line, line, indexing="ij"))
-    corner = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
-    a, b, c, d = (corner[s].ravel() for s in (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]))
-    return np.stack([x, y, 0 * x], axis=1), np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
 
 
 def remeshed(subdivisions: int, *, shift: float = 0.3, seed: int = 4) -> Shape:
@@ -172,9 +143,9 @@ PRIMITIVES: dict[str, Callable[[], Shape]] = {
     "cone of 16 rows and 6 rings": lambda: tube(32, 16, 6, top=0.0),
     "torus 48 x 12": lambda: torus(48, 12),
     "torus 96 x 24": lambda: torus(96, 24),
-    "plane": lambda: grid(1),
-    "grid 10 x 10": lambda: grid(10),
-    "grid 32 x 32": lambda: grid(32),
+    "plane": lambda: grid(1, 1),
+    "grid 10 x 10": lambda: grid(10, 10),
+    "grid 32 x 32": lambda: grid(32, 32),
 }
 HARD: dict[str, Callable[[], Shape]] = {
     "tetrahedron": lambda: (np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), np.array(
@@ -188,8 +159,8 @@ HARD: dict[str, Callable[[], Shape]] = {
     "UV sphere 256 x 16": lambda: uv_sphere(256, 16),
     "needle": lambda: stretched(icosphere(3), 0.08, 0.08, 1),
     "pancake": lambda: stretched(icosphere(3), 1, 1, 0.08),
-    "wavy sheet of 32 x 32": lambda: bent(grid(32)),
-    "standing sheet": lambda: (grid(16)[0][:, [2, 0, 1]], grid(16)[1]),
+    "wavy sheet of 32 x 32": lambda: bent(grid(32, 32)),
+    "standing sheet": lambda: (grid(16, 16)[0][:, [2, 0, 1]], grid(16, 16)[1]),
     "letter": lambda: _letter(),
     "wall across a box": lambda: _walled(),
     "Moebius strip": lambda: _moebius(60, 6),
@@ -242,7 +213,7 @@ def _walled() -> Shape:
     """Return a box with a wall across it, whose edges join three faces."""
     points, faces = box(8)
     line = np.linspace(-1, 1, 9)
-    wall, cells = grid(8)
+    wall, cells = grid(8, 8)
     wall = np.stack([0 * wall[:, 0] + line[4], wall[:, 0], wall[:, 1]], axis=1)
     return joined((points, faces), (wall, cells))
 

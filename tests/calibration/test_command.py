@@ -19,7 +19,7 @@ from core.calibration.virtual_press import text_cell, write_press
 from core.material import PRESETS
 from studies.__main__ import main
 from studies.law.reconstruct import DEEPEST, write_samples
-from studies.meshes.cube import load_mesh
+from studies.meshes.mesh_file import load_mesh
 from studies.reference.paper import surface_stretch, surface_tension
 from tools.environment import ROOT
 

@@ -30,7 +30,7 @@ from studies.law.press_and_drag import (
     places,
     put,
 )
-from studies.meshes.primitives import icosphere, sized
+from studies.meshes.simple import icosphere, sized
 from studies.scenes import cube
 from tests.bodies import block
 

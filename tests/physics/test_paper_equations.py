@@ -13,7 +13,7 @@ import pytest
 from core.body.springs import build_springs
 from core.material import FINGERTIP, PRESETS, Material
 from core.mesh.surface import mesh_from_triangles
-from studies.meshes.cube import cube_triangles
+from studies.meshes.simple import cube_triangles
 from studies.reference import paper
 from studies.reference.paper import surface_stretch, surface_tension
 from studies.reference.path import FingerPath

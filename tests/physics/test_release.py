@@ -12,7 +12,8 @@ from core.mesh.surface import base_vertices
 from studies.__main__ import main
 from studies.body.release import Place, flipped, place_at, release, residual, run_mesh
 from studies.meshes.bodies import DOUGH, GEL, VINYL, head
-from studies.meshes.primitives import HARD, PRIMITIVES, SIZE, grid, icosphere, joined, makers, moved, sized
+from studies.meshes.primitives import HARD, PRIMITIVES, joined, makers, moved
+from studies.meshes.simple import SIZE, grid, icosphere, sized
 
 FINGERTIP = 0.015  # [m]
 
@@ -54,7 +55,7 @@ def test_what_has_only_moved_as_a_whole_has_come_back() -> None:
 
 
 def test_a_face_turned_over_is_seen_and_a_turned_body_has_none() -> None:
-    mesh = sized(*grid(6))
+    mesh = sized(*grid(6, 6))
     x = mesh.rest_positions.copy()
     assert flipped(mesh, x.T) == 0 and flipped(mesh, (x @ np.diag([-1.0, 1, -1])).T) == 0
     middle = int((x**2).sum(axis=1).argmin())

@@ -1,4 +1,4 @@
-"""What is pressed where there is no Blender: a cube, or a mesh from a file, in the size of the real object."""
+"""Meshes from files, in the size of the real object."""
 
 from __future__ import annotations
 
@@ -10,29 +10,6 @@ from core.base import DimpleError, Floats, Ints
 from core.mesh.surface import Mesh, mesh_from_triangles
 
 SUFFIXES = (".obj", ".stl", ".ply", ".off", ".glb")
-
-
-def cube(cells: int, edge: float) -> Mesh:
-    """Return a cube with cells x cells squares a side, 6 * cells**2 + 2 vertices."""
-    return mesh_from_triangles(*cube_triangles(cells, edge))
-
-
-def cube_triangles(cells: int, edge: float) -> tuple[Floats, Ints]:
-    """Return the positions and triangles of `cube`, its six sides not yet welded."""
-    line = np.linspace(-edge / 2, edge / 2, cells + 1)
-    u, v = (a.ravel() for a in np.meshgrid(line, line, indexing="ij"))
-    corner = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
-    a, b, c, d = (corner[s].ravel() for s in (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]))
-    side = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-    positions: list[Floats] = []
-    triangles: list[Ints] = []
-    for axis in range(3):
-        for sign in (-1, 1):
-            plane = np.empty((len(u), 3))
-            plane[:, axis], plane[:, (axis + 1) % 3], plane[:, (axis + 2) % 3] = sign * edge / 2, u, v
-            triangles.append((side if sign > 0 else side[:, ::-1]) + len(positions) * len(u))
-            positions.append(plane)
-    return np.concatenate(positions), np.concatenate(triangles)
 
 
 def load_mesh(path: str | Path, size: float) -> Mesh:
