@@ -95,7 +95,6 @@ def vertex_roughness(rest: Floats, x: Floats, spacing: float, mean: Profile | No
     return float(np.sqrt(np.mean(off_rings(mean, way[some], *on_axes(x[some])) ** 2)))
 
 
-
 def on_axes(x: Floats) -> tuple[Floats, Floats]:
     """Return distances from the axis and heights above the top at rest of places (n, 3) [m]."""
     return np.hypot(x[:, 0], x[:, 1]), x[:, 2] - BALL_RADIUS

@@ -28,7 +28,6 @@ TIPS = (0.008, 0.015, 0.025)  # [m] radii of the fingertips
 SEED = 3  # of the places that are pressed
 FEW = 200  # vertices: liquids on fewer are summed up apart
 SHARE = 0.3  # of the smallest side: how deep they go
-DEEP = 0.6  # of it
 PINCHED = 0.35  # of the thickness: how deep at most each of two fingertips goes
 SHEET = 1e-3  # of the size: what is no thicker is a sheet,
 SHEET_SHARE = 0.1  # and pressed by this share of its size
@@ -60,16 +59,13 @@ class Release:
 
     mesh, material, way: their names.
     vertices: of the mesh.
-    free: whether no pins hold the body.
     radius: of the fingertip [m].
     depth: how far it went in [m]; less where two would meet.
     force: on it at the end of the hold [N].
     volume_change: then, as a share; 0 of a sheet.
-    flipped_held: faces that then looked the other way than at rest.
-    residual: farthest distance from rest a second after release, over the size; of a free body from its best rigid fit.
-    spin: of a free body then [rad/s]: it stretches a body as long as it lasts.
-    residual_unspun: the residual when the spin had been stopped for SETTLED; of a pinned body the residual.
-    kinetic: energy a second after release [J], without the rigid motion of a free body.
+    residual: farthest distance from rest a second after release, over the size; of a free body from its best rigid fit,
+        when its spin, which stretches it, had been stopped for SETTLED.
+    kinetic: its energy then [J].
     flipped: faces that then looked the other way than at rest.
     finite: whether it never blew up.
     note: of the session, where it did.
@@ -79,15 +75,11 @@ class Release:
     material: str
     way: str
     vertices: int
-    free: bool
     radius: float
     depth: float
     force: float
     volume_change: float
-    flipped_held: int
     residual: float
-    spin: float
-    residual_unspun: float
     kinetic: float
     flipped: int
     finite: bool
@@ -95,8 +87,8 @@ class Release:
 
     @property
     def back(self) -> bool:
-        """Tell whether it has come back to rest, what spin stretches apart."""
-        return self.finite and self.residual_unspun <= BACK
+        """Tell whether it has come back to rest."""
+        return self.finite and self.residual <= BACK
 
 
 Way = Callable[[Place, float, float], list[tuple[float, list[Finger]]]]
@@ -128,14 +120,12 @@ def _tip(point: Floats, outward: Floats, radius: float, depth: float) -> Finger:
     return Finger((x, y, z), radius)
 
 
-# how a mesh is pressed: what the fingertips do, how deep as a share of the smallest side, whether pins hold the base
-WAYS: dict[str, tuple[Way, float, bool]] = {
-    "press": (straight, SHARE, True),
-    "deep": (straight, DEEP, True),
-    "drag": (sideways, SHARE, True),
-    "pinch": (pinched, SHARE, True),
-    "free": (straight, SHARE, False),
-    "free pinch": (pinched, SHARE, False),
+# how a mesh is pressed: what the fingertips do, and whether pins hold the base
+WAYS: dict[str, tuple[Way, bool]] = {
+    "press": (straight, True),
+    "drag": (sideways, True),
+    "pinch": (pinched, True),
+    "free": (straight, False),
 }
 
 
@@ -163,10 +153,9 @@ def release(model: Model, place: Place, way: str, radius: float, **names: str) -
         way: one of WAYS.
         names: of mesh and material.
     """
-    path, share, _ = WAYS[way]
     mesh, session = model.mesh, Session(model)
-    depth = share * smallest_side(mesh)
-    keys = path(place, radius, depth)
+    depth = SHARE * smallest_side(mesh)
+    keys = WAYS[way][0](place, radius, depth)
     first = keys[0][1]
     out = [place.outward, -place.outward]
     session.set_fingers([_clear(finger, way, depth) for finger, way in zip(first, out, strict=False)])
@@ -175,24 +164,19 @@ def release(model: Model, place: Place, way: str, radius: float, **names: str) -
         session.set_fingers(fingers)
         frames.append(session.step(seconds))
     frames.append(held := session.step(HOLD))
-    flipped_held = flipped(mesh, session.body.positions())
     session.set_fingers([])
     frames += [session.step(AFTER / 10) for _ in range(10)]
-    x, v = session.body.positions(), session.body.velocities()
-    left, spin, moving = residual(model, x), 0.0, kinetic(model, x, v)
-    unspun = left
     if model.free:
-        rigid = rigid_velocity(model.mass, x, v)
-        spin = _spin(model, x, rigid)
-        session.body.set_state(x, v - rigid)
+        x, v = session.body.positions(), session.body.velocities()
+        session.body.set_state(x, v - rigid_velocity(model.mass, x, v))
         frames.append(session.step(SETTLED))
-        unspun = residual(model, session.body.positions())
+    x, v = session.body.positions(), session.body.velocities()
     notes = [frame.note for frame in frames if frame.note]
     return Release(
-        way=way, mesh=names["mesh"], material=names["material"], vertices=len(mesh.rest_positions), free=model.free,
-        radius=radius, depth=depth, force=float(np.linalg.norm(held.finger_forces[:1])),
-        volume_change=held.volume / mesh.volume - 1 if mesh.pressurable else 0.0, flipped_held=flipped_held,
-        residual=left, spin=spin, residual_unspun=unspun, kinetic=moving, flipped=flipped(mesh, x),
+        way=way, mesh=names["mesh"], material=names["material"], vertices=len(mesh.rest_positions), radius=radius,
+        depth=depth, force=float(np.linalg.norm(held.finger_forces[:1])),
+        volume_change=held.volume / mesh.volume - 1 if mesh.pressurable else 0.0,
+        residual=residual(model, x), kinetic=float((model.mass * v**2).sum()) / 2, flipped=flipped(mesh, x),
         finite=not notes and bool(np.isfinite(x).all()), note=notes[0] if notes else "",
     )  # fmt: skip
 
@@ -210,19 +194,6 @@ def residual(model: Model, x: Floats) -> float:
         rotation, translation = fit_pose(rest[:, used], x[:, used], model.mass[used])
     away = x - rotation @ rest - translation[:, None]
     return float(np.sqrt((away[:, used] ** 2).sum(axis=0)).max()) / model.mesh.size
-
-
-def kinetic(model: Model, x: Floats, v: Floats) -> float:
-    """Return the kinetic energy [J], without the rigid motion of a free body."""
-    moving = v - rigid_velocity(model.mass, x, v) if model.free else v
-    return float((model.mass * moving**2).sum()) / 2
-
-
-def _spin(model: Model, x: Floats, rigid: Floats) -> float:
-    """Return the angular speed [rad/s] of a rigid velocity field (3, n)."""
-    total = model.mass.sum()
-    arm, around = (a - (a @ model.mass / total)[:, None] for a in (x, rigid))
-    return float(np.sqrt(((around**2).sum(axis=0) / (arm**2).sum(axis=0)).max()))
 
 
 def flipped(mesh: Mesh, x: Floats) -> int:
@@ -251,7 +222,7 @@ def run_mesh(
     rng = np.random.default_rng(SEED)
     for way in ways:
         for radius, (label, material) in zip(TIPS, materials, strict=True):
-            pinned: Bools | None = base_vertices(mesh) if WAYS[way][2] else None
+            pinned: Bools | None = base_vertices(mesh) if WAYS[way][1] else None
             model = build_model(mesh, [material], pinned=pinned)
             if model.free:  # a body pinned at one vertex swings on
                 model = build_model(mesh, [material])
@@ -265,7 +236,6 @@ def add_release(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_release)
     command.add_argument("--json", type=Path, metavar="FILE", help="write each press and the sum")
-    command.add_argument("--meshes", type=Path, metavar="FOLDER", help="press its meshes too: .obj, .stl, .ply")
     command.add_argument("--ways", nargs="+", choices=WAYS, default=["press"], help="how (default: press)")
     command.add_argument("--only", default="", metavar="WORD", help="only meshes whose name has it")
 
@@ -275,7 +245,7 @@ def run_release(options: argparse.Namespace) -> int:
     materials = list(MATERIALS.items())
     found: list[Release] = []
     count, refused = 0, {}
-    for name, make in makers(options.meshes).items():
+    for name, make in makers().items():
         if options.only not in name:
             continue
         mesh = make()
@@ -304,10 +274,9 @@ def line(one: Release) -> str:
         f"{one.mesh} ({one.vertices}), {one.material}, {one.way}",
         f"tip {1e3 * one.radius:g} mm, {1e3 * one.depth:.1f} mm deep, {one.force:.1f} N",
         f"residual {100 * one.residual:.3f} % of the size",
-        f"{100 * one.residual_unspun:.3f} % without its spin of {one.spin:.1f} rad/s" if one.free else "",
         f"{one.kinetic:.1e} J",
         f"volume {100 * one.volume_change:+.2f} %",
-        f"faces flipped {one.flipped_held} then {one.flipped}",
+        f"{one.flipped} faces flipped",
         one.note,
     ]
     return ", ".join(word for word in words if word)
@@ -315,7 +284,7 @@ def line(one: Release) -> str:
 
 def summary(found: Sequence[Release], count: int, refused: dict[str, str]) -> dict[str, object]:
     """Return the sums over all presses."""
-    worst = max(found, key=lambda one: one.residual_unspun, default=None)
+    worst = max(found, key=lambda one: one.residual, default=None)
     liquids = [one for one in found if MATERIALS[one.material].fill == "liquid"]
     volumes = [max((abs(one.volume_change) for one in some), default=0.0) for some in (
         [one for one in liquids if one.vertices < FEW], [one for one in liquids if one.vertices >= FEW])]  # fmt: skip
@@ -323,7 +292,7 @@ def summary(found: Sequence[Release], count: int, refused: dict[str, str]) -> di
         way: {
             "presses": len(some), "not_back": sum(not one.back for one in some),
             "flipped": sum(one.flipped > 0 for one in some), "blown_up": sum(not one.finite for one in some),
-            "worst_residual": max(one.residual_unspun for one in some),
+            "worst_residual": max(one.residual for one in some),
         }
         for way in WAYS
         if (some := [one for one in found if one.way == way])

@@ -213,6 +213,7 @@ def _exponential(matrix: Floats) -> Floats:
         total = total @ total
     return total
 
+
 LABELS = ("stable", "inaccurate", "diverged")
 BOUNDS = ("k_n_per_m", "bound_dt_s", "measured_dt_s", "product_dt_s")
 COLOURS = ("#b7dcc3", "#f2b134", "#a4303f")  # they differ in lightness, for color-blind readers

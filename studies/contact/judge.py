@@ -24,7 +24,7 @@ from studies.contact.scenes import SCENES, Played
 from studies.files import write_json
 from studies.reference.facets import nearest_on_triangles
 
-STARTS, QUICK_STARTS, QUICK_SHARE = 10, 1, 1.0
+STARTS, QUICK_STARTS = 10, 1
 PROBE = "import ipctk, numpy; f = numpy.array([[0, 1, 2]]); ipctk.CollisionMesh(numpy.eye(3), ipctk.edges(f), f)"
 MISSING = (
     "The referee, ipctk, does not run. python3 dev.py installs it; if its build for one Python asks for another "
@@ -79,7 +79,6 @@ class Referee:
                     break
         return found
 
-
     def overlap(self) -> float:
         """Return how deep [m] a weight as it is seen reaches into a closed surface, or another into it, at most."""
         world, x = self._world, self.positions()
@@ -116,7 +115,7 @@ def winding(points: Floats, x: Floats, faces: Ints) -> Floats:
     return total
 
 
-def judge(name: str, starts: int, share: float) -> dict[str, Any]:
+def judge(name: str, starts: int) -> dict[str, Any]:
     """Play a scene from several starts and return what came of it."""
     found = dict.fromkeys(("intersections", "swallowed"), 0)
     finite, taken, truncated, spent, alone, ticks, held_back, touching = True, 0.0, 0, 0.0, 0.0, 0, 0.0, 0
@@ -124,9 +123,9 @@ def judge(name: str, starts: int, share: float) -> dict[str, Any]:
     for start in range(starts):
         played = SCENES[name](np.random.default_rng(start))
         referee, world = Referee(played), played.world
-        count = max(round(share * played.ticks), 1)
+        count = played.ticks
         for tick in range(count):
-            at = (tick + 1) / played.ticks
+            at = (tick + 1) / count
             world.set_colliders([lead and lead(at) for lead in played.colliders])
             for session, lead in zip(world.sessions, played.pins, strict=True):
                 if lead:
@@ -186,7 +185,7 @@ def run_contact(options: argparse.Namespace) -> int:
         "  weights overlap [mm]"
     )
     for name in options.scenes or SCENES:
-        row = judge(name, QUICK_STARTS if options.quick else STARTS, QUICK_SHARE)
+        row = judge(name, QUICK_STARTS if options.quick else STARTS)
         rows.append(row)
         print(
             f"{name:21} {row['starts']:6} {row['ticks']:6} {row['intersections']:14} {row['swallowed']:10}"

@@ -9,11 +9,8 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import subprocess
-import sys
 import tempfile
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -54,8 +51,6 @@ def add_haptics(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--seconds", type=float, default=10.0, metavar="N", help=f"of pressing, {SHORTEST:.2f} at least"
     )
-    command.add_argument("--stiffness", type=float, metavar="K", help="of the cube [N/m], with no knee")
-    command.add_argument("--loads", type=int, default=0, metavar="N", help="processes that keep processors busy")
     command.add_argument("--busy", action="store_true", help="stall the main thread for 200 ms each second")
     command.add_argument("--fault", action="append", default=[], metavar="FAULT", help="see `emulator --help`")
     command.add_argument("--baud", type=int, metavar="B", help="bits a second, 0: bytes take no time")
@@ -68,10 +63,7 @@ def run_haptics(options: argparse.Namespace) -> int:
     words = [word for fault in options.fault for word in ("--fault", fault)]
     words += [] if options.baud is None else ["--baud", str(options.baud)]
     machine = machine_lateness()
-    record = press(
-        options.seconds, busy=options.busy, words=words, loads=options.loads, udp=options.udp,
-        stiffness=options.stiffness,
-    )  # fmt: skip
+    record = press(options.seconds, busy=options.busy, words=words, udp=options.udp)
     figures = {**judge(record), **machine}
     if record.report.arming is not Arming.ON:
         print(f"Not armed at the end, so forces and stiffness are too small. {record.report.note}")
@@ -83,18 +75,13 @@ def run_haptics(options: argparse.Namespace) -> int:
     return 0
 
 
-def press(
-    seconds: float, *, busy: bool = False, words: list[str] | None = None, loads: int = 0, udp: bool = False,
-    stiffness: float | None = None,
-) -> PressRecord:  # fmt: skip
+def press(seconds: float, *, busy: bool = False, words: list[str] | None = None, udp: bool = False) -> PressRecord:
     """Press a cube with three fingers for some seconds [s].
 
     Args:
         busy: the main thread stalls for STALL each second.
         words: more options of the emulator.
-        loads: other processes that only compute.
         udp: the device is on the network of this computer.
-        stiffness: of the cube [N/m], with no knee; else the preset's.
 
     Raises:
         DimpleError: the device does not connect or does not arm, or the time is too short for one press.
@@ -112,25 +99,18 @@ def press(
             servo_words=["--log", str(log)],
         )
         frames: list[tuple[float, float]] = []
-        mesh, material = cube(CELLS, PRESET.size), PRESET.material
-        if stiffness:
-            material = replace(material, K1=stiffness, K2=stiffness)
-        session = Session(build_model(mesh, [material], pinned=base_vertices(mesh)))
-        others = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(loads)]
+        mesh = cube(CELLS, PRESET.size)
+        session = Session(build_model(mesh, [PRESET.material], pinned=base_vertices(mesh)))
         try:
             device.open()
             report = _drive(device, session, seconds, busy, frames)
         finally:
             device.close()
-            for other in others:
-                other.kill()
         if not (trace.exists() and measured.exists() and log.exists()):
             raise DimpleError("Device or servo did not end in time, so there is no trace: this computer is too busy.")
         rows = np.loadtxt(trace, delimiter=",", skiprows=1, ndmin=2)
         answers = np.loadtxt(log, delimiter=",", ndmin=2)
-        return PressRecord(
-            cycles, report, json.loads(measured.read_text()), rows, answers, np.array(frames), material
-        )
+        return PressRecord(cycles, report, json.loads(measured.read_text()), rows, answers, np.array(frames))
 
 
 def _drive(

@@ -11,7 +11,7 @@ from core.base import DimpleError, Floats
 from core.device.orders import ServoReport
 from core.device.wire import RAMP
 from core.device.workspace import Workspace
-from core.material import PRESETS, Material
+from core.material import PRESETS
 from studies.bench.hand import Keyframe
 
 PRESET = PRESETS[1]  # vinyl and air: K1 = 610 N/m
@@ -37,7 +37,6 @@ class PressRecord:
     trace: of the device: time [s], mode, three positions [m], three forces [N].
     log: of the servo: time [us], then position [m] and force [N] of each tip.
     frames: of the session: time [s], stiffness cap then [N/m].
-    material: of what was pressed.
     """
 
     cycles: int
@@ -46,7 +45,6 @@ class PressRecord:
     trace: Floats
     log: Floats
     frames: Floats
-    material: Material
 
 
 def judge(record: PressRecord) -> dict[str, float]:
@@ -54,7 +52,7 @@ def judge(record: PressRecord) -> dict[str, float]:
     device, report = record.device, record.report
     time, places, forces = record.trace[:, 0], _tips(record.trace, 2), _tips(record.trace, 11)
     begin = time[np.flatnonzero(record.trace[:, 1] == RAMP)[0]]
-    held = [_holding(record.cycles, time - begin, places[:, i], forces[:, i], record.material.law) for i in range(3)]
+    held = [_holding(record.cycles, time - begin, places[:, i], forces[:, i], PRESET.material.law) for i in range(3)]
     slopes = np.array([slope for slope, _ in held])
     errors = np.concatenate([error for _, error in held])
     measured = record.log[:, 1:].reshape(-1, 3, 2, 3)[:, :, 0]
@@ -79,7 +77,7 @@ def judge(record: PressRecord) -> dict[str, float]:
         "force_largest_n": float(np.abs(forces).max()),
         "shake_mm": 1e3 * swung,
         "creep_mm": 1e3 * crept,
-        "stiffness_error": float(np.abs(slopes / record.material.K1 - 1).max()),
+        "stiffness_error": float(np.abs(slopes / PRESET.material.K1 - 1).max()),
         "stiffness_rendered_n_m": float(slopes.mean()),
         "stiffness_cap_n_m": float(np.median(record.frames[:, 1])),
         "longest_frame_ms": 1e3 * float(np.diff(record.frames[:, 0]).max()),

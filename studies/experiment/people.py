@@ -14,7 +14,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import NormalDist
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from core.base import DimpleError
 from core.everyday_presets import OBJECTS
 from core.experiment.plan import Plan, Stimulus, Trial, read_plan
 from core.experiment.run import Experiment
-from studies.experiment.plans import KINDS, LEVELS, REPEATS, make
+from studies.experiment.plans import KINDS, make
 from studies.experiment.results import QUARTER, Pairs, Ratings, group, read, summary, totals
 from studies.files import new_figure, save_picture
 
@@ -33,7 +32,6 @@ NOISE = 0.6  # steps by which a simulated rating scatters
 STRICT = 5.0  # steps of a rating that a factor of e on the stiffness costs
 MANNERS = ("good", "good", "good", "good", "swapped", "guessing", "lapsing", "one button")
 LAPSING = 0.12  # share of answers at random
-PHI = NormalDist().cdf
 MATERIALS = {each.name: each.material for each in OBJECTS}
 
 
@@ -81,7 +79,6 @@ def add_experiment(command: argparse.ArgumentParser) -> None:
     what.add_argument("--plan", choices=KINDS, help="write a plan to --out")
     what.add_argument("--simulate", type=Path, metavar="PLAN.json", help="let simulated people take part, into --out")
     what.add_argument("--analyse", type=Path, nargs="+", metavar="CSV", help="files of answers; they are only read")
-    what.add_argument("--groups", type=int, metavar="N", help="how often the intervals of N simulated groups hold")
     command.add_argument("--out", type=Path, help="file of the plan, or folder of the simulated answers")
     command.add_argument("--participants", type=int, default=PEOPLE, metavar="N")
     command.add_argument("--objects", nargs="+", default=[], metavar="NAME", help="presets or materials of the plan")
@@ -92,10 +89,6 @@ def add_experiment(command: argparse.ArgumentParser) -> None:
 
 def run_experiment(options: argparse.Namespace) -> int:
     """Write a plan, simulate, or analyse."""
-    if options.groups:
-        for name, value in held(options.groups, options.seed).items():
-            print(f"{name:<12} {value:.3f}")
-        return 0
     if not options.out and not options.analyse:
         raise DimpleError("--plan and --simulate need --out.")
     if options.plan:
@@ -141,9 +134,7 @@ def simulate(plan: Plan, folder: Path, seed: int) -> tuple[dict[str, Person], li
     return people, paths
 
 
-def take_part(
-    plan: Plan, code: str, path: Path, answer: Callable[[Plan, Trial], int], *, pause_s: float = 0.0
-) -> None:
+def take_part(plan: Plan, code: str, path: Path, answer: Callable[[Plan, Trial], int], *, pause_s: float = 0.0) -> None:
     """Answer all that is left of an experiment."""
     materials = {label: MATERIALS[name] for label, name in plan.objects.items()}
     experiment = Experiment(plan, code, path, materials, {"device": "simulated"})
@@ -156,30 +147,6 @@ def take_part(
         experiment.answer(answer(plan, trial))
         time.sleep(pause_s)
     experiment.log.file.close()
-
-
-def held(groups: int, seed: int) -> dict[str, float]:
-    """Return how often the intervals of groups of PEOPLE hold the mean of all people.
-
-    A maximum-likelihood grid stands in for psignifit, which takes seconds for each person.
-    """
-    dice = np.random.default_rng(seed)
-    levels, centres = np.array(LEVELS), np.linspace(0.6, 1.5, 91)
-    spreads = np.geomspace(0.03, 0.8, 41) / QUARTER
-    phi = np.vectorize(PHI)
-    table = phi((levels - centres[:, None, None]) / spreads[None, :, None]).reshape(-1, len(levels))
-    table = np.clip(table, 1e-6, 1 - 1e-6)
-    inside = np.zeros(2)
-    for _ in range(groups):
-        pse = dice.normal(PSE, PSE_SPREAD, PEOPLE)
-        jnd = np.exp(dice.normal(math.log(JND), JND_SPREAD, PEOPLE))
-        k = dice.binomial(REPEATS, phi((levels - pse[:, None]) * QUARTER / jnd[:, None]))
-        best = (k @ np.log(table).T + (REPEATS - k) @ np.log1p(-table).T).argmax(axis=1)
-        at, wide = np.unravel_index(best, (len(centres), len(spreads)))
-        for i, (values, true) in enumerate(((centres[at], PSE), (np.log(QUARTER * spreads[wide]), math.log(JND)))):
-            _, low, high = group(values.tolist())
-            inside[i] += low <= true <= high
-    return {"pse_held": inside[0] / groups, "jnd_held": inside[1] / groups}
 
 
 def draw(pairs: Sequence[Pairs], ratings: Sequence[Ratings], path: Path, *, simulated: bool) -> None:
@@ -229,5 +196,3 @@ def _draw_pairs(axes, pairs: Sequence[Pairs]) -> None:  # type: ignore[no-untype
         of = f"{len(fitted)} of {len(pairs)} participants; group in blue"
         axis.set(xlabel=f"{label} (times the standard)", title=of)
         axis.set_yticks(range(len(fitted)), [each.participant for each in fitted])
-
-

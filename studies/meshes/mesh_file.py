@@ -1,4 +1,4 @@
-"""Meshes from files, in the size of the real object."""
+"""Meshes from files."""
 
 from __future__ import annotations
 
@@ -7,19 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from core.base import DimpleError, Floats, Ints
-from core.mesh.surface import Mesh, mesh_from_triangles
 
 SUFFIXES = (".obj", ".stl", ".ply", ".off", ".glb")
-
-
-def load_mesh(path: str | Path, size: float) -> Mesh:
-    """Read a mesh, z up, and scale its longest side to a size [m].
-
-    Raises:
-        DimpleError: it cannot be read or pressed.
-    """
-    points, faces = load_triangles(path)
-    return mesh_from_triangles(points * (size / mesh_from_triangles(points, faces).size), faces)
 
 
 def load_triangles(path: str | Path) -> tuple[Floats, Ints]:

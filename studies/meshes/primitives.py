@@ -7,14 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 
-from core.base import DimpleError, Floats
+from core.base import Floats
 from core.mesh.surface import Mesh
 from studies.meshes import bodies
-from studies.meshes.mesh_file import SUFFIXES, load_mesh
 from studies.meshes.simple import SIZE, Shape, box, grid, icosphere, sized
 
 FINENESS = (5, 10, 18)  # of the shapes of `bodies`: about 150, 600 and 2,000 vertices
@@ -24,22 +22,12 @@ SHAPES = (
 )  # fmt: skip
 
 
-def makers(folder: Path | None = None) -> dict[str, Callable[[], Mesh]]:
-    """Return what makes each mesh, by name: the shapes of `bodies`, PRIMITIVES, HARD ones, and the files of a folder.
-
-    Raises:
-        DimpleError: the folder holds no mesh; a file that cannot be read raises it when it is made.
-    """
+def makers() -> dict[str, Callable[[], Mesh]]:
+    """Return what makes each mesh, by name: the shapes of `bodies`, PRIMITIVES and HARD ones."""
     made: dict[str, Callable[[], Mesh]] = {
         f"{shape.__name__} {fine}": partial(shape, fine, SIZE) for shape in SHAPES for fine in FINENESS
     }
-    made |= {name: partial(_sized, shape) for name, shape in (*PRIMITIVES.items(), *HARD.items())}
-    if folder is not None:
-        paths = [path for path in sorted(folder.glob("*")) if path.suffix.lower() in SUFFIXES]
-        if not paths:
-            raise DimpleError(f"{folder} holds no {', '.join(SUFFIXES)}.")
-        made |= {path.name: partial(load_mesh, path, SIZE) for path in paths}
-    return made
+    return made | {name: partial(_sized, shape) for name, shape in (*PRIMITIVES.items(), *HARD.items())}
 
 
 def _sized(shape: Callable[[], Shape]) -> Mesh:

@@ -19,7 +19,8 @@ from core.calibration.virtual_press import text_cell, write_press
 from core.material import PRESETS
 from studies.__main__ import main
 from studies.law.reconstruct import DEEPEST, write_samples
-from studies.meshes.mesh_file import load_mesh
+from studies.meshes.mesh_file import load_triangles
+from studies.meshes.simple import sized
 from studies.reference.paper import surface_stretch, surface_tension
 from tools.environment import ROOT
 
@@ -53,7 +54,7 @@ def test_the_command_writes_constants_in_the_units_of_the_paper(tmp_path):
 def test_a_mesh_in_any_unit_is_read_in_the_size_of_the_object(suffix, tmp_path):
     path = tmp_path / f"box.{suffix}"
     trimesh.creation.box((2, 4, 1)).export(path)
-    mesh = load_mesh(path, 0.165)
+    mesh = sized(*load_triangles(path))
     assert len(mesh.rest_positions) == 8
     assert np.ptp(mesh.rest_positions, axis=0) == pytest.approx([0.0825, 0.165, 0.04125])
     assert mesh.volume == pytest.approx(0.0825 * 0.165 * 0.04125)
@@ -68,7 +69,7 @@ def test_a_file_that_is_no_mesh_is_refused_in_words(name, content, tmp_path):
     if content is not None:
         path.write_bytes(content)
     with pytest.raises(DimpleError, match=re.escape(str(path))):
-        load_mesh(path, 0.165)
+        sized(*load_triangles(path))
 
 
 def test_an_open_question_exits_with_3_and_the_option(write, tmp_path):

@@ -52,9 +52,7 @@ def test_a_dent_is_as_smooth_on_the_proxy_of_a_session(
         assert roughness(mesh, one) < 0.006
 
 
-@pytest.mark.parametrize(
-    "body, tip", [("ball", 10), *(pytest.param(*case, marks=pytest.mark.slow) for case in OTHERS)]
-)
+@pytest.mark.parametrize("body, tip", [("ball", 10), *(pytest.param(*case, marks=pytest.mark.slow) for case in OTHERS)])
 def test_a_solid_measured_through_one_tip_is_dented_alike_by_another(body: str, tip: int) -> None:
     """Dents of both tips within 5 % of their depth, 6.5 where it is deepest, volume within two thousandths.
 

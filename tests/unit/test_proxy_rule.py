@@ -88,9 +88,7 @@ def test_where_no_proxy_can_be_made_the_next_larger_one_is_taken() -> None:
         proxy_rule.plan_proxy(belted, 20, radius=0.02)
 
 
-def test_a_plan_is_the_same_however_busy_the_computer_is(
-    round_model: Model, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_plan_is_the_same_however_busy_the_computer_is(round_model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
     budget = 0.2 * proxy_rule.cost_of(round_model)
     first = plan(round_model, budget=budget)
     for clock in ("perf_counter", "process_time", "time", "monotonic"):
