@@ -92,7 +92,7 @@ def poke_cube(cells: int) -> Session:
 
 
 def whole_skin(mesh: Mesh, material: Material) -> Model:
-    """Return a body pinned at its base with the whole of k in its skin, which the press that was measured contradicts."""
+    """Return a body pinned at its base with all of k in its skin, which the press that was measured contradicts."""
     model = build_model(mesh, [material], pinned=base_vertices(mesh))
     return reassembled(model, stiffness=membrane_stiffness(mesh, np.full(len(mesh.springs), material.k)))
 

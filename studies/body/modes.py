@@ -130,8 +130,9 @@ def run_modes(options: argparse.Namespace) -> int:
             sag = 1e3 * density * GRAVITY / young
             rows.append([name, material, *np.round(hertz * ours[0], 2), *np.round(hertz * theirs[0], 2),
                          *np.round(sag * ours[1], 2), *np.round(sag * theirs[1], 2)])  # fmt: skip
-            print(f"{name}, {material}: {words(hertz * ours[0])} Hz, elements {words(hertz * theirs[0])} Hz"
-                  f"; 1 g {words(sag * ours[1])} mm, elements {words(sag * theirs[1])} mm", flush=True)  # fmt: skip
+            print(f"{name}, {material}: {words(hertz * ours[0])} Hz, elements {words(hertz * theirs[0])}", flush=True)
+            if body.pinned:
+                print(f"  under 1 g {words(sag * ours[1])} mm, elements {words(sag * theirs[1])}", flush=True)
     if options.csv:
         head = [f"{what} {i}, {whose}" for what, whose in HEADS for i in (1, 2, 3)]
         write_csv(options.csv, ["body", "material", *head], rows)

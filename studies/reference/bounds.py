@@ -73,7 +73,9 @@ def left_of(b: Bounds, x: Floats) -> Floats:
     return np.where(rigid, np.inf, np.where(first, along, -along) - p.keep[:, None])
 
 
-def settle(b: Bounds, vertex: int, x: Floats, last: Floats, way: Floats | None, margin: float) -> tuple[Floats, bool]:
+def settle(
+    b: Bounds, vertex: int, x: Floats, last: Floats, way: Floats | None, margin: float
+) -> tuple[Floats, bool]:
     """Return where a vertex at x (3,) may be, and whether it may be there.
 
     Args:

@@ -256,7 +256,9 @@ def _find(before: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: S
     )  # fmt: skip
 
 
-def _given(touch: Touch, pushed: Floats, offset: Floats, radius: Floats, normal: Floats) -> tuple[Floats, Floats]:
+def _given(
+    touch: Touch, pushed: Floats, offset: Floats, radius: Floats, normal: Floats
+) -> tuple[Floats, Floats]:
     """Return how deep [m] a skin has given way at offsets (3, c) from the centre, and which way it springs back (3, c).
 
     That is not straight away from the centre, but from a point behind it, so that it is pressed down and not aside.
@@ -310,6 +312,8 @@ def _sweep_places(x: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats,
     level = np.sqrt(np.maximum(met.radius**2 - ((offset - along * met.normal) ** 2).sum(axis=0), 0))
     depth = level - along
     left = np.minimum((1 - met.part) * depth, SLACK / 2 * touch.radius)
-    out = np.where(depth > 0, depth - left, np.maximum(depth, level - met.radius))
+    out = np.where(
+        depth > 0, depth - left, np.maximum(depth, level - met.radius)
+    )
     met.move(x, np.where(at_work, out, 0) / met.compliance(inverse_mass, at_work) * met.normal)
     return float(depth[at_work].max())

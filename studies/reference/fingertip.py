@@ -268,7 +268,9 @@ def skin_height(a: Around, tip: Tip, place: Floats) -> float:
     return float(tip.outward @ (rotation.T @ (here - rotation @ place - translation)))
 
 
-def straighten(s: RestSurface, tip: Tip, x: Floats, touched: Floats, most: float, found: Round) -> tuple[bool, Round]:
+def straighten(
+    s: RestSurface, tip: Tip, x: Floats, touched: Floats, most: float, found: Round
+) -> tuple[bool, Round]:
     """Lead a foot on until it lies straight above x, touching no farther than the most from what the anchor touches.
 
     Returns:

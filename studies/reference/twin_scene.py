@@ -89,7 +89,9 @@ class TwinScene:
         """Return where a collider is (3, m) [m]."""
         return self._here[index].copy()
 
-    def step(self, motions: Sequence[Motion], ways: Sequence[Way], first: float, last: float) -> SceneFrame:
+    def step(
+        self, motions: Sequence[Motion], ways: Sequence[Way], first: float, last: float
+    ) -> SceneFrame:
         """Run the ticks of motions, one for each body."""
         self._tick, self._dt = motions[0].tick, motions[0].tick / motions[0].substeps
         for body, (model, x), turning in zip(self._bodies, self._known, self._turning, strict=False):
