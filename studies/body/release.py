@@ -288,18 +288,10 @@ def summary(found: Sequence[Release], count: int, refused: dict[str, str]) -> di
     liquids = [one for one in found if MATERIALS[one.material].fill == "liquid"]
     volumes = [max((abs(one.volume_change) for one in some), default=0.0) for some in (
         [one for one in liquids if one.vertices < FEW], [one for one in liquids if one.vertices >= FEW])]  # fmt: skip
-    ways = {
-        way: {
-            "presses": len(some), "not_back": sum(not one.back for one in some),
-            "flipped": sum(one.flipped > 0 for one in some), "blown_up": sum(not one.finite for one in some),
-            "worst_residual": max(one.residual for one in some),
-        }
-        for way in WAYS
-        if (some := [one for one in found if one.way == way])
-    }  # fmt: skip
     return {
         "meshes": count, "meshes_pressed": len({one.mesh for one in found}), "presses": len(found),
-        "not_back": sum(not one.back for one in found), "ways": ways, "refused": refused,
+        "not_back": sum(not one.back for one in found), "flipped": sum(one.flipped > 0 for one in found),
+        "refused": refused,
         "worst": line(worst) if worst else "",
         "liquid_volume_change_below_200_vertices": volumes[0], "liquid_volume_change_from_200_vertices": volumes[1],
     }  # fmt: skip

@@ -105,10 +105,7 @@ def two_lips(rng: np.random.Generator) -> Played:
     """Press two lips that nearly touch at rest together, and open them again."""
     lip = trimesh.creation.icosphere(3, 0.02).vertices * (2.5, 1, 0.6)
     faces = np.array(trimesh.creation.icosphere(3).faces)
-    upper, lower = lip + (0, 0, 0.0122), -lip[:, [0, 1, 2]] - (0, 0, 0.0)
-    lower = lip - (0, 0, 0.0)
-    lower = np.column_stack([lower[:, 0], lower[:, 1], lower[:, 2] - 0.0122])
-    upper = upper + rng.uniform(-1, 1, 3) * (JITTER, JITTER, 0)
+    upper, lower = lip + (0, 0, 0.0122) + rng.uniform(-1, 1, 3) * (JITTER, JITTER, 0), lip - (0, 0, 0.0122)
     leads, pinned = [], []
     for points, way in ((upper, -1), (lower, 1)):
         pinned.append(points[:, 2] * -way > 0.018)

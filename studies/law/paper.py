@@ -7,7 +7,6 @@ the way there and back is right, not that the paper measured well.
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -22,11 +21,14 @@ from core.calibration.virtual_press import find_site, press_rows, write_press
 from core.material import PRESETS, Preset
 from core.mesh.surface import base_vertices
 from studies.files import new_figure, save_picture, write_csv
-from studies.law.reconstruct import DEEPEST, write_samples
 from studies.meshes.simple import cube
 from studies.reference.paper import surface_stretch, surface_tension
 
-CELLS, ROWS = 16, 60  # along an edge of the cube that is pressed, 1538 vertices; of the press that is written
+CELLS, PRESS_ROWS = 16, 60  # along an edge of the cube that is pressed, 1538 vertices; of the press that is written
+NOISE = 0.01  # of full scale: of a strain gauge on a cantilever, as the paper's
+ROWS = 300
+# how deep [m] each object is pressed; the paper does not say. Object 1 to nine tenths of its height.
+DEEPEST = {"object_1_nylon_air": 0.045, "object_2_vinyl_air": 0.022, "object_3_vinyl_water": 0.020}
 SECTION = 1e-6  # [m2] any: Eq. (10) needs A E, and the paper prints neither
 NAMES = ("object", "constant", "printed", "from_the_curve", "half_width_95", "from_a_virtual_press")
 
@@ -42,9 +44,7 @@ def add_command(command: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Make all again, write it and print the tables."""
     options.out.mkdir(parents=True, exist_ok=True)
-    announce("Three presses of Table 2")
     curves = [calibrate(p, length=preset.size) for p, preset in zip(write_samples(options.out), PRESETS, strict=True)]
-    announce("Virtual presses")
     virtual = [virtual_press(preset, options.out) for preset in PRESETS]
     table_2 = list(constants(curves, virtual))
     write_csv(options.out / "table_2.csv", NAMES, table_2)
@@ -60,9 +60,31 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def announce(doing: str) -> None:
-    """Write to stderr what is done next."""
-    print(f"{doing}...", file=sys.stderr, flush=True)
+def reconstruct(preset: Preset, *, rows: int = ROWS, noise: float = NOISE, seed: int = 0) -> tuple[Floats, Floats]:
+    """Return depth (n,) [m] and force (n,) [N] of a press of one of Table 2's objects.
+
+    Args:
+        noise: standard deviation as a share of full scale.
+    """
+    depth = np.linspace(0, DEEPEST[preset.name], rows)
+    force = np.array([preset.material.law(x) for x in depth])
+    return depth, force + noise * force.max() * np.random.default_rng(seed).normal(size=rows)
+
+
+def write_samples(folder: str | Path) -> list[Path]:
+    """Write the three curves into a folder and return their paths."""
+    paths = []
+    for number, preset in enumerate(PRESETS, 1):
+        path = Path(folder) / f"{preset.name}.csv"
+        depth, force = reconstruct(preset, seed=number)
+        about = (
+            f"Object {number} of Table 1: {preset.label}",
+            "RECONSTRUCTED from Table 2, not measured: K(x) of Eq. (1) with 1 % of full scale of noise added",
+            "Source of the constants: Sakama, Tanaka and Araki, Haptic Rendering for Virtual Object in Cyber Space",
+        )
+        write_press(path, depth, force, about=about)
+        paths.append(path)
+    return paths
 
 
 def virtual_press(preset: Preset, folder: Path) -> Calibration:
@@ -70,7 +92,7 @@ def virtual_press(preset: Preset, folder: Path) -> Calibration:
     mesh = cube(CELLS, preset.size)
     model = build_model(mesh, [preset.material], pinned=base_vertices(mesh))
     path = folder / f"virtual_press_{preset.name}.csv"
-    rows = press_rows(model, preset.material.indenter.radius, find_site(mesh), DEEPEST[preset.name], ROWS)
+    rows = press_rows(model, preset.material.indenter.radius, find_site(mesh), DEEPEST[preset.name], PRESS_ROWS)
     depth, force = np.array(list(rows)).T
     about = (f"Virtual press of {preset.label}, {len(mesh.rest_positions)} vertices, not measured",)
     write_press(path, depth, force, about=about)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,8 +22,7 @@ FINE = 26  # squares along a side of a cube: 4058 vertices, and about as many on
 SHARE = 0.1  # of the length: what is pinned at an end
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BodyCase:
+class BodyCase(NamedTuple):
     """A body and the fingertip that presses it.
 
     shape: function of fineness and size that makes the mesh.
@@ -217,15 +216,7 @@ _NAMES = {
 }  # fmt: skip
 
 
-def _cases(*rows: tuple[Callable[[int, float], Mesh], float, Material, float, str]) -> tuple[BodyCase, ...]:
-    """Return the cases of rows of shape, size, material, radius and pins."""
-    return tuple(
-        BodyCase(shape=shape, size=size, material=material, radius=radius, pins=pins)
-        for shape, size, material, radius, pins in rows
-    )
-
-
-BODIES = _cases(
+BODIES = tuple(BodyCase(*row) for row in (
     (ball, 0.16, BALL, 0.020, "base"), (ball, 0.16, VINYL, 0.030, "ends"), (ball, 0.16, WATER, 0.012, "base"),
     (ball, 0.06, NYLON, 0.008, "side"), (box, 0.05, NYLON, 0.010, "base"), (box, 0.05, NYLON, 0.006, "side"),
     (box, 0.165, WATER, 0.020, "base"), (box, 0.165, VINYL, 0.030, "ends"), (torus, 0.17, VINYL, 0.015, "base"),
@@ -236,4 +227,4 @@ BODIES = _cases(
     (cup, 0.12, NYLON, 0.014, "base"), (scan, 0.18, WATER, 0.015, "base"), (scan, 0.18, VINYL, 0.022, "ends"),
     (star, 0.18, DOUGH, 0.014, "base"), (cone, 0.15, GEL, 0.016, "base"), (dumbbell, 0.20, WATER, 0.013, "belt"),
     (wedge, 0.14, FOAM, 0.012, "side"), (cushion, 0.16, VINYL, 0.020, "belt"), (banana, 0.20, DOUGH, 0.012, "ends"),
-)  # fmt: skip
+))  # fmt: skip

@@ -18,7 +18,7 @@ from core.calibration.surface_constant import surface_constant
 from core.calibration.virtual_press import text_cell, write_press
 from core.material import PRESETS
 from studies.__main__ import main
-from studies.law.reconstruct import DEEPEST, write_samples
+from studies.law.paper import DEEPEST, write_samples
 from studies.meshes.mesh_file import load_triangles
 from studies.meshes.simple import sized
 from studies.reference.paper import surface_stretch, surface_tension

@@ -81,6 +81,9 @@ def test_a_round_dent_is_measured_as_smooth(subdivisions: int, floor: float) -> 
     found = profile(mesh.rest_positions, x, spacing)
     assert found.inward()[0] == pytest.approx(depth, rel=0.01)
     assert found.reach(0.5) == pytest.approx(0.02 * np.log(2) ** 0.5, rel=0.02)
+    # pleats of a height h have an RMS of h / sqrt 2
+    x[:, 2] += 5e-4 * np.cos(7 * np.arctan2(x[:, 1], x[:, 0]))
+    assert vertex_roughness(mesh.rest_positions, x, spacing) == pytest.approx(5e-4 / 2**0.5, rel=0.1)
 
 
 def test_a_dent_converges_as_the_mesh_is_refined() -> None:
