@@ -273,7 +273,7 @@ def line(one: Release) -> str:
     words = [
         f"{one.mesh} ({one.vertices}), {one.material}, {one.way}",
         f"tip {1e3 * one.radius:g} mm, {1e3 * one.depth:.1f} mm deep, {one.force:.1f} N",
-        f"residual {100 * one.residual:.3f} % of the size",
+        f"residual {one.residual:.1e} of the size",
         f"{one.kinetic:.1e} J",
         f"volume {100 * one.volume_change:+.2f} %",
         f"{one.flipped} faces flipped",

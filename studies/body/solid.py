@@ -71,9 +71,6 @@ class SolidPress:
     volume: (n,) change over the volume at rest.
     r, z: (k,) the skin at rest from the touched place outwards [m].
     u_r, u_z: (n, k) its displacement [m].
-    shape, law: what was pressed.
-    tip: what pressed.
-    elements: of the mesh.
     """
 
     depth: Floats
@@ -83,14 +80,6 @@ class SolidPress:
     z: Floats
     u_r: Floats
     u_z: Floats
-    shape: str
-    law: str
-    tip: Tip
-    elements: int
-
-    def scaled(self, young: float) -> SolidPress:
-        """Return the same press of a body of another Young's modulus [Pa]."""
-        return replace(self, force=young * self.force)
 
     def skin(self, depth: float) -> Floats:
         """Return the skin at a depth [m]: place at rest and displacement (k, 4) [mm], r and z of each."""
@@ -131,8 +120,7 @@ def press_solid(
     return SolidPress(
         depth=np.asarray(depths, dtype=float), force=np.array([force for _, force in found]),
         volume=np.array([solid.swollen(state) for state in states]), r=solid.rest[0], z=solid.rest[1],
-        u_r=states[:, solid.nodes[0]], u_z=states[:, solid.nodes[1]], shape=shape, law=law, tip=tip,
-        elements=solid.mesh.nelements,
+        u_r=states[:, solid.nodes[0]], u_z=states[:, solid.nodes[1]],
     )  # fmt: skip
 
 
@@ -240,7 +228,7 @@ def press_all(refine: float = 1.0) -> dict[tuple[str, str, str], SolidPress]:
                     continue  # minutes for one curve, as the skin wraps the edge
                 press = press_solid(shape, tip, DEPTHS, law=law, refine=refine)
                 young = young or STANDARD / float(np.interp(5e-3, DEPTHS, press.force))
-                presses[shape, law, name] = press.scaled(young)
+                presses[shape, law, name] = replace(press, force=young * press.force)
                 shown = " ".join(f"{np.interp(1e-3 * x, DEPTHS, presses[shape, law, name].force):7.2f}" for x in SHOWN)
                 print(f"{shape:<6}{law:<12}{name:<11} {shown} N, volume {100 * press.volume[-1]:+.3f} %", flush=True)
     return presses

@@ -234,7 +234,7 @@ def draw(out: Path) -> None:
     best = {scene: {bound: p for bound, p in front(some).items() if p} for scene, some in found.items()}
     chosen = {p.method for some in best.values() for p in some.values()}
     scenes = [case for case in cases(quick=len(found) < 6) if case.name in found]
-    figure = new_figure(3.7 * math.ceil(len(scenes) / 2), 8.4)
+    figure = new_figure(11.1, 8.4)
     grid = figure.subplots(2, math.ceil(len(scenes) / 2))
     for case, axes in zip(scenes, grid.flat, strict=True):
         draw_panel(axes, case, found[case.name], list(best[case.name].values()), chosen)

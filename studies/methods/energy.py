@@ -19,13 +19,11 @@ class Trace:
     """The energy over time.
 
     method: name in METHODS.
-    omega_dt: step size times the frequency.
     phases: (m,) omega t.
     ratios: (m,) energy over that at the start.
     """
 
     method: str
-    omega_dt: float
     phases: tuple[float, ...]
     ratios: tuple[float, ...]
 
@@ -48,7 +46,7 @@ def energy_trace(method: str, *, omega_dt: float, steps: int, samples: int = 100
         ratios.append(energy(model, state) / start)
         if not ratios[-1] < 1e6:
             break
-    return Trace(method=method, omega_dt=omega_dt, phases=tuple(phases), ratios=tuple(ratios))
+    return Trace(method=method, phases=tuple(phases), ratios=tuple(ratios))
 
 
 def breathing_frequency(model: Model) -> float:
