@@ -236,7 +236,6 @@ def add_release(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_release)
     command.add_argument("--json", type=Path, metavar="FILE", help="write each press and the sum")
-    command.add_argument("--ways", nargs="+", choices=WAYS, default=["press"], help="how (default: press)")
     command.add_argument("--only", default="", metavar="WORD", help="only meshes whose name has it")
 
 
@@ -254,7 +253,7 @@ def run_release(options: argparse.Namespace) -> int:
             some = some[1:] + some[:1]
         count += 1
         try:
-            for one in run_mesh(name, mesh, some, options.ways):
+            for one in run_mesh(name, mesh, some, ["press"]):
                 found.append(one)
                 if not one.back or one.flipped:
                     print(line(one), flush=True)

@@ -217,7 +217,7 @@ def complementary(compliance: Floats, gaps: Floats) -> Floats | None:
         return None
 
 
-def press_all(refine: float = 1.0) -> dict[tuple[str, str, str], SolidPress]:
+def press_all() -> dict[tuple[str, str, str], SolidPress]:
     """Return every shape under every law and tip; forces [N] of the Young's modulus that gives the standard force."""
     presses = {}
     for shape in SHAPES:
@@ -226,7 +226,7 @@ def press_all(refine: float = 1.0) -> dict[tuple[str, str, str], SolidPress]:
             for name, tip in TIPS.items():
                 if name.startswith("punch") and law != "linear":
                     continue  # minutes for one curve, as the skin wraps the edge
-                press = press_solid(shape, tip, DEPTHS, law=law, refine=refine)
+                press = press_solid(shape, tip, DEPTHS, law=law)
                 young = young or STANDARD / float(np.interp(5e-3, DEPTHS, press.force))
                 presses[shape, law, name] = replace(press, force=young * press.force)
                 shown = " ".join(f"{np.interp(1e-3 * x, DEPTHS, presses[shape, law, name].force):7.2f}" for x in SHOWN)
@@ -238,13 +238,12 @@ def add_solid(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_solid)
     command.add_argument("--out", type=Path, default=Path("build/solid"), metavar="DIR", help="where the results go")
-    command.add_argument("--refine", type=float, default=1.0, help="elements along each side over the usual")
 
 
 def run_solid(options: argparse.Namespace) -> int:
     """Press, print a line for each curve; write the forces, and the dents at every other node of the skin."""
     print(f"body, law, tip: force at {', '.join(map(str, SHOWN))} mm; change of volume at the last")
-    presses = press_all(options.refine)
+    presses = press_all()
     options.out.mkdir(parents=True, exist_ok=True)
     write_csv(
         options.out / "solid_force.csv", ("body", "law", "tip", "depth_mm", "force_n", "volume_change"),

@@ -1,8 +1,8 @@
 """Judge the guarantee: nothing passes through anything. `python3 dev.py contact [--quick] [--json FILE] [SCENE...]`
 
 The referee is the PyPI package ipctk (development only), which looks for intersections after every tick; a winding
-number tells whether something has been swallowed. What touches of a weight is its surface moved inwards by the distance
-that is kept, and that is what the referee sees; how deep the weight as it is seen reaches into others, or they into it,
+number tells whether something has been swallowed. What touches of a prop is its surface moved inwards by the distance
+that is kept, and that is what the referee sees; how deep the prop as it is seen reaches into others, or they into it,
 is measured at the end of each start.
 """
 
@@ -80,16 +80,16 @@ class Referee:
         return found
 
     def overlap(self) -> float:
-        """Return how deep [m] a weight as it is seen reaches into a closed surface, or another into it, at most."""
+        """Return how deep [m] a prop as it is seen reaches into a closed surface, or another into it, at most."""
         world, x = self._world, self.positions()
         shapes = [x[part] for part in self.parts]
-        weights = []
+        props = []
         for i, collider in enumerate(world.colliders):
             if world.props and collider.falling:
                 state = world.props[i].state
                 shapes[self.bodies + i] = collider.falling.seen @ state.turn.T + state.centre
-                weights.append(self.bodies + i)
-        pairs = [pair for i in weights for j in range(len(shapes)) if i != j for pair in ((i, j), (j, i))]
+                props.append(self.bodies + i)
+        pairs = [pair for i in props for j in range(len(shapes)) if i != j for pair in ((i, j), (j, i))]
         return max((depth(shapes[i], shapes[j], self.faces[j]) for i, j in pairs), default=0.0)
 
 
@@ -182,7 +182,7 @@ def run_contact(options: argparse.Namespace) -> int:
     rows = []
     print(
         "scene                 starts  ticks  intersections  swallowed  finite  cost  taken [N s]  held back [mm]"
-        "  weights overlap [mm]"
+        "  props overlap [mm]"
     )
     for name in options.scenes or SCENES:
         row = judge(name, QUICK_STARTS if options.quick else STARTS)

@@ -111,13 +111,12 @@ def run(session: Session, *, spec: EmulatedSpec | None = None, seconds: float = 
 def add_grasp(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_grasp)
-    command.add_argument("--friction", type=float, default=PRESET.material.friction, help="coefficient, 0: none")
     command.add_argument("--json", type=Path, metavar="OUT", help="write height and forces of each frame")
 
 
 def run_grasp(options: argparse.Namespace) -> int:
     """Grasp, then print how high the cube was and the forces on the fingertips."""
-    session = grasp(friction=options.friction)
+    session = grasp()
     moments, weight = list(run(session)), GRAVITY * float(session.model.mass.sum())
     print("when        time   cube up   thumb          index          middle: force inward, force down")
     for name, time in MOMENTS.items():
