@@ -11,7 +11,7 @@ COMMANDS = {
     "law": ("press and drag a mesh at random places: its force over the law", ".law.press_and_drag", "add_law"),
     "modes": ("compare how bodies sway and sag with finite elements", ".body.modes", "add_modes"),
     "release": ("press a hundred meshes, let go, and measure what comes back", ".body.release", "add_release"),
-    "dents": ("draw settled dents, measure how smooth they are and how they converge", ".body.dents", "add_dents"),
+    "dents": ("measure how smooth settled dents are, and how near to finite elements", ".body.dents", "add_dents"),
     "solid": ("press solids by finite elements, to compare bodies with", ".body.solid", "add_solid"),
     "contact": ("judge twelve scenes in which nothing may pass through anything", ".contact.judge", "add_contact"),
     "emulator": ("run an emulated haptic device, with faults on demand", ".bench.command", "add_emulator"),
