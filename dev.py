@@ -14,9 +14,9 @@ import tempfile
 from pathlib import Path
 
 from studies import commands as studies_commands
+from studies.charts import __main__ as chart_drawing
 from tests.bench import __main__ as benchmarks
 from tools import native as native_core
-from tools.charts import __main__ as chart_drawing
 from tools.environment import BLENDERS, OLDEST, ROOT, Stop, environment, provide_peers, run, run_together, say
 from tools.extension import build_zip
 
@@ -129,7 +129,7 @@ def bench(options: argparse.Namespace) -> int:
 def charts(options: argparse.Namespace) -> int:
     """draw speed against accuracy for every method, and print where each fails"""
     chart_drawing.parser().parse_args(options.rest)
-    return module("tools.charts", options)
+    return module("studies.charts", options)
 
 
 def core(options: argparse.Namespace) -> int:

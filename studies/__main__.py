@@ -25,6 +25,11 @@ def main(words: list[str] | None = None) -> int:
     except DimpleError as error:
         print(error, file=sys.stderr)
         return UNUSABLE
+    except OSError as error:
+        if error.filename is None:
+            raise
+        print(f"{error.filename} cannot be written: {error.strerror or error}.", file=sys.stderr)
+        return UNUSABLE
     except KeyboardInterrupt:
         print("Stopped.", file=sys.stderr)
         return STOPPED

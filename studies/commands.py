@@ -6,20 +6,18 @@ import argparse
 
 # name: its purpose, its module, and the function there that declares its options and sets `run`
 COMMANDS = {
-    "calibrate": ("fit a material to a force-depth file", ".calibrate", "add_command"),
-    "paper": ("reproduce the paper's tables and figures, beside the printed numbers", ".paper", "add_command"),
-    "law": ("press and drag any mesh at random places: the force over the measured law", ".law", "add_law"),
-    "modes": ("compare how bodies sway and sag with finite elements", ".modes", "add_modes"),
-    "release": ("press a hundred meshes, let go, and measure what comes back", ".release_report", "add_release"),
-    "dents": ("draw settled dents, measure how smooth they are and how they converge", ".dents", "add_dents"),
-    "solid": ("press solids by finite elements, to compare bodies with", ".solid_report", "add_solid"),
-    "contact": ("judge twelve scenes in which nothing may pass through anything", ".contact", "add_contact"),
-    "meeting": ("let bodies meet by their proxies and in full", ".meeting", "add_meeting"),
-    "machines": ("compute what a graphics processor or many machines would bring", ".machines", "add_machines"),
+    "calibrate": ("fit a material to a force-depth file", ".law.calibrate", "add_command"),
+    "paper": ("reproduce the paper's tables and figures, beside the printed numbers", ".law.paper", "add_command"),
+    "law": ("press and drag a mesh at random places: its force over the law", ".law.press_and_drag", "add_law"),
+    "modes": ("compare how bodies sway and sag with finite elements", ".body.modes", "add_modes"),
+    "release": ("press a hundred meshes, let go, and measure what comes back", ".body.release", "add_release"),
+    "dents": ("measure how smooth settled dents are, and how near to finite elements", ".body.dents", "add_dents"),
+    "solid": ("press solids by finite elements, to compare bodies with", ".body.solid", "add_solid"),
+    "contact": ("judge twelve scenes in which nothing may pass through anything", ".contact.judge", "add_contact"),
     "emulator": ("run an emulated haptic device, with faults on demand", ".bench.command", "add_emulator"),
-    "haptics": ("press with an emulated device and print what it rendered", ".haptics", "add_haptics"),
-    "grasp": ("lift a cube with three emulated fingertips and put it down", ".grasp", "add_grasp"),
-    "experiment": ("simulate or analyse the sensory comparison of chapter 5", ".experiment", "add_experiment"),
+    "haptics": ("press with an emulated device and print what it rendered", ".device.haptics", "add_haptics"),
+    "grasp": ("lift a cube with three emulated fingertips and put it down", ".device.grasp", "add_grasp"),
+    "experiment": ("simulate or analyse the sensory comparison of chapter 5", ".experiment.people", "add_experiment"),
 }  # fmt: skip
 
 

@@ -15,9 +15,9 @@ from core.body.springs import membrane_stiffness
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Frame, Session
+from studies.meshes.simple import cube as cube
+from studies.meshes.simple import icosphere
 from studies.reference.laws import State, initial_state
-
-from .specimen import cube as cube
 
 BALL_RADIUS = 0.08  # [m]
 BALL = Material(K1=610, K2=7230, x0=0.0163, k=600, spread=0.02, mass=0.2, fill="liquid")
@@ -28,10 +28,7 @@ POKE = ((0.25, 1.0), (0.5, 1.0), (0.75, 0.0), (1.0, 0.0))  # (time [s], share of
 
 def ball(subdivisions: int, radius: float = BALL_RADIUS) -> Mesh:
     """Return an icosphere of 10 * 4**subdivisions + 2 vertices."""
-    import trimesh
-
-    sphere = trimesh.creation.icosphere(subdivisions, radius)
-    return mesh_from_triangles(sphere.vertices, sphere.faces)
+    return mesh_from_triangles(*icosphere(subdivisions, radius))
 
 
 def oscillator(*, damping_ratio: float = 0.0, stretch: float = 0.1) -> tuple[Model, State]:
@@ -95,8 +92,7 @@ def poke_cube(cells: int) -> Session:
 
 
 def whole_skin(mesh: Mesh, material: Material) -> Model:
-    """Return a body pinned at its base with the whole of k in its skin, which the press that was measured contradicts.
-    """
+    """Return a body pinned at its base with all of k in its skin, which the press that was measured contradicts."""
     model = build_model(mesh, [material], pinned=base_vertices(mesh))
     return reassembled(model, stiffness=membrane_stiffness(mesh, np.full(len(mesh.springs), material.k)))
 

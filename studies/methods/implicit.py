@@ -51,7 +51,5 @@ def run_implicit(
 
 def with_all_faces(model: Model, state: State, touch: Touch) -> Touch:
     """Return a fingertip that meets small faces too: the penalty knows faces alone, no vertices."""
-    near = faces_near(
-        state.positions, model.mesh.triangles, model.inverse_mass, touch.centre, WITHIN * touch.radius
-    )
+    near = faces_near(state.positions, model.mesh.triangles, model.inverse_mass, touch.centre, WITHIN * touch.radius)
     return replace(touch, triangles=model.mesh.triangles[near])

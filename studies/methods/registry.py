@@ -54,7 +54,7 @@ METHODS = {
     "explicit_euler": Method(
         label="explicit Euler", run=explicit_euler.run, order=1, kind="explicit",
         purpose="to show why the order of the two updates matters",
-        fails="Without damping it blows up at every step: each one multiplies the energy of a mode by "
+        fails="Without damping it diverges at every step: each one multiplies the energy of a mode by "
         "1 + (omega dt)^2. With damping z it needs dt < 2 z / omega.",
     ),
     "semi_implicit": Method(
@@ -80,7 +80,7 @@ METHODS = {
     "backward_euler": Method(
         label="backward Euler", run=backward_euler.run, order=1, kind="implicit",
         purpose="stiff bodies at one step a tick, where only the state at rest matters",
-        fails="It never blows up, but damps motion: a mode loses the factor 1 / (1 + (omega dt)^2) of its energy "
+        fails="It never diverges, but damps motion: a mode loses the factor 1 / (1 + (omega dt)^2) of its energy "
         "each step. Fingertips meet a stiff layer without friction, and sink in by force over stiffness.",
     ),
     "implicit_midpoint": Method(
@@ -98,10 +98,10 @@ METHODS = {
     ),
     "xpbd": Method(
         label="XPBD, small substeps", run=xpbd.run, order=1, kind="sweeping",
-        purpose="never to blow up, at a bounded cost per step",
+        purpose="never to diverge, at a bounded cost per step",
         fails="Laws that hold against each other answer with k / (1 + h^2 k w): where h^2 k w exceeds a few hundredths "
         "the body is too soft and the force on the fingertip too small. It damps as backward Euler does, and a "
-        "step costs several explicit ones, so it pays only where explicit steps blow up.",
+        "step costs several explicit ones, so it pays only where explicit steps diverge.",
     ),
     "vertex_block_descent": Method(
         label="vertex block descent", run=vertex_block_descent.run, order=1, kind="sweeping",

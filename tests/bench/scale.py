@@ -28,8 +28,9 @@ from core.reduction.binding import carry
 from core.reduction.proxy_rule import plan
 from core.session import Finger, Session
 from core.session.clock import step_all
-from studies import bodies, scenes
-from studies.presses import Press, dent_error, pressed
+from studies import scenes
+from studies.body.presses import Press, dent_error, pressed
+from studies.meshes import bodies
 from tests.bench.bench import stir, straight
 
 FRAME = 1 / 60  # [s]

@@ -18,9 +18,10 @@ from core.calibration.surface_constant import surface_constant
 from core.calibration.virtual_press import text_cell, write_press
 from core.material import PRESETS
 from studies.__main__ import main
-from studies.reconstruct import DEEPEST, write_samples
+from studies.law.paper import DEEPEST, write_samples
+from studies.meshes.mesh_file import load_triangles
+from studies.meshes.simple import sized
 from studies.reference.paper import surface_stretch, surface_tension
-from studies.specimen import load_mesh
 from tools.environment import ROOT
 
 SAMPLES = ROOT / "blend_samples" / "calibration"
@@ -53,7 +54,7 @@ def test_the_command_writes_constants_in_the_units_of_the_paper(tmp_path):
 def test_a_mesh_in_any_unit_is_read_in_the_size_of_the_object(suffix, tmp_path):
     path = tmp_path / f"box.{suffix}"
     trimesh.creation.box((2, 4, 1)).export(path)
-    mesh = load_mesh(path, 0.165)
+    mesh = sized(*load_triangles(path))
     assert len(mesh.rest_positions) == 8
     assert np.ptp(mesh.rest_positions, axis=0) == pytest.approx([0.0825, 0.165, 0.04125])
     assert mesh.volume == pytest.approx(0.0825 * 0.165 * 0.04125)
@@ -68,7 +69,7 @@ def test_a_file_that_is_no_mesh_is_refused_in_words(name, content, tmp_path):
     if content is not None:
         path.write_bytes(content)
     with pytest.raises(DimpleError, match=re.escape(str(path))):
-        load_mesh(path, 0.165)
+        sized(*load_triangles(path))
 
 
 def test_an_open_question_exits_with_3_and_the_option(write, tmp_path):
@@ -95,7 +96,7 @@ def test_a_picture_is_drawn_where_matplotlib_is(tmp_path):
 
 
 def test_without_matplotlib_the_picture_is_refused_in_words(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("studies.calibration_plot.util.find_spec", lambda name: None)
+    monkeypatch.setattr("studies.files.util.find_spec", lambda name: None)
     assert main(["calibrate", str(SAMPLES / "object_1_nylon_air.csv"), "--plot", str(tmp_path / "out.png")]) == 2
     assert "matplotlib" in capsys.readouterr().err
 

@@ -12,7 +12,7 @@ from core.calibration.calibrate import calibrate
 from core.calibration.fit import fit_law, t_95
 from core.calibration.virtual_press import write_press
 from core.material import PRESETS
-from studies.reconstruct import reconstruct
+from studies.law.paper import reconstruct
 
 
 def law(x, K1, K2, x0):

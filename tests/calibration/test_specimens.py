@@ -13,7 +13,7 @@ from core.calibration.measurement import read_measurement
 from core.calibration.question import Answers, Remarks, Undecided
 from core.calibration.reader import load_lines
 from studies.__main__ import main
-from studies.calibrate import to_lines
+from studies.law.calibrate import to_lines
 from tests.calibration import specimens
 from tests.calibration.specimens import KINDS, Specimen, specimen
 from tests.calibration.test_questions import KINDS as TYPES

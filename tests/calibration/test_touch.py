@@ -10,7 +10,7 @@ from core.calibration.question import Answers, Undecided
 from core.calibration.surface_constant import surface_constant
 from core.calibration.virtual_press import write_press
 from core.material import PRESETS
-from studies.reconstruct import DEEPEST
+from studies.law.paper import DEEPEST
 
 
 def pressed(path, preset, *, approach=0.0, noise=0.01, offset=0.0, start=0.0, drift=0.0, seed=0, rows=200):

@@ -19,8 +19,8 @@ from core.experiment.log import COLUMNS, Log, parsed
 from core.experiment.plan import Plan, read_plan
 from core.experiment.run import Experiment, Interval
 from core.material import PRESETS
-from studies.experiment import take_part, written
-from studies.experiment_plans import KINDS, LEVELS, PAPER, make
+from studies.experiment.people import take_part, written
+from studies.experiment.plans import KINDS, LEVELS, PAPER, make
 from tools.environment import ROOT
 
 MATERIALS = {"A": PRESETS[1].material, "S": PRESETS[1].material}
@@ -283,7 +283,7 @@ def test_of_ten_kills_no_answer_is_lost_and_none_is_there_twice(pairs: Plan, tmp
     path, dice, seen = tmp_path / "a.csv", random.Random(1), 0
     words = (
         "import sys; from pathlib import Path; from core.experiment.plan import read_plan\n"
-        "from studies.experiment import take_part\n"
+        "from studies.experiment.people import take_part\n"
         "take_part(read_plan(Path(sys.argv[1])), 'P01', Path(sys.argv[2]), lambda *_: 1, pause_s=0.002)"
     )
     for _ in range(10):

@@ -22,7 +22,7 @@ from core.device.force_guard import Arming
 from core.device.notes import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS_SILENT
 from core.device.orders import LinkState, ServoReport
 from core.vectors import length
-from studies import haptics
+from studies.device import haptics
 from tests.haptics.machine import NEEDS_PTY, unable
 from tests.haptics.pressing import Rig, drive, gone, press, pressed, ready, rig
 from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS

@@ -7,7 +7,7 @@ import numpy as np
 
 from core.base import Floats
 from core.mesh.surface import Mesh
-from studies.specimen import cube_triangles
+from studies.meshes.simple import cube_triangles
 from tests.bodies import ball, hemisphere, joined, walled_box
 
 Value = TypeVar("Value", Floats, float)

@@ -12,7 +12,7 @@ from core.material import DEFAULT_MATERIAL
 from core.mesh.surface import base_vertices
 from core.poke import Hit, Kind, PokeEvent, PokeState, fingers, on_event
 from core.session import Finger, Session
-from studies.primitives import icosphere, sized
+from studies.meshes.simple import icosphere, sized
 
 RADIUS = 0.0825  # [m] of the ball
 START, WAY = -0.03, 0.06  # [m] along its surface, from its top

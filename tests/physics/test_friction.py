@@ -9,7 +9,7 @@ from core.body.model import Model, build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices
 from core.session import Finger, Session
-from studies.primitives import icosphere, sized
+from studies.meshes.simple import icosphere, sized
 from studies.reference.contact import Step, Touch, resolve
 from studies.reference.facets import nearest_on_triangles
 from studies.scenes import cube

@@ -17,7 +17,7 @@ from core.native.scene import Collider
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
 from core.world import World
-from studies.law import (
+from studies.law.press_and_drag import (
     FAR,
     PACE,
     Place,
@@ -30,7 +30,7 @@ from studies.law import (
     places,
     put,
 )
-from studies.primitives import icosphere, sized
+from studies.meshes.simple import icosphere, sized
 from studies.scenes import cube
 from tests.bodies import block
 

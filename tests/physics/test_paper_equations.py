@@ -13,10 +13,10 @@ import pytest
 from core.body.springs import build_springs
 from core.material import FINGERTIP, PRESETS, Material
 from core.mesh.surface import mesh_from_triangles
+from studies.meshes.simple import cube_triangles
 from studies.reference import paper
 from studies.reference.paper import surface_stretch, surface_tension
 from studies.reference.path import FingerPath
-from studies.specimen import cube_triangles
 from tests.bodies import TETRAHEDRON, ball
 
 Vector = Sequence[float]

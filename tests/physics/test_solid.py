@@ -11,7 +11,7 @@ from core.material import DEFAULT_MATERIAL, Material
 from core.mesh.surface import base_vertices
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
-from studies.primitives import icosphere, sized
+from studies.meshes.simple import icosphere, sized
 from studies.scenes import cube
 from tests.bodies import after
 

@@ -15,19 +15,19 @@ the skin at 12.6. Steps of a light body.
 
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq, fsolve
-from scipy.special import airy
+from scipy.special import airy, k0e, k1e
 
 from core.base import Floats
 from core.body.estimate import bed_area, estimate, spread_on
 from core.material import FINGERTIP, PRESETS, Material, Preset
 from core.session import Finger, Session
-from studies.dents import ball, light
-from studies.membrane import dent, height
+from studies.body.dents import ball, light
 
 VINYL = PRESETS[1].material
 STIFFNESSES = np.geomspace(1, 1e6, 13)  # [N/m] k from 1e-3 to 1000 N/mm
@@ -40,6 +40,28 @@ def test_a_stiffer_skin_carries_a_dent_farther_but_not_beyond_the_body(preset: P
     assert spreads[0] < preset.material.x0 / 2 and spreads[-1] < preset.size
     widths = [width(preset.material, spread, 1 / 3) for spread in spreads]
     assert widths[-1] > 1.5 * widths[0]
+
+
+def height(r: Any, radius: float) -> Any:
+    """Return how high a ball is above its lowest point at r [m]."""
+    return radius - np.sqrt(radius**2 - r**2)
+
+
+def dent(way: Floats, depth: float, radius: float, spread: float) -> Floats:
+    """Return how far the skin of an endless bed with a tension goes in under a ball (k,) [m], at a way from the axis.
+
+    It follows the ball to where its slope is that of the skin outside, which decays as the Bessel function K0.
+    """
+
+    def steeper(a: float) -> float:
+        out = (depth - height(a, radius)) / spread * float(k1e(a / spread) / k0e(a / spread))
+        return float(a / np.sqrt(radius**2 - a**2)) - out
+
+    widest = min(1 - 1e-12, np.sqrt(2 * depth / radius)) * radius
+    a = float(brentq(steeper, 1e-6 * widest, widest))
+    out = np.maximum(way, a)
+    outside = (depth - height(a, radius)) * k0e(out / spread) / k0e(a / spread) * np.exp((a - out) / spread)
+    return np.where(way < a, depth - height(np.minimum(way, a), radius), outside)
 
 
 def width(material: Material, spread: float, share: float) -> float:

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studies import grasp
 from studies.__main__ import main
-from studies.grasp import LIFT, LOWER, RAISED, Moment
+from studies.device import grasp
+from studies.device.grasp import LIFT, LOWER, RAISED, Moment
 
 
 @pytest.fixture(scope="module")

@@ -9,14 +9,14 @@ import pytest
 
 from core.body.model import build_model
 from core.mesh.surface import base_vertices
-from studies.conservation import energy
+from studies.charts.work_precision import cases, exact, run
 from studies.methods import newton
+from studies.methods.energy import energy
+from studies.methods.motion import move
 from studies.methods.registry import METHODS
-from studies.motion import move
 from studies.reference.laws import initial_state
 from studies.reference.path import FingerPath
 from studies.scenes import BALL, FINGERTIP, ball, twisted_ball
-from studies.work_precision import cases, exact, run
 
 IMPLICIT = [name for name, method in METHODS.items() if method.kind == "implicit"]
 
@@ -58,7 +58,7 @@ def test_backward_euler_at_one_step_a_millisecond_meets_the_force_of_ten_small_s
 
 def test_pressed_by_a_fingertip_implicit_midpoint_rattles_where_backward_euler_is_still() -> None:
     case = next(case for case in cases(quick=False) if case.name == "poke_cube")
-    wanted = exact(case, None)
+    wanted = exact(case)
     rattling, still = (run(case, method, 17, wanted) for method in ("implicit_midpoint", "backward_euler"))
     assert still.error < 0.1
     assert rattling.error > 1.5 * still.error

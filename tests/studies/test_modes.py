@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studies.modes import bodies, by_elements, by_lattice
+from studies.body.modes import bodies, by_elements, by_lattice
 
 
 @pytest.mark.parametrize("name", ["block", "block, free", "ball, free"])

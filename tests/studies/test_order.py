@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from core.body.model import Model
+from studies.methods.motion import move, relative_error, right_hand_side
 from studies.methods.registry import METHODS
-from studies.motion import move, relative_error, right_hand_side
 from studies.reference.laws import State
 from studies.scenes import oscillator, oscillator_radius, twisted_ball
 

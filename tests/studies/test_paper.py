@@ -6,8 +6,8 @@ import pytest
 
 from core.calibration.calibrate import calibrate
 from core.material import PRESETS
-from studies import paper
 from studies.__main__ import main
+from studies.law import paper
 
 # Table 2 of the paper: K1, K2 [N/mm], x0 [mm], k [N/mm]
 TABLE_2 = {

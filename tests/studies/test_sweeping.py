@@ -10,17 +10,16 @@ import pytest
 
 from core.base import Floats
 from core.body.model import Model, build_model
-from core.material import PRESETS, Material
+from core.material import Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from studies.methods import vertex_block_descent
 from studies.methods.colours import colours
 from studies.methods.implicit import run_implicit
-from studies.methods.newton import CONTACT_STIFFNESS
+from studies.methods.motion import move, relative_error
 from studies.methods.registry import METHODS, Run
-from studies.motion import move, relative_error
 from studies.reference.laws import State, initial_state
 from studies.reference.path import FingerPath
-from studies.scenes import BALL, FINGERTIP, ball, cube, twisted_ball
+from studies.scenes import BALL, FINGERTIP, ball, twisted_ball
 
 SWEEPING = [name for name, method in METHODS.items() if method.kind == "sweeping"]
 
@@ -49,16 +48,6 @@ def test_sweeps_leave_the_momentum_of_a_free_body_alone(method: str) -> None:
     assert np.abs(angular_momentum(model, state) - spin).max() < 0.01 * 0.2 * 1.0 * 0.08
 
 
-@pytest.mark.parametrize("method", SWEEPING)
-def test_a_free_body_falls_as_a_stone_does(method: str) -> None:
-    model = build_model(ball(1), [BALL], gravity=(0, 0, -9.81))
-    state = initial_state(model)
-    move(model, state, method, seconds=0.1, steps=100)
-    fallen = state.positions - model.matching.rest
-    # first order in the step: g t (t + dt) / 2
-    assert fallen[2] == pytest.approx(np.full(len(model.mass), -9.81 * 0.1 * 0.101 / 2), rel=1e-6)
-
-
 def test_vertex_block_descent_with_enough_sweeps_takes_the_step_of_backward_euler() -> None:
     model, start = twisted_ball(1)
     wanted = move(model, replace_state(start), "backward_euler", seconds=0.005, steps=5)
@@ -70,34 +59,6 @@ def test_vertex_block_descent_with_enough_sweeps_takes_the_step_of_backward_eule
         errors[sweeps] = relative_error(state.positions, wanted.positions, start.positions)
     assert errors[64] < 0.3 * errors[8] < 0.1 * errors[2]
     assert errors[64] < 1e-3
-
-
-# with a dent no wider than an edge: a sweep passes a tension on by one vertex, so wider ones take sweeps by the hundred
-NARROW = replace(BALL, spread=0.005)
-
-
-@pytest.mark.parametrize(
-    ("mesh", "material"),
-    [
-        (ball(2), NARROW),
-        pytest.param(cube(6, 0.05), replace(PRESETS[0].material, spread=0.005), marks=pytest.mark.slow),
-    ],
-)
-def test_vertex_block_descent_comes_to_rest_where_the_equilibrium_is(
-    mesh: Mesh, material: Material, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    model = on_its_base(mesh, material)
-    rest, wanted = press(model, METHODS["backward_euler"].run, substeps=1)
-    monkeypatch.setattr(vertex_block_descent, "CONTACT", CONTACT_STIFFNESS)  # the same law of contact
-    state, force = press(model, METHODS["vertex_block_descent"].run, substeps=1)
-    assert force == pytest.approx(wanted, rel=1e-4)
-    assert np.abs(state.positions - rest.positions).max() < 1e-6
-
-
-def test_vertex_block_descent_with_its_own_softer_contact_sinks_in_by_little() -> None:
-    model = on_its_base(ball(2), BALL)
-    forces = [press(model, METHODS[name].run, substeps=1)[1] for name in ("vertex_block_descent", "backward_euler")]
-    assert forces[0] == pytest.approx(forces[1], rel=0.02)
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ def bare(*words: str) -> subprocess.CompletedProcess[str]:
         (("--help",), [action.__name__ for action in dev.COMMANDS]),
         (("core", "--help"), list(COMMANDS)),
         (("bench", "--help"), ["--quick", "--peers", "--scale"]),
-        (("charts", "--help"), ["--out", "--quick", "--keep"]),
+        (("charts", "--help"), ["--out", "--quick", "--redraw"]),
         (("test", "--help"), ["--blender", "--slow"]),
     ],
 )

@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import connected_components
 from core.base import DimpleError
 from core.mesh.repair import SLANTED, connected, weld
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
-from studies.specimen import cube_triangles
+from studies.meshes.simple import cube_triangles
 from tests.bodies import TETRAHEDRON, Shape, ball, hemisphere, joined, sheet, signed_volume, soup, walled_box
 
 

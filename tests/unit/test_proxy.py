@@ -18,8 +18,8 @@ from core.reduction.binding import WHOLE, carry
 from core.reduction.cells import grow_cells, spread_seeds, vertex_normals
 from core.reduction.proxy import Proxy, build_proxy, mean_spacing, painted
 from core.session import Finger, Session
-from studies import bodies
-from studies.primitives import box
+from studies.meshes import bodies
+from studies.meshes.simple import box
 from studies.reference import carry as in_numpy
 from studies.reference.cells import farthest_first, nearest_seeds, spread_cells
 from studies.scenes import BALL, ball, cube

@@ -6,8 +6,8 @@ import pytest
 from core.base import Floats
 from core.mesh.rings import MAX_RING
 from core.mesh.surface import Mesh, mesh_from_triangles
+from studies.meshes.simple import cube_triangles
 from studies.reference.laws import around
-from studies.specimen import cube_triangles
 from tests.bodies import TETRAHEDRON, Shape, ball, hemisphere, joined, sheet, soup, walled_box
 
 

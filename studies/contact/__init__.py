@@ -1,0 +1,1 @@
+"""Does nothing pass through anything? Twelve scenes, an independent referee, and what contact costs."""

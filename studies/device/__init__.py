@@ -1,0 +1,1 @@
+"""Does an emulated device render the law, and lift a cube? The emulator itself is in studies/bench."""

@@ -1,0 +1,1 @@
+"""What is pressed: cubes, Blender's primitives, everyday shapes, meshes from files."""
