@@ -55,17 +55,15 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command's arguments."""
     whole = argparse.ArgumentParser(prog=f"blender --command {COMMAND}", description=(__doc__ or "").split("\n\n")[1])
     bake = whole.add_subparsers(metavar="COMMAND", required=True).add_parser(
-        "bake", help="simulate bodies of a .blend file and export what they do", allow_abbrev=False
+        "bake", help="export bodies of a .blend file, simulated if they play no bake", allow_abbrev=False
     )
     bake.add_argument("file", type=Path, metavar="FILE.blend")
     bake.add_argument("--object", action="append", metavar="NAME", help="more than one may be given; else every body")
     bake.add_argument("--frames", type=_frames, metavar="FIRST-LAST", help="else those of the scene")
-    bake.add_argument("--begin", type=int, metavar="FRAME", help="simulate from there; FIRST unless given")
     bake.add_argument("--format", type=_formats, default=["ALEMBIC"], metavar="abc,usd,glb", help=", ".join(NAMES))
     bake.add_argument("--out", type=Path, required=True, metavar="DIR", help="it is made")
     bake.add_argument("--key-error", type=float, default=0.0, metavar="PERCENT", help="glTF and FBX: few shape keys")
     bake.add_argument("--rendered", action="store_true", help="the modifiers as in a render, not as in the viewport")
-    bake.add_argument("--played", action="store_true", help="take the bake or recording that an object plays")
     bake.add_argument("--overwrite", action="store_true", help="replace files that are there")
     bake.add_argument("--json", type=Path, metavar="FILE", help="write the summary there too")
     bake.add_argument("--quiet", action="store_true", help="no progress on the error output")
@@ -105,9 +103,7 @@ def _open(options: argparse.Namespace) -> Any:
         folder=options.out.resolve(),
         first=first,
         last=last,
-        begin=options.begin,
         key_error=max(options.key_error, 0.0) / 100,
-        simulate=not options.played,
         overwrite=options.overwrite,
         rendered=options.rendered,
     )

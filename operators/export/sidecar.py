@@ -7,15 +7,14 @@ import hashlib
 import json
 import math
 import os
-import zlib
 from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..bridge import cache_files, final_mesh, scene_objects
-from .clips import Clip
+from ..bridge import cache_files, scene_objects, timeline
+from .clips import Clip, Seen
 from .formats import FORMATS
 
 if TYPE_CHECKING:
@@ -25,25 +24,20 @@ VERSION = 1  # of the layout of this JSON
 
 
 def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
-    """Return the description that all files of an object share, while it plays; `files` is still empty."""
-    obj, render = clip.obj, context.scene.render
-    mesh = obj.evaluated_get(context.evaluated_depsgraph_get()).data
+    """Return the description that all files of an object share; `files` is still empty."""
+    obj = clip.obj
     return {
         "dimple_animation": VERSION,
         "dimple": cache_files.version(),
         "blender": bpy.app.version_string,
         "object": obj.name,
         "mesh": f"after modifiers, as for {'a render' if clip.plan.rendered else 'the viewport'}",
-        "vertices": len(mesh.vertices),
-        "polygons": len(mesh.polygons),
-        "topology_crc32": f"{zlib.crc32(final_mesh.corners_of(mesh).tobytes()):08x}",
         "frames": [clip.plan.first, clip.plan.last],
-        "frame_rate": render.fps / render.fps_base,
+        "frame_rate": 1 / timeline.frame_s(context.scene),
         "metres_per_scene_unit": scene_objects.scale_and_top(context, obj)[0],
         "scene_unit_scale": context.scene.unit_settings.scale_length,
         "table_units": "force N, depth mm, pressure Pa, volume m3, work and energy J, time s",
         "error_unit": "of the object's own coordinates",
-        "seeds": [],  # nothing is random: the same file gives the same bytes
         "simulation": clip.simulated or "a bake or recording made before this export",
         "body": _plain(obj.dimple.to_params()),
         "materials": {
@@ -66,10 +60,10 @@ def describe_session(session: Session) -> dict[str, Any]:
     }
 
 
-def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
+def describe_file(path: Path, each: str, seen: Seen) -> dict[str, Any]:
     """Return the contents, size and checksum of a file, or of the files in a folder."""
     kind = FORMATS[each]
-    keys = clip.keys() if kind.keyed else None
+    keys = seen.keys() if kind.keyed else None
     files = sorted(each for each in path.rglob("*") if each.is_file()) if path.is_dir() else [path]
     checksum = hashlib.sha256()
     for file in files:
@@ -79,7 +73,8 @@ def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
     return {
         "format": kind.label,
         "coordinates": kind.space,
-        "time_0_is_frame": clip.plan.first if kind.slid else 0,
+        "vertices": seen.samples.shape[1],
+        "time_0_is_frame": seen.clip.plan.first if kind.slid else 0,
         "shape_keys": len(keys.chosen) if keys else None,
         "worst_vertex_error": keys.error if keys else 0.0,
         "worst_normal_error_degrees": math.degrees(keys.turn) if keys else 0.0,
