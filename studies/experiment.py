@@ -1,7 +1,7 @@
 """`dev.py core experiment`: plans for the sensory comparison of chapter 5, simulated participants, and the analysis.
 
-Participants who are simulated go through the whole experiment: plan, order, staircases, answers, log, fit. Nothing here
-stands for a person.
+Participants who are simulated go through the whole experiment: plan, order, answers, log, fit. Nothing here stands
+for a person.
 """
 
 from __future__ import annotations
