@@ -237,7 +237,7 @@ def _draw_pairs(axes, pairs: Sequence[Pairs]) -> None:  # type: ignore[no-untype
         axis.axvspan(low, high, color="tab:blue", alpha=0.2, lw=0)
         axis.axvline(mean, color="tab:blue")
         of = f"{len(fitted)} of {len(pairs)} participants; group in blue"
-        axis.set(xlabel=f"{label} (times the standard)", title=of)
+        axis.set(xlabel=f"{label} (share of the standard)", title=of)
         axis.set_yticks(range(len(fitted)), [each.participant for each in fitted])
 
 
