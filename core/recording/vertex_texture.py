@@ -12,7 +12,7 @@ of mesh.glb has that motion; its time 0 is frame 0.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -23,8 +23,7 @@ WIDEST = 8192  # [pixels] largest width and height of a texture that every graph
 Singles = npt.NDArray[np.float32]
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
+class Layout(NamedTuple):
     """The layout of a texture: its width and height [pixels], and its rows per frame."""
 
     width: int

@@ -21,10 +21,7 @@ from ...core.errors import DimpleError
 from ..names import EXPORTS
 
 COMMAND = "dimple"
-NAMES = {
-    "abc": "ALEMBIC", "alembic": "ALEMBIC", "usd": "USD", "usdc": "USD", "glb": "GLB", "gltf": "GLB", "fbx": "FBX",
-    "pc2": "PC2", "vat": "VAT",
-}  # fmt: skip
+NAMES = {"abc": "ALEMBIC", "usd": "USD", "glb": "GLB", "fbx": "FBX", "pc2": "PC2", "vat": "VAT"}
 ENDED, WRONG = 0, 1
 
 
@@ -36,7 +33,7 @@ def run(words: list[str]) -> int:
     try:
         plan = _open(options)
         result |= {"objects": [obj.name for obj in plan.objects], "frames": [plan.first, plan.last]}
-        _export(plan, messages, written, quiet=options.quiet)
+        _export(plan, messages, written)
         result["ok"] = True
     except (DimpleError, OSError) as error:
         result["error"] = str(error)
@@ -66,7 +63,6 @@ def parser() -> argparse.ArgumentParser:
     bake.add_argument("--rendered", action="store_true", help="the modifiers as in a render, not as in the viewport")
     bake.add_argument("--overwrite", action="store_true", help="replace files that are there")
     bake.add_argument("--json", type=Path, metavar="FILE", help="write the summary there too")
-    bake.add_argument("--quiet", action="store_true", help="no progress on the error output")
     return whole
 
 
@@ -122,12 +118,12 @@ def _bodies(scene: bpy.types.Scene, names: Sequence[str] | None) -> list[bpy.typ
     return [scene.objects[name] for name in dict.fromkeys(names)]
 
 
-def _export(plan: Any, messages: list[str], written: list[Path], *, quiet: bool) -> None:
+def _export(plan: Any, messages: list[str], written: list[Path]) -> None:
     from . import export_plan
 
     shown = -1
     for share in export_plan.export(bpy.context, plan, messages, written):
-        if not quiet and int(20 * share) > shown:
+        if int(20 * share) > shown:
             shown = int(20 * share)
             print(f"dimple: {share:.0%}", file=sys.stderr, flush=True)
 

@@ -215,7 +215,7 @@ def export(context: bpy.types.Context, plan: ExportPlan, messages: list[str], wr
                         for written_share in FORMATS[each].write(context, seen, part):
                             yield done + each_file * written_share
                     _commit(part, final, written)
-                    described["files"][final.name] = sidecar.describe_file(final, each, seen)
+                    described["files"][final.name] = sidecar.describe_file(each, seen)
                     sidecar.write(folder / "sidecar", described)
                     _commit(folder / "sidecar", plan.folder / f"{stem}.json", written)
                     done += each_file

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 import json
 import math
 import os
@@ -60,16 +59,10 @@ def describe_session(session: Session) -> dict[str, Any]:
     }
 
 
-def describe_file(path: Path, each: str, seen: Seen) -> dict[str, Any]:
-    """Return the contents, size and checksum of a file, or of the files in a folder."""
+def describe_file(each: str, seen: Seen) -> dict[str, Any]:
+    """Return what is in a file, or in the files of a folder."""
     kind = FORMATS[each]
     keys = seen.keys() if kind.keyed else None
-    files = sorted(each for each in path.rglob("*") if each.is_file()) if path.is_dir() else [path]
-    checksum = hashlib.sha256()
-    for file in files:
-        with file.open("rb") as opened:
-            while block := opened.read(1 << 20):
-                checksum.update(block)
     return {
         "format": kind.label,
         "coordinates": kind.space,
@@ -78,8 +71,6 @@ def describe_file(path: Path, each: str, seen: Seen) -> dict[str, Any]:
         "shape_keys": len(keys.chosen) if keys else None,
         "worst_vertex_error": keys.error if keys else 0.0,
         "worst_normal_error_degrees": math.degrees(keys.turn) if keys else 0.0,
-        "bytes": sum(file.stat().st_size for file in files),
-        "sha256": checksum.hexdigest(),
     }
 
 

@@ -40,7 +40,7 @@ def command(bpy: ModuleType, capfd: pytest.CaptureFixture[str]) -> Callable[...,
 
 def test_it_writes_every_format_and_says_so(command: Any, blend: Path, tmp_path: Path) -> None:
     out, summary = tmp_path / "new folder" / "out", tmp_path / "summary.json"
-    code, said = command(blend, "--out", out, "--format", "abc,usd,glb,pc2", "--json", summary, "--quiet")
+    code, said = command(blend, "--out", out, "--format", "abc,usd,glb,pc2", "--json", summary)
     assert code == 0 and said["ok"] and said["error"] is None
     assert said["objects"] == ["Ball"] and said["frames"] == [2, 5], "the bodies and frames of the scene"
     assert {Path(path).name for path in said["written"]} == {path.name for path in out.iterdir()}

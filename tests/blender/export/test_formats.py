@@ -97,16 +97,11 @@ def test_blenders_mesh_cache_plays_the_point_cache(bpy: ModuleType, exported: Ex
 
 
 def test_the_json_says_what_the_files_are(exported: Exported) -> None:
-    import hashlib
-
     said = json.loads((exported.folder / "Cushion.json").read_text())
     assert said["frames"] == [FIRST, LAST] and said["frame_rate"] == FPS
     assert said["metres_per_scene_unit"] == pytest.approx(0.165 / exported.world_size, rel=0.2)
     for name in ("Cushion.abc", "Cushion.glb", "Cushion.fbx", "Cushion.pc2"):
-        data = (exported.folder / name).read_bytes()
-        file = said["files"][name]
-        assert file["vertices"] == exported.local.shape[1]
-        assert file["bytes"] == len(data) and file["sha256"] == hashlib.sha256(data).hexdigest()
+        assert said["files"][name]["vertices"] == exported.local.shape[1]
     assert {"Cushion_usd", "Cushion_vat"} < set(said["files"])
     starts = {file["format"]: file["time_0_is_frame"] for file in said["files"].values()}
     assert starts["glTF"] == starts["FBX"] == FIRST and starts["Alembic"] == starts["USD"] == 0

@@ -46,7 +46,7 @@ def test_few_shape_keys_play_the_press_within_the_error_that_is_said(
     assert error == pytest.approx(said["worst_vertex_error"], abs=FINEST * exported.size)
     turned = split_angle(found["normals"][..., [0, 2, 1]] * (1, -1, 1), which, exported)
     assert turned <= 1 + RIGHT, "the dent is shaded as it was"
-    assert turned == pytest.approx(said["worst_normal_error_degrees"], abs=RIGHT)
+    assert turned <= said["worst_normal_error_degrees"] + RIGHT
     assert found["weights"].min() >= 0 and found["weights"].max() <= 1, "some programs cut off what is not"
     assert 0 < said["shape_keys"] < (9 if percent == 1 else LAST - FIRST + 1)
     obj = imported(bpy, lambda: bpy.ops.import_scene.fbx(filepath=str(tmp_path / "Cushion.fbx"), anim_offset=0.0))
