@@ -149,7 +149,7 @@ def staged(
     try:
         for each, _ in names:  # the copies have their names, which are written to the file
             if not each.library:
-                each.name = "Dimple"
+                each.name = ".Dimple"
         obj = bpy.data.objects.new(names[0][1], mesh)
         mesh.name = names[1][1]
         scene.collection.objects.link(obj)
