@@ -7,7 +7,6 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import bpy
 import numpy as np
@@ -46,7 +45,6 @@ class Clip:
     # already
     plays: tuple[Path, float, int] | None = None
     table: Path | None = None  # CSV of forces that belongs to the animation
-    simulated: dict[str, Any] | None = None  # description of the simulation, if it was run for this export
 
 
 @dataclass(slots=True, eq=False)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import json
 import os
 import shutil
 import tempfile
@@ -216,7 +217,8 @@ def export(context: bpy.types.Context, plan: ExportPlan, messages: list[str], wr
                             yield done + each_file * written_share
                     _commit(part, final, written)
                     described["files"][final.name] = sidecar.describe_file(each, seen)
-                    sidecar.write(folder / "sidecar", described)
+                    words = json.dumps(described, indent=1, ensure_ascii=False)
+                    (folder / "sidecar").write_text(words + "\n", encoding="utf-8")
                     _commit(folder / "sidecar", plan.folder / f"{stem}.json", written)
                     done += each_file
 
@@ -232,11 +234,10 @@ def _simulated(
     bodies = yield from as_share(bake_frames.simulate(context, bake, messages), 0.0, SIMULATED)
     return {
         body.obj: Clip(
-            obj=body.obj, plan=plan, plays=(body.path, plan.first, body.link.cuts), table=body.path.with_suffix(".csv"),
-            simulated=sidecar.describe_session(body.session),
+            obj=body.obj, plan=plan, plays=(body.path, plan.first, body.link.cuts), table=body.path.with_suffix(".csv")
         )
         for body in bodies
-    }  # fmt: skip
+    }
 
 
 def _commit(part: Path, final: Path, written: list[Path]) -> None:

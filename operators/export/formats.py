@@ -6,7 +6,6 @@ what a Mesh Cache plays (glTF, FBX: they would write a still) get shape keys ins
 
 from __future__ import annotations
 
-import contextlib
 import json
 import operator
 import shutil
@@ -62,7 +61,7 @@ def ask(name: str, *, filepath: str, **options: object) -> None:
     """Run one of Blender's exporters by the name of its operator, with those options that this Blender has.
 
     Raises:
-        DimpleError: it failed, or its file is incomplete.
+        DimpleError: it failed.
     """
     export = operator.attrgetter(name)(bpy.ops)
     known = export.get_rna_type().properties.keys()
@@ -73,7 +72,8 @@ def ask(name: str, *, filepath: str, **options: object) -> None:
         raise DimpleError(
             "Blender's exporter failed at {filepath}: {why}", filepath=filepath, why=_last_line(str(error))
         ) from error
-    _check_whole(Path(filepath), "FINISHED" in result)
+    if "FINISHED" not in result:
+        raise _unfinished(Path(filepath))
 
 
 def _last_line(text: str) -> str:
@@ -82,27 +82,10 @@ def _last_line(text: str) -> str:
     return lines[-1].removeprefix("Error: ") if lines else text
 
 
-def is_whole(path: Path) -> bool:
-    """Return whether a file is complete by its own header; some exporters do not notice that a disk is full."""
-    if not path.is_file():
-        return False
-    size = path.stat().st_size
-    with path.open("rb") as file:
-        head = file.read(4096)
-    if path.suffix == ".abc":  # set when an Ogawa archive is closed
-        return head[:6] == b"Ogawa\xff"
-    if path.suffix == ".usdc":  # the table of contents is written last
-        return len(head) >= 24 and 24 <= int.from_bytes(head[16:24], "little") < size
-    if path.suffix == ".glb":
-        return int.from_bytes(head[8:12], "little") == size
-    return size > 0
-
-
-def _check_whole(path: Path, finished: bool = True) -> None:
-    if not (finished and is_whole(path)):
-        raise DimpleError(
-            "Blender's exporter could not finish {filepath}. Is the disk full, or the folder read-only?", filepath=path
-        )
+def _unfinished(path: Path) -> DimpleError:
+    return DimpleError(
+        "Blender's exporter could not finish {filepath}. Is the disk full, or the folder read-only?", filepath=path
+    )
 
 
 def _pc2(_context: bpy.types.Context, seen: Seen, path: Path) -> Iterator[float]:
@@ -147,11 +130,14 @@ def _usd(context: bpy.types.Context, seen: Seen, path: Path) -> Iterator[float]:
         )
     if hasattr(bpy.utils, "expose_bundled_modules"):  # the Python module of Blender hides them
         bpy.utils.expose_bundled_modules()
-    from pxr import Usd
+    from pxr import Tf, Usd
 
-    stage = Usd.Stage.Open(str(file))  # Blender's exporter leaves it at its default
-    stage.SetFramesPerSecond(1 / timeline.frame_s(context.scene))
-    stage.Save()
+    try:
+        stage = Usd.Stage.Open(str(file))
+        stage.SetFramesPerSecond(1 / timeline.frame_s(context.scene))  # Blender's exporter leaves it at its default
+        stage.Save()
+    except Tf.ErrorException as error:  # nor does it notice that a disk is full
+        raise _unfinished(file) from error
     yield 1.0
 
 
@@ -209,9 +195,9 @@ def _write_picture(path: Path, pixels: npt.NDArray[np.float32]) -> None:
     try:
         image.pixels.foreach_set(np.pad(pixels[::-1], ((0, 0), (0, 0), (0, 1)), constant_values=1).ravel())
         image.file_format, image.filepath_raw = "OPEN_EXR", str(path)
-        with contextlib.suppress(RuntimeError):
-            image.save()
-        _check_whole(path)
+        image.save()
+    except RuntimeError as error:
+        raise _unfinished(path) from error
     finally:
         bpy.data.images.remove(image)
 

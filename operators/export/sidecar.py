@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
-import os
 from dataclasses import asdict, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import bpy
 
 from ..bridge import cache_files, scene_objects, timeline
 from .clips import Clip, Seen
 from .formats import FORMATS
-
-if TYPE_CHECKING:
-    from ...core.session import Session
 
 VERSION = 1  # of the layout of this JSON
 
@@ -37,7 +32,7 @@ def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
         "scene_unit_scale": context.scene.unit_settings.scale_length,
         "table_units": "force N, depth mm, pressure Pa, volume m3, work and energy J, time s",
         "error_unit": "of the object's own coordinates",
-        "simulation": clip.simulated or "a bake or recording made before this export",
+        "simulated": "for this export" if clip.plays else "before, as a bake or a recording",
         "body": _plain(obj.dimple.to_params()),
         "materials": {
             slot.material.name: _plain(slot.material.dimple.to_params())
@@ -45,17 +40,6 @@ def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
             if slot.material
         },
         "files": {},
-    }
-
-
-def describe_session(session: Session) -> dict[str, Any]:
-    """Return how a session was simulated."""
-    return {
-        "solver": session.backend,
-        "tick_s": session.clock.tick,
-        "steps_in_a_tick": session.substeps,
-        "proxy_vertices": len(session.proxy.seeds) if session.proxy else None,
-        "model_notes": list(session.model.notes),
     }
 
 
@@ -72,19 +56,6 @@ def describe_file(each: str, seen: Seen) -> dict[str, Any]:
         "worst_vertex_error": keys.error if keys else 0.0,
         "worst_normal_error_degrees": math.degrees(keys.turn) if keys else 0.0,
     }
-
-
-def write(path: Path, described: dict[str, Any]) -> None:
-    """Write the JSON.
-
-    Raises:
-        OSError: the disk refuses.
-    """
-    with path.open("w", encoding="utf-8") as file:
-        json.dump(described, file, indent=1, ensure_ascii=False)
-        file.write("\n")
-        file.flush()
-        os.fsync(file.fileno())
 
 
 def copy_table(table: Path, path: Path, first: int, last: int) -> None:
