@@ -213,8 +213,7 @@ def export(context: bpy.types.Context, plan: ExportPlan, messages: list[str], wr
                     part = folder / final.name
                     with _readable_errors(final, each):
                         check_space(estimate(replace(plan, formats=[each]), [_size(obj, seen.mesh)]), plan.folder)
-                        for written_share in FORMATS[each].write(context, seen, part):
-                            yield done + each_file * written_share
+                        FORMATS[each].write(context, seen, part)
                     _commit(part, final, written)
                     described["files"][final.name] = sidecar.describe_file(each, seen)
                     words = json.dumps(described, indent=1, ensure_ascii=False)

@@ -1,7 +1,7 @@
 """The formats of an exported animation: Blender's own exporters if they write a format correctly, otherwise numpy.
 
-Each writer gets what is seen and the path it writes to, and yields the share that is done. Exporters that do not see
-what a Mesh Cache plays (glTF, FBX: they would write a still) get shape keys instead.
+Each writer gets what is seen and the path it writes to. Exporters that do not see what a Mesh Cache plays (glTF, FBX:
+they would write a still) get shape keys instead.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import operator
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -44,7 +44,7 @@ class Format:
     ending: str  # of the name of the file, or of the folder of files
     space: str  # coordinates, axes and units of the file
     bytes_of: Callable[[Size], float]  # largest size of a frame [bytes]: frames that are alike need less
-    write: Callable[[bpy.types.Context, Seen, Path], Iterator[float]]  # yields the share that is done
+    write: Callable[[bpy.types.Context, Seen, Path], None]
     exporter: str = ""  # Blender's operator that it needs
     keyed: bool = False  # the motion is stored in shape keys
     pictures: bool = True  # it contains textures
@@ -58,16 +58,13 @@ def is_there(name: str) -> bool:
 
 
 def ask(name: str, *, filepath: str, **options: object) -> None:
-    """Run one of Blender's exporters by the name of its operator, with those options that this Blender has.
+    """Run one of Blender's exporters by the name of its operator.
 
     Raises:
         DimpleError: it failed.
     """
-    export = operator.attrgetter(name)(bpy.ops)
-    known = export.get_rna_type().properties.keys()
     try:
-        given = {name: value for name, value in options.items() if name in known}
-        result = export(filepath=filepath, check_existing=False, **given)
+        result = operator.attrgetter(name)(bpy.ops)(filepath=filepath, check_existing=False, **options)
     except RuntimeError as error:
         raise DimpleError(
             "Blender's exporter failed at {filepath}: {why}", filepath=filepath, why=_last_line(str(error))
@@ -88,20 +85,18 @@ def _unfinished(path: Path) -> DimpleError:
     )
 
 
-def _pc2(_context: bpy.types.Context, seen: Seen, path: Path) -> Iterator[float]:
+def _pc2(_context: bpy.types.Context, seen: Seen, path: Path) -> None:
     shutil.copy(seen.path, path)
-    yield 1.0
 
 
-def _alembic(context: bpy.types.Context, seen: Seen, path: Path) -> Iterator[float]:
+def _alembic(context: bpy.types.Context, seen: Seen, path: Path) -> None:
     plan = seen.clip.plan
     with clips.staged(context, seen, first=plan.first, metres=False) as obj:
         clips.add_cache(obj, seen)
         ask("wm.alembic_export", filepath=str(path), start=plan.first, end=plan.last, as_background_job=False)
-    yield 1.0
 
 
-def _fbx(context: bpy.types.Context, seen: Seen, path: Path) -> Iterator[float]:
+def _fbx(context: bpy.types.Context, seen: Seen, path: Path) -> None:
     nameless = [image for image in bpy.data.images if image.packed_file and not image.filepath_raw]
     for image in nameless:  # Blender's exporter takes the name from the path
         image.filepath_raw = f"//{bpy.path.clean_name(image.name)}.{image.file_format.lower().removeprefix('open_')}"
@@ -116,10 +111,9 @@ def _fbx(context: bpy.types.Context, seen: Seen, path: Path) -> Iterator[float]:
     finally:
         for image in nameless:
             image.filepath_raw = ""
-    yield 1.0
 
 
-def _usd(context: bpy.types.Context, seen: Seen, path: Path) -> Iterator[float]:
+def _usd(context: bpy.types.Context, seen: Seen, path: Path) -> None:
     """Write a USD file and its textures, with relative paths, into a folder."""
     path.mkdir()
     file = path / f"{path.name.removesuffix('_usd')}.usdc"
@@ -138,14 +132,12 @@ def _usd(context: bpy.types.Context, seen: Seen, path: Path) -> Iterator[float]:
         stage.Save()
     except Tf.ErrorException as error:  # nor does it notice that a disk is full
         raise _unfinished(file) from error
-    yield 1.0
 
 
-def _glb(context: bpy.types.Context, seen: Seen, path: Path) -> Iterator[float]:
+def _glb(context: bpy.types.Context, seen: Seen, path: Path) -> None:
     with clips.staged(context, seen) as obj:
         clips.add_keys(obj, seen)
         _ask_gltf(context.scene, path)
-    yield 1.0
 
 
 def _ask_gltf(staged: bpy.types.Scene, path: Path) -> None:
@@ -157,7 +149,7 @@ def _ask_gltf(staged: bpy.types.Scene, path: Path) -> None:
     )  # fmt: skip
 
 
-def _texture(context: bpy.types.Context, seen: Seen, path: Path) -> Iterator[float]:
+def _texture(context: bpy.types.Context, seen: Seen, path: Path) -> None:
     """Write the textures, the mesh with its second UV map, and the layout for a shader, into a folder."""
     from ...core.recording import vertex_texture
 
@@ -168,9 +160,7 @@ def _texture(context: bpy.types.Context, seen: Seen, path: Path) -> Iterator[flo
     )
     path.mkdir()
     _write_picture(path / "offsets.exr", vertex_texture.pixels(points - points[0], where))
-    yield 0.4
     _write_picture(path / "normals.exr", vertex_texture.pixels(normals, where))
-    yield 0.8
     with clips.staged(context, seen) as obj:
         maps, corners = obj.data.uv_layers, vertex_texture.uv(vertices, where)[seen.split_of]
         while len(maps) > 1:  # the new map must be the second
@@ -185,7 +175,6 @@ def _texture(context: bpy.types.Context, seen: Seen, path: Path) -> Iterator[flo
         "bounds": [points.min(axis=(0, 1)).tolist(), points.max(axis=(0, 1)).tolist()],
     }  # fmt: skip
     (path / "layout.json").write_text(json.dumps(words, indent=1) + "\n", encoding="utf-8")
-    yield 1.0
 
 
 def _write_picture(path: Path, pixels: npt.NDArray[np.float32]) -> None:

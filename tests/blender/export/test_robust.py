@@ -151,7 +151,6 @@ def test_a_cancelled_export_keeps_what_is_finished(
     for _ in begun:
         if any(path.suffix == ".abc" for path in written):
             break
-    next(begun)  # within the texture
     begun.close()
     assert sorted(path.name for path in tmp_path.iterdir() if path.name != "caches") == [
         "Ball.abc", "Ball.csv", "Ball.json", "Ball.pc2",
