@@ -83,10 +83,14 @@ def played(obj: bpy.types.Object, plan: ExportPlan) -> Clip | None:
 def size_of(context: bpy.types.Context, obj: bpy.types.Object, plan: ExportPlan) -> Size:
     """Return the counts of an object that determine the size of its files."""
     graph = context.view_layer.depsgraph
-    size = _size(obj, obj.evaluated_get(graph).data if graph else obj.data)
+    mesh = obj.evaluated_get(graph).data if graph else obj.data
+    size, cuts = _size(obj, mesh), 0 if played(obj, plan) else final_mesh.cuts_of(context, obj, mesh)
     divided = [each for each in obj.modifiers if hasattr(each, "render_levels") and plan.rendered]
-    finer = 4 ** sum(each.render_levels - each.levels for each in divided)
-    return Size(finer * size.vertices, finer * size.corners, finer * size.split, size.smooth, size.pictures)
+    finer = 4 ** (cuts + sum(each.render_levels - each.levels for each in divided))
+    more = finer  # times as many vertices, and half as many again where triangles become three quads
+    if finer > 1:
+        more *= max(1.0, size.corners / 4 / max(size.vertices, 1))
+    return Size(int(more * size.vertices), finer * size.corners, int(more * size.split), size.smooth, size.pictures)
 
 
 def _size(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> Size:
