@@ -14,13 +14,13 @@ from typing import Any
 import bpy
 
 
-def play(folder: Path, *, picture: str = "offsets.exr", first: int = 1) -> Any:
+def play(folder: Path, *, first: int = 1) -> Any:
     """Load the mesh and the picture of a folder and let them play from a frame on; return the object."""
     layout = json.loads((folder / "layout.json").read_text(encoding="utf-8"))
     before = set(bpy.context.scene.objects)
     bpy.ops.import_scene.gltf(filepath=str(folder / "mesh.glb"), merge_vertices=False)
     (obj,) = (each for each in set(bpy.context.scene.objects) - before if each.type == "MESH")
-    image = bpy.data.images.load(str(folder / picture))
+    image = bpy.data.images.load(str(folder / "offsets.exr"))
     image.colorspace_settings.name = "Non-Color"
     group = bpy.data.node_groups.new("Vertex Texture", "GeometryNodeTree")
     group.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
@@ -33,14 +33,14 @@ def play(folder: Path, *, picture: str = "offsets.exr", first: int = 1) -> Any:
     texel.interpolation, texel.inputs["Image"].default_value = "Closest", image
     links.new(_moved(group, uv.outputs["Attribute"], layout, first), texel.inputs["Vector"])
     move = nodes.new("GeometryNodeSetPosition")
-    links.new(_offset(group, texel.outputs["Color"], layout, picture), move.inputs["Offset"])
+    links.new(_offset(group, texel.outputs["Color"]), move.inputs["Offset"])
     links.new(nodes.new("NodeGroupInput").outputs["Geometry"], move.inputs["Geometry"])
     links.new(move.outputs["Geometry"], nodes.new("NodeGroupOutput").inputs["Geometry"])
     obj.modifiers.new("Vertex Texture", "NODES").node_group = group
     return obj
 
 
-def displace(obj: Any, folder: Path, *, picture: str = "offsets.exr", first: int = 1) -> Any:
+def displace(obj: Any, folder: Path, *, first: int = 1) -> Any:
     """Return a material that displaces an object by the texture, in place of geometry nodes."""
     layout = json.loads((folder / "layout.json").read_text(encoding="utf-8"))
     material = bpy.data.materials.new("Vertex Texture")
@@ -49,13 +49,13 @@ def displace(obj: Any, folder: Path, *, picture: str = "offsets.exr", first: int
     uv = tree.nodes.new("ShaderNodeUVMap")
     uv.uv_map = obj.data.uv_layers[1].name
     texel = tree.nodes.new("ShaderNodeTexImage")
-    texel.image, texel.interpolation = bpy.data.images.load(str(folder / picture)), "Closest"
+    texel.image, texel.interpolation = bpy.data.images.load(str(folder / "offsets.exr")), "Closest"
     texel.image.colorspace_settings.name = "Non-Color"
     tree.links.new(_moved(tree, uv.outputs["UV"], layout, first), texel.inputs["Vector"])
     move = tree.nodes.new("ShaderNodeVectorDisplacement")
     move.space = "OBJECT"
     move.inputs["Midlevel"].default_value, move.inputs["Scale"].default_value = 0.0, 1.0  # it is 0.01 in some versions
-    tree.links.new(_offset(tree, texel.outputs["Color"], layout, picture), move.inputs["Vector"])
+    tree.links.new(_offset(tree, texel.outputs["Color"]), move.inputs["Vector"])
     output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
     tree.links.new(move.outputs["Displacement"], output.inputs["Displacement"])
     obj.data.materials.clear()
@@ -74,16 +74,9 @@ def _moved(tree: Any, uv: Any, layout: dict[str, Any], first: int) -> Any:
     return add.outputs[0]
 
 
-def _offset(tree: Any, color: Any, layout: dict[str, Any], picture: str) -> Any:
-    """Return an offset of Blender's, Z up, from a colour: Y up and, in a PNG, as a share of the range."""
+def _offset(tree: Any, color: Any) -> Any:
+    """Return an offset of Blender's, Z up, from a colour, Y up."""
     split, join = tree.nodes.new("ShaderNodeSeparateXYZ"), tree.nodes.new("ShaderNodeCombineXYZ")
-    if picture.endswith(".png"):
-        scale = tree.nodes.new("ShaderNodeVectorMath")
-        scale.operation = "MULTIPLY_ADD"
-        scale.inputs[1].default_value = (layout["most"] - layout["least"],) * 3
-        scale.inputs[2].default_value = (layout["least"],) * 3
-        tree.links.new(color, scale.inputs[0])
-        color = scale.outputs[0]
     tree.links.new(color, split.inputs[0])
     turn = tree.nodes.new("ShaderNodeMath")
     turn.operation, turn.inputs[1].default_value = "MULTIPLY", -1.0

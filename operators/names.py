@@ -28,7 +28,7 @@ EXPORTS = (
     ("GLB", "glTF Binary (.glb)", "For game engines and the web, with morph targets", 4),
     ("FBX", "FBX (.fbx)", "For game engines, with shape keys", 8),
     ("PC2", "PC2 Point Cache (.pc2)", "For 3ds Max, and Blender's Mesh Cache modifier", 16),
-    ("VAT", "Vertex Animation Texture", "EXR and 16-bit PNG for shaders, of places and normals, and the mesh", 256),
+    ("VAT", "Vertex Animation Texture", "Two EXR pictures for shaders, of places and normals, and the mesh", 256),
 )
 # properties that can be painted on a body: name, label of the vertex group, and meaning of its weights
 MAPS = (

@@ -21,8 +21,6 @@ class Stimulus:
     real: str = ""  # label of the real object, which the experimenter puts in place; "" for a virtual one
     object: str = ""  # label of the object whose constants the virtual one has; "" for a real one
     level: float = 1.0  # factor on its K1 and K2
-    track: str = ""  # name of the staircase that sets the level instead, "" for none
-    beside: int = 0  # steps on the ladder above the staircase: a single level would not give the psychometric slope
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,15 +46,12 @@ class Plan:
     press_n: float  # [N] force up to which objects are pressed and must be rendered faithfully
     objects: dict[str, str]  # label: preset or material
     participants: dict[str, tuple[Trial, ...]]  # code of the participant: trials
-    ladder: list[float] = field(default_factory=list)  # levels of the staircases
-    tracks: dict[str, int] = field(default_factory=dict)  # staircase: index on the ladder at which it begins
     made: dict[str, Any] = field(default_factory=dict)  # notes of the program that made the plan, such as a seed
 
     def stimuli(self) -> set[tuple[str, float]]:
-        """Return label and level of every virtual stimulus that can occur."""
+        """Return label and level of every virtual stimulus."""
         shown = [each for trials in self.participants.values() for trial in trials for each in trial.show]
-        levels = [(each.object, self.ladder if each.track else [each.level]) for each in shown if each.object]
-        return {(label, level) for label, some in levels for level in some}
+        return {(each.object, each.level) for each in shown if each.object}
 
 
 def read_plan(path: Path) -> Plan:
@@ -69,11 +64,8 @@ def read_plan(path: Path) -> Plan:
         plan = _made(Plan, json.loads(path.read_text(encoding="utf-8-sig")))
     except (OSError, ValueError) as error:
         raise DimpleError("The experiment {name} cannot be read: {error}.", name=path.name, error=error) from None
-    for name, kind in (("answers", "str"), ("objects", "str"), ("ladder", "float"), ("tracks", "int")):
-        values = getattr(plan, name)
-        _require(all(_is(kind, each) for each in (values.values() if isinstance(values, dict) else values)), name)
-    _require(len(plan.answers) == 2 if plan.tracks else len(plan.answers) > 1, "answers")
-    _require(all(start in range(len(plan.ladder)) for start in plan.tracks.values()), "tracks")
+    _require(len(plan.answers) > 1 and all(_is("str", each) for each in plan.answers), "answers")
+    _require(all(_is("str", each) for each in plan.objects.values()), "objects")
     people = {}
     for code, trials in plan.participants.items():
         _require(_is("list", trials) and code.isalnum(), "participants", code)
@@ -88,7 +80,6 @@ def _trial(plan: Plan, given: Any, number: int, code: str) -> Trial:
     _require(len(show) in (1, 2), *where, "show")
     for each in show:
         _require(bool(each.real) != bool(each.object) and (each.real or each.object) in plan.objects, *where, "object")
-        _require(not each.track or (each.track in plan.tracks and len(show) == 2), *where, "track")
     return replace(trial, show=show, number=number)
 
 

@@ -16,7 +16,7 @@ from ..device.limits import STATE_GAP
 from ..errors import DimpleError
 from ..material import Material
 from .log import END, Log
-from .plan import Plan, Stimulus, Trial
+from .plan import Plan, Trial
 
 AXES = ("x_m", "y_m", "z_m", "fx_n", "fy_n", "fz_n")  # columns of a tip in a sample, after the time
 
@@ -80,7 +80,7 @@ class Experiment:
             )  # fmt: skip
         self._answers = {int(row["trial"]): int(row["answer"]) for row in self.log.rows if row["event"] == "answer"}
         self.agreed, self._rested = False, 0.0
-        self.trial: Trial | None = None  # the next one, with the present levels of its staircases
+        self.trial: Trial | None = None  # the next one
         self.intervals: list[Interval] = []  # the intervals of that trial that have begun
 
     def left(self) -> list[Trial]:
@@ -139,24 +139,8 @@ class Experiment:
         self._go_on()
 
     def _go_on(self) -> None:
-        trial = next(iter(self.left()), None)
-        self.trial = trial and replace(trial, show=tuple(self._placed(trial, each) for each in trial.show))
-        self.intervals, self._rested = [], time.monotonic() + (trial.rest_s if trial else 0.0)
-
-    def _placed(self, trial: Trial, stimulus: Stimulus) -> Stimulus:
-        """Return a stimulus at the present level of its staircase: each time one step down if judged stiffer, else up.
-
-        This converges on the point of subjective equality.
-        """
-        if not stimulus.track:
-            return stimulus
-        ladder, at = self.plan.ladder, self.plan.tracks[stimulus.track]
-        for before in self.trials[: trial.number - 1]:
-            for interval, each in enumerate(before.show, start=1):
-                if each.track == stimulus.track:
-                    step = -1 if self._answers[before.number] == interval else 1
-                    at = min(max(at + step, 0), len(ladder) - 1)
-        return replace(stimulus, level=ladder[min(max(at + stimulus.beside, 0), len(ladder) - 1)])
+        self.trial = next(iter(self.left()), None)
+        self.intervals, self._rested = [], time.monotonic() + (self.trial.rest_s if self.trial else 0.0)
 
     def _append(self, **cells: str) -> None:
         now = datetime.now(UTC).isoformat(timespec="milliseconds")

@@ -8,7 +8,6 @@ frame of the animation, so its normals are right in every program. Weights are f
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +25,7 @@ class Basis(NamedTuple):
     chosen: the indices of these frames; their differences from frame 0 are weighted and added to it.
     weights: (frames, chosen).
     error: largest error of a vertex in any frame, in the units of the samples.
-    turn: largest error of a normal in any frame [rad].
+    turn: largest error of a normal in any frame [rad], at most.
     """
 
     chosen: list[int]
@@ -59,16 +58,14 @@ def reduce(samples: Singles, normals: Singles, tolerance: float) -> Basis:
     weights = np.zeros((count, 0), np.float32)
     while True:
         left = (every - weights @ every[chosen]).reshape(count, -1, 3)
-        off = np.einsum("fnc,fnc->fn", left, left).max(axis=1)
-        worst = int(off.argmax())
-        if off[worst] <= 1:
-            break
+        off = np.einsum("fnc,fnc->fn", left, left)
+        worst = int(off.max(axis=1).argmax())
+        if off[worst].max() <= 1:
+            error, turn = (float(np.sqrt(part.max())) for part in np.split(off, [samples.shape[1]], axis=1))
+            return Basis(chosen, weights, error * tolerance, turn * TURN)
         chosen.append(worst)
         weights = _fitted(products[np.ix_(chosen, chosen)], products[:, chosen], np.pad(weights, ((0, 0), (0, 1))))
         weights[chosen] = np.eye(len(chosen))
-    error = max(np.linalg.norm(played - now, axis=1).max() for played, now in _played(samples, chosen, weights))
-    turn = max(_angle(played, now) for played, now in _played(normals, chosen, weights))
-    return Basis(chosen, weights, float(error), turn)
 
 
 def _fitted(among: Floats, of: Floats, weights: Singles) -> Singles:
@@ -84,17 +81,3 @@ def _fitted(among: Floats, of: Floats, weights: Singles) -> Singles:
         for number, row in enumerate(among):
             weights[:, number] = np.clip(weights[:, number] + (of[:, number] - weights @ row) / row[number], 0, 1)
     return weights.astype(np.float32)
-
-
-def _played(samples: Singles, chosen: list[int], weights: Singles) -> Iterator[tuple[Singles, Singles]]:
-    """Yield each frame as reconstructed, and as recorded."""
-    shapes = samples[chosen] - samples[0]
-    for now, weight in zip(samples, weights, strict=True):
-        yield samples[0] + np.tensordot(weight, shapes, 1), now
-
-
-def _angle(played: Singles, now: Singles) -> float:
-    """Return the largest angle [rad] between reconstructed and recorded normals."""
-    length = np.linalg.norm(played, axis=1, keepdims=True)
-    chord = np.linalg.norm(played / np.maximum(length, 1e-9) - now, axis=1).max()
-    return float(2 * np.arcsin(min(chord / 2, 1.0)))

@@ -37,9 +37,11 @@ def bag_in(action: bpy.types.Action, slot: bpy.types.ActionSlot) -> bpy.types.Ac
     return strip.channelbag(slot, ensure=True)
 
 
-def draw(bag: bpy.types.ActionChannelbag, path: str, frames: Sequence[float], values: Sequence[float]) -> None:
+def draw(
+    bag: bpy.types.ActionChannelbag, path: str, frames: Sequence[float], values: Sequence[float], axis: int = 0
+) -> None:
     """Add a curve of a data path, with linear interpolation."""
-    curve = bag.fcurves.new(path)
+    curve = bag.fcurves.new(path, index=axis)
     curve.keyframe_points.add(len(frames))
     curve.keyframe_points.foreach_set("co", [each for pair in zip(frames, values, strict=True) for each in pair])
     straighten(curve)

@@ -1,15 +1,12 @@
-"""The export plan, and what an exporter gets: one object, selected alone, playing or with keyframed shape keys.
-
-Each context manager restores the object exactly.
-"""
+"""The export plan, and what an exporter gets: the final mesh of one object, alone in a scene that is deleted later."""
 
 from __future__ import annotations
 
 import contextlib
+import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import bpy
 import numpy as np
@@ -18,10 +15,9 @@ import numpy.typing as npt
 from ...core.recording import PointCache, open_point_cache
 from ...core.recording.basis import Basis, distinct, reduce
 from ...core.recording.split import split
-from ..bridge import cache_files, final_mesh, keyframes, modifiers, offset, rendered_mesh
+from ..bridge import cache_files, final_mesh, keyframes, offset, rendered_mesh, scene_objects
 
 Singles = npt.NDArray[np.float32]
-UV_MAP = "dimple_vertex"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,13 +27,11 @@ class ExportPlan:
     objects: Sequence[bpy.types.Object]  # the bodies
     formats: Sequence[str]  # keys of `formats.FORMATS`, in the order in which they are written
     folder: Path  # for the files; made if missing
-    first: int  # first frame
+    first: int  # first frame; a simulation begins there, at rest
     last: int  # last frame, inclusive
-    begin: int | None = None  # frame at which the simulation starts at rest; None: `first`
     # largest error of a vertex with few shape keys, as a share of the object's size; 0: one shape key for each frame
     key_error: float = 0.0
     rendered: bool = False  # evaluate modifiers as for a render, not as for the viewport
-    simulate: bool = False  # also simulate objects that play a bake or a recording
     overwrite: bool = False  # replace existing files
 
 
@@ -51,175 +45,169 @@ class Clip:
     # already
     plays: tuple[Path, float, int] | None = None
     table: Path | None = None  # CSV of forces that belongs to the animation
-    simulated: dict[str, Any] | None = None  # description of the simulation, if it was run for this export
-    # coordinates (frames, vertices, 3) of the final mesh; if a format needs them, normals (frames, n, 3) of vertices
-    # that are split at sharp edges, and the vertex that each of those was
-    samples: Singles = field(default_factory=lambda: np.empty((0, 0, 3), np.float32))
-    normals: Singles = field(default_factory=lambda: np.empty((0, 0, 3), np.float32))
-    split_of: npt.NDArray[np.intp] = field(default_factory=lambda: np.empty(0, np.intp))  # of each face corner
-    vertex_of: npt.NDArray[np.int32] = field(default_factory=lambda: np.empty(0, np.int32))  # of each split vertex
+
+
+@dataclass(slots=True, eq=False)
+class Seen:
+    """What an object shows in each frame of its clip."""
+
+    clip: Clip
+    mesh: bpy.types.Mesh  # the final mesh at the first frame
+    matrices: npt.NDArray[np.float64]  # (frames, 4, 4) of the object in the scene
+    path: Path  # PC2 file of `samples`
+    samples: Singles  # (frames, vertices, 3) coordinates of the final mesh
+    # if a format needs them, normals (frames, n, 3) of vertices that are split at sharp edges
+    normals: Singles | None = None
+    split_of: npt.NDArray[np.intp] | None = None  # (corners,) the split vertex of each corner of the faces
+    vertex_of: npt.NDArray[np.int32] | None = None  # (n,) the vertex of each split vertex
     made: Basis | None = None  # the shape keys, once they are chosen
 
     def keys(self) -> Basis:
         """Return which frames become shape keys, and their values in each frame; they are chosen once."""
         size = float(np.ptp(self.samples[0], axis=0).max())
-        error = self.plan.key_error * size
+        error = self.clip.plan.key_error * size
         self.made = self.made or (reduce(self.samples, self.normals, error) if error else distinct(self.samples))
         return self.made
 
 
 @contextlib.contextmanager
-def _ranged(scene: bpy.types.Scene, first: int, last: int) -> Iterator[None]:
-    """Set the frame range of a scene and show its first frame; most exporters take the range from the scene."""
-    before = scene.frame_start, scene.frame_end, scene.use_preview_range
-    now = scene.frame_current, scene.frame_subframe
-    scene.use_preview_range = False
-    scene.frame_start, scene.frame_end = first, last  # setting one end may shift the other
-    scene.frame_start = first
-    scene.frame_set(first)
-    try:
+def _playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
+    """Let an object play its clip, shown and with the modifiers of the plan; restore it and the frame later."""
+    obj, scene = clip.obj, context.scene
+    hidden, hidden_here, now = obj.hide_viewport, obj.hide_get(), (scene.frame_current, scene.frame_subframe)
+    with contextlib.ExitStack() as shown:
+        shown.callback(lambda: scene.frame_set(now[0], subframe=now[1]))
+        shown.callback(obj.hide_set, hidden_here)
+        shown.callback(setattr, obj, "hide_viewport", hidden)
+        obj.hide_viewport = False
+        obj.hide_set(False)
+        if clip.plays:
+            made = cache_files.play(context, obj, *clip.plays)
+            shown.callback(offset.sweep_data)
+            shown.callback(obj.modifiers.remove, made)
+        if clip.plan.rendered:
+            shown.enter_context(rendered_mesh.as_rendered(obj))
         yield
-    finally:
-        scene.frame_start, scene.frame_end, scene.use_preview_range = before
-        scene.frame_start = before[0]
-        scene.frame_set(now[0], subframe=now[1])
 
 
 @contextlib.contextmanager
-def selected(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[None]:
-    """Select one object alone; show it if it is hidden."""
-    layer = context.view_layer
-    before, active = [each for each in layer.objects if each.select_get()], layer.objects.active
-    hidden, hidden_here, fixed = obj.hide_viewport, obj.hide_get(), obj.hide_select
-    for each in before:
-        each.select_set(False)
-    obj.hide_viewport = obj.hide_select = False
-    obj.hide_set(False)
-    obj.select_set(True)
-    layer.objects.active = obj
-    try:
-        yield
-    finally:
-        obj.select_set(False)
-        obj.hide_viewport, obj.hide_select = hidden, fixed
-        obj.hide_set(hidden_here)
-        for each in before:
-            each.select_set(True)
-        layer.objects.active = active
-
-
-@contextlib.contextmanager
-def playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
-    """Select the object of a clip at the first frame, playing the clip in place of its bake, with the plan's modifiers.
-    """
-    obj = clip.obj
-    ours = [modifier for modifier in obj.modifiers if modifiers.is_cache(modifier)] if clip.plays else []
-    before = [(modifier, modifier.show_viewport, modifier.show_render) for modifier in ours]
-    frames = _ranged(context.scene, clip.plan.first, clip.plan.last)
-    with frames, selected(context, obj), contextlib.ExitStack() as shown:
-        try:
-            for modifier in ours:
-                modifier.show_viewport = modifier.show_render = False
-            made = cache_files.play(context, obj, *clip.plays) if clip.plays else None
-            if clip.plan.rendered:
-                shown.enter_context(rendered_mesh.as_rendered(obj))
-            yield
-        finally:
-            shown.close()
-            if made:
-                obj.modifiers.remove(made)
-                offset.sweep_data()
-            for modifier, viewport, render in before:
-                modifier.show_viewport, modifier.show_render = viewport, render
-
-
-def look(context: bpy.types.Context, clip: Clip, folder: Path, *, normals: bool) -> None:
-    """Give a clip the coordinates that its object shows while it plays, and its normals, in files in a folder.
+def seen(context: bpy.types.Context, clip: Clip, folder: Path) -> Iterator[Seen]:
+    """Play a clip once and give what is seen, in files in a folder.
 
     Raises:
         OSError: the disk refuses.
         DimpleError: the number of vertices changes between frames.
     """
-    first, last, caches = clip.plan.first, clip.plan.last, []  # type: ignore[var-annotated]
-    paths = [folder / "seen.pc2", folder / "normals.pc2"][: 1 + normals]
-    with playing(context, clip), contextlib.ExitStack() as files:
-        for frame in range(first, last + 1):
-            context.scene.frame_set(frame)
-            mesh = final_mesh.evaluated(context, clip.obj)
-            if not caches:
-                counts, corners = (len(mesh.vertices), len(mesh.loops)), final_mesh.corners_of(mesh)
-                caches = [files.enter_context(PointCache(*each, first)) for each in zip(paths, counts, strict=False)]
-            caches[0].append(final_mesh.points_of(mesh))
-            for cache in caches[1:]:
-                cache.append(final_mesh.get_points(mesh.corner_normals, len(mesh.loops), "vector"))
-    _, clip.samples = open_point_cache(paths[0])
-    if normals:
-        _, of_corners = open_point_cache(paths[1])
-        begins, clip.split_of = split(corners, of_corners)
-        clip.vertex_of, clip.normals = corners[begins], of_corners[:, begins]
-
-
-@contextlib.contextmanager
-def keyed(context: bpy.types.Context, clip: Clip, keys: Basis | None) -> Iterator[None]:
-    """Give an object its final mesh with keyframed shape keys, in place of its own mesh and modifiers."""
-    obj = clip.obj
-    with playing(context, clip):
-        graph = context.evaluated_depsgraph_get()
-        copy = bpy.data.meshes.new_from_object(
-            obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph
-        )
-    mesh, name = obj.data, obj.data.name
-    before = obj.active_shape_key_index, obj.show_only_shape_key
-    shaping = [(each, each.show_viewport, each.show_render) for each in obj.modifiers]
-    if not mesh.library:  # free its name for the copy: it is written to the file
-        mesh.name = f"{name[:50]}.dimple"
-    copy.name = name
-    obj.data = copy
-    obj.show_only_shape_key = False
-    action = bpy.data.actions.new("Dimple")
-    for modifier, *_ in shaping:  # the keys include their effect
-        modifier.show_viewport = modifier.show_render = False
+    plan, mesh, matrices = clip.plan, None, []  # type: ignore[var-annotated]
+    shaded = "VAT" in plan.formats or plan.key_error > 0
+    paths, caches = [folder / "seen.pc2", folder / "normals.pc2"][: 1 + shaded], []  # type: ignore[var-annotated]
     try:
-        obj.shape_key_clear()
-        copy.vertices.foreach_set("co", clip.samples[0].ravel())
-        if keys and keys.chosen:
-            _add_keys(clip, keys, action)
-        with _ranged(context.scene, clip.plan.first, clip.plan.last), selected(context, obj):
-            yield
+        with _playing(context, clip), contextlib.ExitStack() as files:
+            for frame in range(plan.first, plan.last + 1):
+                context.scene.frame_set(frame)
+                now = final_mesh.evaluated(context, clip.obj)
+                if mesh is None:
+                    graph = context.evaluated_depsgraph_get()
+                    mesh = bpy.data.meshes.new_from_object(
+                        clip.obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph
+                    )
+                    counts = len(now.vertices), len(now.loops)
+                    caches = [
+                        files.enter_context(PointCache(*each, plan.first)) for each in zip(paths, counts, strict=False)
+                    ]
+                caches[0].append(final_mesh.points_of(now))
+                for cache in caches[1:]:
+                    cache.append(final_mesh.get_points(now.corner_normals, len(now.loops), "vector"))
+                matrices.append(np.array(clip.obj.matrix_world))
+        found = Seen(clip, mesh, np.array(matrices), paths[0], open_point_cache(paths[0])[1])
+        if shaded:
+            corners, (_, normals) = final_mesh.corners_of(mesh), open_point_cache(paths[1])
+            begins, found.split_of = split(corners, normals)
+            found.vertex_of, found.normals = corners[begins], normals[:, begins]
+        yield found
     finally:
-        obj.data = mesh
-        bpy.data.meshes.remove(copy)
-        bpy.data.actions.remove(action)
-        for modifier, viewport, render in shaping:
-            modifier.show_viewport, modifier.show_render = viewport, render
-        if not mesh.library:
-            mesh.name = name
-        obj.active_shape_key_index, obj.show_only_shape_key = before
+        if mesh:
+            bpy.data.meshes.remove(mesh)
 
 
 @contextlib.contextmanager
-def mapped(context: bpy.types.Context, clip: Clip, uv: Singles) -> Iterator[None]:
-    """Give an object its final mesh at the first frame, with a second UV map from the `uv` of split vertices."""
-    with keyed(context, clip, None):
-        mesh = clip.obj.data
-        while len(mesh.uv_layers) > 1:  # the new map must be the second
-            mesh.uv_layers.remove(mesh.uv_layers[-1])
-        if not mesh.uv_layers:
-            mesh.uv_layers.new(name="UVMap", do_init=False)
-        corners = uv[clip.split_of]
-        mesh.uv_layers.new(name=UV_MAP, do_init=False).uv.foreach_set("vector", corners.ravel())
-        yield
+def staged(
+    context: bpy.types.Context, seen: Seen, *, first: int = 0, metres: bool = True
+) -> Iterator[bpy.types.Object]:
+    """Put the mesh of a clip alone into a scene of its own, where it moves as its object does.
+
+    Args:
+        first: the frame at which it begins there.
+        metres: the unit of the scene is a metre; else it is that of the artist's scene.
+    """
+    body, before = seen.clip.obj, context.scene
+    unit = scene_objects.metres_per_unit(before) if metres else 1.0
+    names = [(each, each.name) for each in (body, body.data)]
+    actions, scene, mesh = set(bpy.data.actions), bpy.data.scenes.new("Dimple"), seen.mesh.copy()
+    try:
+        for each, _ in names:  # the copies have their names, which are written to the file
+            if not each.library:
+                each.name = ".Dimple"
+        obj = bpy.data.objects.new(names[0][1], mesh)
+        mesh.name = names[1][1]
+        scene.collection.objects.link(obj)
+        for slot, given in zip(obj.material_slots, body.material_slots, strict=False):
+            slot.link, slot.material = given.link, given.material
+        scene.render.fps, scene.render.fps_base = before.render.fps, before.render.fps_base
+        scene.frame_end = first + len(seen.samples) - 1
+        scene.frame_start = first  # in this order: the end is never before the start
+        _move(obj, np.array([unit, unit, unit, 1])[:, None] * seen.matrices, first)
+        with context.temp_override(scene=scene, view_layer=scene.view_layers[0]):
+            scene.frame_set(first)
+            yield obj
+    finally:
+        bpy.data.scenes.remove(scene)
+        bpy.data.meshes.remove(mesh)  # and the object with it
+        bpy.data.batch_remove(set(bpy.data.actions) - actions)
+        for each, name in names:
+            if not each.library:
+                each.name = name
 
 
-def _add_keys(clip: Clip, keys: Basis, action: bpy.types.Action) -> None:
-    obj, first = clip.obj, clip.plan.first
-    obj.shape_key_add(name="Basis", from_mix=False)
-    data = obj.data.shape_keys
-    slot = action.slots.new("KEY", "Dimple")
-    bag = keyframes.bag_in(action, slot)
-    for place, values in zip(keys.chosen, keys.weights.T, strict=True):
-        key = obj.shape_key_add(name=f"Frame {first + place:04d}", from_mix=False)
-        key.points.foreach_set("co", clip.samples[place].ravel())
-        keyframes.draw(bag, f'key_blocks["{key.name}"].value', range(first, clip.plan.last + 1), values.tolist())
-    animation = data.animation_data_create()
+def _move(obj: bpy.types.Object, matrices: npt.NDArray[np.float64], first: int) -> None:
+    """Give an object these matrices (frames, 4, 4) from a frame on."""
+    from mathutils import Matrix
+
+    obj.rotation_mode = "QUATERNION"
+    parts = [Matrix(each).decompose() for each in matrices]
+    for (_, before, _), (_, turn, _) in itertools.pairwise(parts):
+        turn.make_compatible(before)
+    obj.location, obj.rotation_quaternion, obj.scale = parts[0]
+    if (matrices != matrices[0]).any():
+        bag = _animated(obj)
+        for path, values in zip(("location", "rotation_quaternion", "scale"), zip(*parts, strict=True), strict=True):
+            for axis, column in enumerate(zip(*values, strict=True)):
+                keyframes.draw(bag, path, range(first, first + len(column)), column, axis)
+
+
+def _animated(owner: bpy.types.ID) -> bpy.types.ActionChannelbag:
+    """Return the empty channel bag of an owner in a new action."""
+    animation, action = owner.animation_data_create(), bpy.data.actions.new("Dimple")
+    slot = action.slots.new(owner.id_type, "Dimple")
     animation.action, animation.action_slot = action, slot
+    return keyframes.bag_in(action, slot)
+
+
+def add_cache(obj: bpy.types.Object, seen: Seen) -> None:
+    """Let an object that is staged from the first frame of the clip on play what is seen."""
+    modifier = obj.modifiers.new("Dimple", "MESH_CACHE")
+    modifier.cache_format, modifier.filepath = "PC2", str(seen.path)
+    modifier.frame_start = seen.clip.plan.first
+
+
+def add_keys(obj: bpy.types.Object, seen: Seen) -> None:
+    """Give an object that is staged from frame 0 on keyframed shape keys."""
+    keys = seen.keys()
+    if not keys.chosen:
+        return
+    obj.shape_key_add(name="Basis", from_mix=False)
+    bag = _animated(obj.data.shape_keys)
+    for place, values in zip(keys.chosen, keys.weights.T, strict=True):
+        key = obj.shape_key_add(name=f"Frame {seen.clip.plan.first + place:04d}", from_mix=False)
+        key.points.foreach_set("co", seen.samples[place].ravel())
+        keyframes.draw(bag, f'key_blocks["{key.name}"].value', range(len(values)), values.tolist())

@@ -21,10 +21,7 @@ from ...core.errors import DimpleError
 from ..names import EXPORTS
 
 COMMAND = "dimple"
-NAMES = {
-    "abc": "ALEMBIC", "alembic": "ALEMBIC", "usd": "USD", "usdc": "USD", "glb": "GLB", "gltf": "GLB", "fbx": "FBX",
-    "pc2": "PC2", "vat": "VAT",
-}  # fmt: skip
+NAMES = {"abc": "ALEMBIC", "usd": "USD", "glb": "GLB", "fbx": "FBX", "pc2": "PC2", "vat": "VAT"}
 ENDED, WRONG = 0, 1
 
 
@@ -36,7 +33,7 @@ def run(words: list[str]) -> int:
     try:
         plan = _open(options)
         result |= {"objects": [obj.name for obj in plan.objects], "frames": [plan.first, plan.last]}
-        _export(plan, messages, written, quiet=options.quiet)
+        _export(plan, messages, written)
         result["ok"] = True
     except (DimpleError, OSError) as error:
         result["error"] = str(error)
@@ -55,20 +52,17 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command's arguments."""
     whole = argparse.ArgumentParser(prog=f"blender --command {COMMAND}", description=(__doc__ or "").split("\n\n")[1])
     bake = whole.add_subparsers(metavar="COMMAND", required=True).add_parser(
-        "bake", help="simulate bodies of a .blend file and export what they do", allow_abbrev=False
+        "bake", help="export bodies of a .blend file, simulated if they play no bake", allow_abbrev=False
     )
     bake.add_argument("file", type=Path, metavar="FILE.blend")
     bake.add_argument("--object", action="append", metavar="NAME", help="more than one may be given; else every body")
     bake.add_argument("--frames", type=_frames, metavar="FIRST-LAST", help="else those of the scene")
-    bake.add_argument("--begin", type=int, metavar="FRAME", help="simulate from there; FIRST unless given")
     bake.add_argument("--format", type=_formats, default=["ALEMBIC"], metavar="abc,usd,glb", help=", ".join(NAMES))
     bake.add_argument("--out", type=Path, required=True, metavar="DIR", help="it is made")
     bake.add_argument("--key-error", type=float, default=0.0, metavar="PERCENT", help="glTF and FBX: few shape keys")
     bake.add_argument("--rendered", action="store_true", help="the modifiers as in a render, not as in the viewport")
-    bake.add_argument("--played", action="store_true", help="take the bake or recording that an object plays")
     bake.add_argument("--overwrite", action="store_true", help="replace files that are there")
     bake.add_argument("--json", type=Path, metavar="FILE", help="write the summary there too")
-    bake.add_argument("--quiet", action="store_true", help="no progress on the error output")
     return whole
 
 
@@ -105,9 +99,7 @@ def _open(options: argparse.Namespace) -> Any:
         folder=options.out.resolve(),
         first=first,
         last=last,
-        begin=options.begin,
         key_error=max(options.key_error, 0.0) / 100,
-        simulate=not options.played,
         overwrite=options.overwrite,
         rendered=options.rendered,
     )
@@ -126,12 +118,12 @@ def _bodies(scene: bpy.types.Scene, names: Sequence[str] | None) -> list[bpy.typ
     return [scene.objects[name] for name in dict.fromkeys(names)]
 
 
-def _export(plan: Any, messages: list[str], written: list[Path], *, quiet: bool) -> None:
+def _export(plan: Any, messages: list[str], written: list[Path]) -> None:
     from . import export_plan
 
     shown = -1
     for share in export_plan.export(bpy.context, plan, messages, written):
-        if not quiet and int(20 * share) > shown:
+        if int(20 * share) > shown:
             shown = int(20 * share)
             print(f"dimple: {share:.0%}", file=sys.stderr, flush=True)
 

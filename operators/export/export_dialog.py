@@ -14,11 +14,7 @@ from ..press.progress import READY, FrameRange, Working
 from ..translation import translated
 
 CHARACTER = 8.5  # [px] width of a character in the dialog, with a share of icon and borders
-_ASKED = ("formats", "source", "frame_start", "frame_end", "modifiers", "key_error", "overwrite")
-_SOURCES = (
-    ("PLAYED", "Bake or Recording", "Export the animation that the objects play, and simulate those that play none"),
-    ("SIMULATE", "Simulate Again", "Simulate the objects as a bake does, whatever they play now"),
-)
+_ASKED = ("formats", "frame_start", "frame_end", "modifiers", "key_error", "overwrite")
 _MODIFIERS = (
     ("VIEWPORT", "Viewport", "As the viewport shows it"),
     ("RENDER", "Render", "As a render shows it, often subdivided further"),
@@ -26,7 +22,7 @@ _MODIFIERS = (
 
 
 class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
-    """Export the selected bodies as they move, for other programs, with a table of forces and a JSON about the files"""
+    """Export the selected bodies as they move, with a table of forces. Those that play no bake are simulated first"""
 
     bl_idname = Op.EXPORT
     bl_label = "Export Animation"
@@ -40,10 +36,6 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
     )  # fmt: skip
     formats: EnumProperty(
         name="Formats", description="File formats to write", items=EXPORTS, options={"ENUM_FLAG"}, default={"ALEMBIC"},
-    )  # fmt: skip
-    source: EnumProperty(
-        name="Source", description="Export the animation that the objects play, or simulate it first", items=_SOURCES,
-        translation_context="*",  # Blender's translation: Dimple's own "Source" is the origin of a number
     )  # fmt: skip
     modifiers: EnumProperty(
         name="Modifiers", description="Export the mesh as its modifiers make it for the viewport, or for a render",
@@ -99,12 +91,12 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
         try:
             plan = self._plan(context)
             export_plan.check_choice(plan)
-            size = megabytes(export_plan.estimate(context, plan))
-            vertices = sum(export_plan.size_of(context, obj, plan).vertices for obj in plan.objects)
+            sizes = [export_plan.size_of(context, obj, plan) for obj in plan.objects]
+            size, vertices = megabytes(export_plan.estimate(plan, sizes)), sum(each.vertices for each in sizes)
         except DimpleError as error:
             return str(error), "ERROR"
         frames = plan.last - plan.first + 1
-        said = "{frames} frames of {vertices:,} vertices, about {size} MB"
+        said = "{frames} frames of {vertices:,} vertices, at most {size} MB"
         return Message(said, frames=frames, vertices=vertices, size=size), "INFO"
 
     def _begin(self, context: bpy.types.Context):
@@ -133,7 +125,6 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
             first=first,
             last=last,
             key_error=self.key_error / 100,
-            simulate=self.source == "SIMULATE",
             overwrite=self.overwrite,
             rendered=self.modifiers == "RENDER",
         )

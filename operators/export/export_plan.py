@@ -7,10 +7,13 @@ finished files are kept, and no partial file has a final name.
 from __future__ import annotations
 
 import contextlib
-import errno
+import itertools
+import json
 import os
 import shutil
-from collections.abc import Generator, Iterator
+import tempfile
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -29,8 +32,9 @@ from .clips import Clip, ExportPlan
 from .formats import FORMATS, Size
 
 SIMULATED = 0.5  # share of the progress bar for a simulation
-SPARE = 1.05  # factor on the estimated size: space that must be free on the disk
-
+FILE = 5e4  # [bytes] of a file with an empty mesh, at most
+SHAPE, KEY = 2000, 12  # [bytes] of a shape key without vertices, and of a key of its animation, at most
+STILL = 48  # [bytes] per corner of a face: vertex at rest, normal, two UV maps, triangles
 SHEAR = 1e-4  # cosine between two axes below which they count as perpendicular: less is invisible on any object
 
 
@@ -41,36 +45,34 @@ def finals(plan: ExportPlan) -> list[Path]:
     return [plan.folder / f"{stem}{ending}" for stem in stems for ending in endings]
 
 
-def estimate(context: bpy.types.Context, plan: ExportPlan) -> float:
-    """Return the approximate size of an export [bytes]; identical frames reduce it."""
-    sizes = [size_of(context, obj, plan) for obj in plan.objects]
-    return sum(_bytes(plan, each, size) for each in plan.formats for size in sizes)
-
-
-def _bytes(plan: ExportPlan, each: str, size: Size) -> float:
-    kind = FORMATS[each]
-    return (plan.last - plan.first + 1) * kind.bytes_of(size) + kind.pictures * size.pictures
+def estimate(plan: ExportPlan, sizes: Sequence[Size]) -> float:
+    """Return the largest size [bytes] of the files of an export; what does not move reduces it."""
+    frames, total = plan.last - plan.first + 1, 0.0
+    for kind, size in itertools.product((FORMATS[each] for each in plan.formats), sizes):
+        total += FILE + frames * kind.bytes_of(size) + kind.pictures * size.pictures
+        if kind.exporter:
+            total += STILL * size.corners + kind.keyed * frames * (SHAPE + KEY * frames)
+    return total
 
 
 def played(obj: bpy.types.Object, plan: ExportPlan) -> Clip | None:
     """Return the bake or recording that an object plays, None if it plays none."""
     for modifier in obj.modifiers:
-        if not (modifiers.is_cache(modifier) and modifier.show_viewport):
+        if not (modifiers.is_cache(modifier) and (modifier.show_render if plan.rendered else modifier.show_viewport)):
             continue
         for path, _ in offset.files(modifier)[:1]:
             try:
                 _, points = open_point_cache(path)
             except OSError as error:
                 raise DimpleError(
-                    '"{name}" plays {path}, which cannot be read: {error}. Bake again, or export with Simulate '
-                    "Again.",
+                    '"{name}" plays {path}, which cannot be read: {error}. Bake again, or remove the bake.',
                     name=obj.name, path=path, error=error.strerror
                 ) from error  # fmt: skip
             graph = bpy.context.view_layer.depsgraph  # not updated: a panel being drawn must not evaluate it
             count = len(obj.evaluated_get(graph).data.vertices) if graph and obj.visible_get() else points.shape[1]
             if points.shape[1] != count:
                 raise DimpleError(
-                    '"{name}" has {count} vertices and its bake {baked}. Bake again, or export with Simulate Again.',
+                    '"{name}" has {count} vertices and its bake {baked}. Bake again, or remove the bake.',
                     name=obj.name, count=count, baked=points.shape[1]
                 )  # fmt: skip
             table = path.with_suffix(".csv")
@@ -82,14 +84,25 @@ def size_of(context: bpy.types.Context, obj: bpy.types.Object, plan: ExportPlan)
     """Return the counts of an object that determine the size of its files."""
     graph = context.view_layer.depsgraph
     mesh = obj.evaluated_get(graph).data if graph else obj.data
-    vertices, corners = len(mesh.vertices), len(mesh.loops)
-    split_vertices = {"POINT": vertices, "FACE": corners}.get(mesh.normals_domain)
-    if split_vertices is None:
-        normals = final_mesh.get_points(mesh.corner_normals, corners, "vector")
-        split_vertices = len(split(final_mesh.corners_of(mesh), normals[None])[0])
+    size, cuts = _size(obj, mesh), 0 if played(obj, plan) else final_mesh.cuts_of(context, obj, mesh)
     divided = [each for each in obj.modifiers if hasattr(each, "render_levels") and plan.rendered]
-    finer = 4 ** sum(each.render_levels - each.levels for each in divided)
-    return Size(finer * vertices, finer * corners, finer * split_vertices, _pictures(obj))
+    finer = 4 ** (cuts + sum(each.render_levels - each.levels for each in divided))
+    more = finer  # times as many vertices, and half as many again where triangles become three quads
+    if finer > 1:
+        more *= max(1.0, size.corners / 4 / max(size.vertices, 1))
+    return Size(int(more * size.vertices), finer * size.corners, int(more * size.split), size.smooth, size.pictures)
+
+
+def _size(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> Size:
+    """Return the counts of a final mesh of an object; exporters split a vertex where normals or UV maps are."""
+    vertices, corners = len(mesh.vertices), len(mesh.loops)
+    layers = [final_mesh.get_points(mesh.corner_normals, corners, "vector")]
+    for each in mesh.uv_layers:
+        layers.append(np.zeros((corners, 3), np.float32))
+        each.uv.foreach_get("vector", flat := np.empty(2 * corners, np.float32))
+        layers[-1][:, :2] = flat.reshape(-1, 2)
+    apart = len(split(final_mesh.corners_of(mesh), np.array(layers))[0])
+    return Size(vertices, corners, apart, mesh.normals_domain == "POINT", _pictures(obj))
 
 
 def _pictures(obj: bpy.types.Object) -> int:
@@ -111,12 +124,8 @@ def check(plan: ExportPlan) -> None:
     for obj in plan.objects:
         scene_objects.check(obj)
         scene_objects.check_writable(obj)
-        if sheared := [FORMATS[each].label for each in plan.formats if each in formats.UNSHEARED and _is_sheared(obj)]:
-            raise DimpleError(
-                '"{name}" is sheared by the scale of its parents, which {label} cannot hold. Apply that scale, or '
-                "choose Alembic or USD.",
-                name=obj.name, label=sheared[0],
-            )  # fmt: skip
+        if _is_sheared(obj):
+            raise DimpleError('"{name}" is sheared by the scale of its parents. Apply that scale.', name=obj.name)
     there = [path.name for path in finals(plan) if os.path.lexists(path)]
     if there and not plan.overwrite:
         which = "{path} is there already." if len(there) == 1 else "{path} and {count} more are there already."
@@ -150,24 +159,26 @@ def check_choice(plan: ExportPlan) -> None:
         raise DimpleError(
             "The last frame ({last}) must not come before the first ({first}).", last=plan.last, first=plan.first
         )
-    if plan.begin is not None and plan.begin > plan.first:
-        raise DimpleError(
-            "The simulation begins at frame {begin}, after the first ({first}).", begin=plan.begin, first=plan.first
-        )
 
 
-def check_space(context: bpy.types.Context, plan: ExportPlan) -> None:
-    """Check that the disk has space for the estimated size.
+def check_space(size: float, folder: Path) -> None:
+    """Check that the disk has space for a number of bytes: where it has not, Blender's Alembic exporter ends Blender.
 
     Raises:
         DimpleError: it has too little.
     """
-    needed, free = SPARE * estimate(context, plan), shutil.disk_usage(plan.folder).free
-    if needed > free:
+    free = shutil.disk_usage(folder).free
+    try:
+        if size <= free and hasattr(os, "posix_fallocate"):
+            with tempfile.TemporaryFile(dir=folder) as file:  # a quota or a limit may leave less
+                os.posix_fallocate(file.fileno(), 0, int(size))
+    except OSError:
+        free = 0.0
+    if size > free:
         raise DimpleError(
-            "The export needs about {needed} MB, and {folder} has {free:.1f} MB left. Choose another folder, fewer "
+            "The export may need {needed} MB, and {folder} has {free:.1f} MB left. Choose another folder, fewer "
             "frames or fewer formats.",
-            needed=megabytes(needed), folder=plan.folder, free=free / 1e6
+            needed=megabytes(size), folder=folder, free=free / 1e6
         )  # fmt: skip
 
 
@@ -185,80 +196,51 @@ def export(context: bpy.types.Context, plan: ExportPlan, messages: list[str], wr
         context.view_layer.update()
         check(plan)
         folder = files.enter_context(cache_files.unfinished_folder(plan.folder))
-        check_space(context, plan)
+        check_space(estimate(plan, [size_of(context, obj, plan) for obj in plan.objects]), plan.folder)
         (folder / "simulated").mkdir()
-        found = {obj: None if plan.simulate else played(obj, plan) for obj in plan.objects}
+        found = {obj: played(obj, plan) for obj in plan.objects}
         missing = [obj for obj, clip in found.items() if clip is None]
         done = SIMULATED if missing else 0.0
         each_file = (0.99 - done) / (len(plan.objects) * len(plan.formats))  # the rest is for the end
         if missing:
             found |= yield from _simulated(context, plan, missing, folder, messages)
         for obj, clip in found.items():
-            _look(context, clip, folder)
-            with clips.playing(context, clip):
-                described = sidecar.describe(context, clip)
+            described = sidecar.describe(context, clip)
             stem = cache_files.file_name(obj.name)
             if clip.table:
                 sidecar.copy_table(clip.table, folder / "table", plan.first, plan.last)
                 _commit(folder / "table", plan.folder / f"{stem}.csv", written)
-            for each in plan.formats:
-                yield done
-                final = plan.folder / f"{stem}{FORMATS[each].ending}"
-                part = folder / final.name
-                with _readable_errors(each, final):
-                    reserve(context, clip, each, folder)
-                    for written_share in FORMATS[each].write(context, clip, part):
-                        yield done + each_file * written_share
-                _commit(part, final, written)
-                described["files"][final.name] = sidecar.describe_file(final, each, clip)
-                sidecar.write(folder / "sidecar", described)
-                _commit(folder / "sidecar", plan.folder / f"{stem}.json", written)
-                done += each_file
+            with _readable_errors(folder), clips.seen(context, clip, folder) as seen:
+                for each in plan.formats:
+                    yield done
+                    final = plan.folder / f"{stem}{FORMATS[each].ending}"
+                    part = folder / final.name
+                    with _readable_errors(final, each):
+                        check_space(estimate(replace(plan, formats=[each]), [_size(obj, seen.mesh)]), plan.folder)
+                        FORMATS[each].write(context, seen, part)
+                    _commit(part, final, written)
+                    described["files"][final.name] = sidecar.describe_file(each, seen)
+                    words = json.dumps(described, indent=1, ensure_ascii=False)
+                    (folder / "sidecar").write_text(words + "\n", encoding="utf-8")
+                    _commit(folder / "sidecar", plan.folder / f"{stem}.json", written)
+                    done += each_file
 
 
 def _simulated(
     context: bpy.types.Context, plan: ExportPlan, missing: list[bpy.types.Object], folder: Path, messages: list[str]
 ) -> Generator[float, None, dict[bpy.types.Object, Clip]]:
     """Simulate objects that play nothing, and return the clips that they are to play."""
-    begin = plan.first if plan.begin is None else plan.begin
     bake = bake_frames.BakePlan(  # a bake needs two frames
-        objects=missing, first=begin, last=max(plan.last, begin + 1), target="FILES", folder=folder / "simulated"
-    )
+        objects=missing, first=plan.first, last=max(plan.last, plan.first + 1), target="FILES",
+        folder=folder / "simulated",
+    )  # fmt: skip
     bodies = yield from as_share(bake_frames.simulate(context, bake, messages), 0.0, SIMULATED)
     return {
         body.obj: Clip(
-            obj=body.obj, plan=plan, plays=(body.path, begin, body.link.cuts), table=body.path.with_suffix(".csv"),
-            simulated=sidecar.describe_session(body.session),
+            obj=body.obj, plan=plan, plays=(body.path, plan.first, body.link.cuts), table=body.path.with_suffix(".csv")
         )
         for body in bodies
-    }  # fmt: skip
-
-
-def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> None:
-    """Make sure that there is space for a file: on a full disk Blender's Alembic exporter terminates Blender.
-
-    Raises:
-        OSError: there is too little.
-    """
-    with clips.playing(context, clip):
-        some = size_of(context, clip.obj, clip.plan)
-    size = _bytes(clip.plan, each, some) + 64 * some.corners + 2e5
-    if hasattr(os, "posix_fallocate"):
-        with (folder / "room").open("wb") as file:
-            os.posix_fallocate(file.fileno(), 0, int(1.1 * size))
-        (folder / "room").unlink()
-    elif shutil.disk_usage(folder).free < 1.1 * size:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
-
-
-def _look(context: bpy.types.Context, clip: Clip, folder: Path) -> None:
-    """Give a clip its samples, if a format needs them."""
-    if not all(FORMATS[each].played for each in clip.plan.formats):
-        normals = "VAT" in clip.plan.formats or clip.plan.key_error > 0
-        try:
-            clips.look(context, clip, folder, normals=normals)
-        except OSError as error:
-            raise OSError(error.errno, error.strerror, error.filename or str(folder)) from error
+    }
 
 
 def _commit(part: Path, final: Path, written: list[Path]) -> None:
@@ -271,13 +253,13 @@ def _commit(part: Path, final: Path, written: list[Path]) -> None:
 
 
 @contextlib.contextmanager
-def _readable_errors(each: str, final: Path) -> Iterator[None]:
-    """Make errors say which format could not be written, and where."""
+def _readable_errors(path: Path, each: str = "") -> Iterator[None]:
+    """Make errors say what could not be written, and where."""
     try:
         yield
     except OSError as error:
-        if error.filename:
-            raise
-        raise OSError(error.errno, error.strerror, str(final)) from error
+        raise OSError(error.errno, error.strerror, error.filename or str(path)) from error
     except DimpleError as error:
+        if not each:
+            raise
         raise DimpleError("{label}: {error}", label=FORMATS[each].label, error=error) from error

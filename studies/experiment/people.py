@@ -1,7 +1,7 @@
 """`dev.py core experiment`: plans for the sensory comparison of chapter 5, simulated participants, and the analysis.
 
-Participants who are simulated go through the whole experiment: plan, order, staircases, answers, log, fit. Nothing here
-stands for a person.
+Participants who are simulated go through the whole experiment: plan, order, answers, log, fit. Nothing here stands
+for a person.
 """
 
 from __future__ import annotations
@@ -194,5 +194,5 @@ def _draw_pairs(axes, pairs: Sequence[Pairs]) -> None:  # type: ignore[no-untype
         axis.axvspan(low, high, color="tab:blue", alpha=0.2, lw=0)
         axis.axvline(mean, color="tab:blue")
         of = f"{len(fitted)} of {len(pairs)} participants; group in blue"
-        axis.set(xlabel=f"{label} (times the standard)", title=of)
+        axis.set(xlabel=f"{label} (share of the standard)", title=of)
         axis.set_yticks(range(len(fitted)), [each.participant for each in fitted])

@@ -10,7 +10,7 @@ import random
 from collections.abc import Sequence
 from typing import Any, Final
 
-KINDS: Final = ("rating", "pairs", "staircase")
+KINDS: Final = ("rating", "pairs")
 PAPER: Final = ("object_1_nylon_air", "object_2_vinyl_air", "object_3_vinyl_water")
 CONSENT: Final = (
     "You will press soft objects and say how they feel. A haptic device may push your fingers with up to 10 N; it does "
@@ -20,14 +20,11 @@ CONSENT: Final = (
 INSTRUCTION: Final = "Press each object several times with one finger, gently, as you would test a fruit. Then answer."
 STEPS: Final = ("Different", "Slightly Alike", "Alike", "The Same")  # ours: the paper names none of its four
 LEVELS: Final = (0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)  # two or three just-noticeable differences to either side
-LADDER: Final = tuple(round(1.05**k, 4) for k in range(-12, 10))  # steps of half a just-noticeable difference
 EASY: Final = (0.55, 1.55)  # levels that everybody tells from 1
 FOIL: Final = 0.6  # of the level: a twin that is too soft
 ROUNDS: Final = 4  # of the ratings
 REPEATS: Final = 20  # of each level
 BLOCK_S: Final = 60.0  # [s] rest between two blocks
-TRIALS: Final = 80  # of a staircase
-BESIDE: Final = (-3, -2, 0, 0, 2, 3)  # steps of the ladder
 Trials = list[dict[str, Any]]
 
 
@@ -53,8 +50,8 @@ def make(
         if kind == "rating":
             people[code] = _ratings(list(labels), i, dice)
         else:
-            people[code] = (_pairs if kind == "pairs" else _staircase)({"real": "A"} if real else {"object": "S"}, dice)
-    plan: dict[str, Any] = {
+            people[code] = _pairs({"real": "A"} if real else {"object": "S"}, dice)
+    return {
         "consent": CONSENT, "instruction": INSTRUCTION,
         "question": "How like the real object is the virtual one?" if kind == "rating" else "Which was stiffer?",
         "answers": list(STEPS) if kind == "rating" else ["First", "Second"],
@@ -62,9 +59,6 @@ def make(
         "made": {"kind": "rating" if kind == "rating" else "pair", "seed": seed, "standard": "S"},
         "participants": people,
     }  # fmt: skip
-    if kind == "staircase":
-        plan |= {"ladder": [*LADDER], "tracks": {"above": len(LADDER) - 2, "below": 1}}
-    return plan
 
 
 def _ratings(labels: list[str], row: int, dice: random.Random) -> Trials:
@@ -119,22 +113,4 @@ def _pairs(standard: dict[str, Any], dice: random.Random) -> Trials:
         elif number:
             block[0]["rest_s"] = BLOCK_S
         trials += block
-    return trials
-
-
-def _staircase(standard: dict[str, Any], dice: random.Random) -> Trials:
-    """Return two staircases, from above and from below, interleaved at random so that nobody can count steps."""
-    trials = [_easy(standard, dice, catch=False) for _ in range(4)]
-    tracks = ["above", "below"] * (TRIALS // 2)
-    dice.shuffle(tracks)
-    firsts = {track: [True, False] * (TRIALS // 4) for track in ("above", "below")}
-    for each in firsts.values():
-        dice.shuffle(each)
-    for number, track in enumerate(tracks):
-        beside = dice.choice(BESIDE) if number >= TRIALS // 4 else 0  # once the staircases have come near
-        trial = _pair({"object": "A", "track": track, "beside": beside}, standard, firsts[track].pop())
-        if number and number % 20 == 0:
-            trial["rest_s"] = BLOCK_S
-            trials.append(_easy(standard, dice, catch=True))
-        trials.append(trial)
     return trials

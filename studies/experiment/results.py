@@ -105,8 +105,8 @@ class Ratings:
         """Return why the ratings say nothing, "" where they do."""
         if len({each for some in self.answers.values() for each in some}) == 1:
             return "all answers are alike"
-        if 2 * self.catch[0] < self.catch[1]:
-            return "most catch trials are wrong"
+        if 2 * self.catch[0] <= self.catch[1] > 0:  # someone who guesses gets half of them right
+            return "half of the catch trials or more are wrong"
         return ""
 
     def sentence(self) -> str:

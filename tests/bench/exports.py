@@ -83,7 +83,7 @@ def estimated(kind: str) -> float:
     """Return the size [bytes] that the export dialog says."""
     plans = importlib.import_module("bl_ext.user_default.dimple.operators.export.export_plan")
     plan = plans.ExportPlan(objects=[bpy.context.object], formats=[kind], folder=Path(), first=1, last=FRAMES)
-    return plans.estimate(bpy.context, plan)
+    return plans.estimate(plan, [plans.size_of(bpy.context, bpy.context.object, plan)])
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""The sensory comparison without Blender: plans, staircases, what counts as felt, and files that lose nothing."""
+"""The sensory comparison without Blender: plans, what counts as felt, and files that lose nothing."""
 
 import csv
 import json
@@ -94,26 +94,13 @@ def test_every_level_comes_as_often_first_as_second(pairs: Plan) -> None:
      ("objects", {"S": 5}), ("participants", []), ("participants", {"P 1": []}), ("consent", None),
      ("participants", {"P1": [{"show": []}]}), ("participants", {"P1": [{"show": [{"object": "Z"}]}]}),
      ("participants", {"P1": [{"show": [{"object": "A", "real": "A"}]}]}),
-     ("participants", {"P1": [{"show": [{"object": "A", "track": "none"}] * 2}]}), ("tracks", {"above": 1})],
+     ("tracks", {"above": 1})],
 )  # fmt: skip
 def test_an_entry_that_cannot_be_is_refused_by_its_name(tmp_path: Path, entry: str, value: Any) -> None:
     path = tmp_path / "plan.json"
     path.write_text(json.dumps({**make("pairs", participants=1), entry: value}))
     with pytest.raises(DimpleError, match=f"wrong or missing entry: {entry}"):
         read_plan(path)
-
-
-def test_a_staircase_goes_round_the_point_of_equality(tmp_path: Path) -> None:
-    plan, dice, levels = planned(tmp_path, "staircase", participants=1), random.Random(1), []
-
-    def judge(plan: Plan, trial: Any) -> int:
-        felt = [1.1 if each.object == "S" else each.level for each in trial.show]
-        levels.extend(each.level for each in trial.show if each.track)
-        return 1 if felt[0] + dice.gauss(0, 0.15) > felt[1] else 2
-
-    take_part(plan, "P01", tmp_path / "a.csv", judge)
-    assert len(levels) == 80 and sum(levels[30:]) / 50 == pytest.approx(1.1, abs=0.06)
-    assert min(levels[:2]) < 0.7 and max(levels[:4]) > 1.4, "they begin far above and far below"
 
 
 # what counts as felt

@@ -61,7 +61,8 @@ def test_ratings_are_counted_for_twins_and_foils_apart(tmp_path: Path) -> None:
     _, ratings = taken_part(tmp_path, "rating", MANNERS)
     said = dict(zip(MANNERS, ratings, strict=True))
     assert said["good"].told > 0.6 and not said["good"].refused
-    assert said["swapped"].refused == "most catch trials are wrong" and "alike" in said["one button"].refused
+    assert all("catch trials" in said[manner].refused for manner in ("swapped", "guessing"))
+    assert "all answers are alike" in said["one button"].refused
     assert all(len(answers) == 4 for key, answers in said["good"].answers.items() if key[0] == key[1] and key[2] == 1)
 
 

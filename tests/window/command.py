@@ -17,7 +17,7 @@ BAKE = "--command dimple bake /mnt/blend"
 CALLS = {
     "bakes": (f"{BAKE} --frames 1-6 --format pc2,glb --out /mnt/out/baked", 0),
     "bakes a part, as a Flamenco worker calls it": (
-        f"-b -y {BAKE} --object=Suzanne --frames=3-6 --begin=1 --format=pc2 --out=/mnt/out/part", 0
+        f"-b -y {BAKE} --object=Suzanne --frames=3-6 --format=pc2 --out=/mnt/out/part", 0
     ),
     "refuses to replace files": (f"{BAKE} --frames 1-6 --format pc2 --out /mnt/out/baked", 1),
     "says that an object is not there": (f"{BAKE} --object Nobody --format pc2 --out /mnt/out/none", 1),

@@ -19,9 +19,6 @@ const JOB_TYPE = {
           eval: "f'{C.scene.frame_start}-{C.scene.frame_end}'",
           evalInfo: { showLinkButton: true, description: "Scene frame range" },
           description: "First and last frame, for example '1-250'" },
-        { key: "chunk_size", type: "int32", default: 0, visible: "submission",
-          description: "Frames of a task; 0 is all. Each task simulates from the first frame on, so this only helps "
-                     + "where writing takes longer than simulating" },
         { key: "formats", type: "string", required: true, default: "abc",
           description: "abc, usd, glb, fbx, pc2 or vat, separated by commas" },
         { key: "output", type: "string", subtype: "dir_path", required: true,
@@ -33,18 +30,13 @@ const JOB_TYPE = {
 };
 
 function compileJob(job) {
-    const settings = job.settings;
-    for (const names of objectNames(settings.objects)) {
-        for (const [first, last] of chunks(settings.frames, settings.chunk_size)) {
-            job.addTask(bakeTask(settings, names, first, last));
-        }
+    for (const names of objectNames(job.settings.objects)) {
+        job.addTask(bakeTask(job.settings, names));
     }
 }
 
-function bakeTask(settings, names, first, last) {
-    const [begin, end] = frameRange(settings.frames);
-    const whole = first === begin && last === end;
-    const task = author.Task(`bake-${names.join("-")}-${first}-${last}`, "blender");
+function bakeTask(settings, names) {
+    const task = author.Task(`bake-${names.join("-")}`, "blender");
     task.addCommand(author.Command("blender-render", {
         exe: "{blender}",
         exeArgs: "{blenderArgs}",
@@ -54,10 +46,9 @@ function bakeTask(settings, names, first, last) {
         args: [
             // with "=", so that no name is taken for an option
             ...names.map((name) => `--object=${name}`),
-            `--frames=${first}-${last}`,
-            `--begin=${begin}`,
+            `--frames=${settings.frames}`,
             `--format=${settings.formats}`,
-            `--out=${whole ? settings.output : `${settings.output}/${first}-${last}`}`,
+            `--out=${settings.output}`,
         ].concat(settings.overwrite ? ["--overwrite"] : []),
     }));
     return task;
@@ -72,24 +63,4 @@ function objectNames(text) {
         throw "There is no Dimple body: switch Physics > Dimple on for the objects to bake.";
     }
     return groups;
-}
-
-function frameRange(text) {
-    const found = /^\s*(-?\d+)\s*-\s*(-?\d+)\s*$/.exec(text);
-    if (!found || Number(found[2]) < Number(found[1])) {
-        throw `"${text}" is no range of frames such as 1-250.`;
-    }
-    return [Number(found[1]), Number(found[2])];
-}
-
-function chunks(text, size) {
-    const [begin, end] = frameRange(text);
-    if (!(size > 0)) {
-        return [[begin, end]];
-    }
-    const found = [];
-    for (let first = begin; first <= end; first += size) {
-        found.push([first, Math.min(first + size - 1, end)]);
-    }
-    return found;
 }

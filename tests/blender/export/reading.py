@@ -130,3 +130,19 @@ def earlier(folder: Path) -> dict[str, bytes]:
             (folder / f"Ball{ending}").mkdir()
             (folder / f"Ball{ending}" / "earlier").write_text(f"an earlier {ending}")
     return contents(folder)
+
+
+def is_whole(path: Path) -> bool:
+    """Return whether a file is complete by its own header."""
+    if not path.is_file():
+        return False
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        head = file.read(4096)
+    if path.suffix == ".abc":  # set when an Ogawa archive is closed
+        return head[:6] == b"Ogawa\xff"
+    if path.suffix == ".usdc":  # the table of contents is written last
+        return len(head) >= 24 and 24 <= int.from_bytes(head[16:24], "little") < size
+    if path.suffix == ".glb":
+        return int.from_bytes(head[8:12], "little") == size
+    return size > 0

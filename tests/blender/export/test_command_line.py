@@ -9,10 +9,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import numpy as np
 import pytest
 
-from tests.point_cache import read_point_cache
 from tools.environment import ROOT
 
 
@@ -42,7 +40,7 @@ def command(bpy: ModuleType, capfd: pytest.CaptureFixture[str]) -> Callable[...,
 
 def test_it_writes_every_format_and_says_so(command: Any, blend: Path, tmp_path: Path) -> None:
     out, summary = tmp_path / "new folder" / "out", tmp_path / "summary.json"
-    code, said = command(blend, "--out", out, "--format", "abc,usd,glb,pc2", "--json", summary, "--quiet")
+    code, said = command(blend, "--out", out, "--format", "abc,usd,glb,pc2", "--json", summary)
     assert code == 0 and said["ok"] and said["error"] is None
     assert said["objects"] == ["Ball"] and said["frames"] == [2, 5], "the bodies and frames of the scene"
     assert {Path(path).name for path in said["written"]} == {path.name for path in out.iterdir()}
@@ -51,25 +49,12 @@ def test_it_writes_every_format_and_says_so(command: Any, blend: Path, tmp_path:
     assert json.loads(summary.read_text()) == said
 
 
-def test_a_part_of_the_frames_is_the_part_of_the_whole(command: Any, blend: Path, tmp_path: Path) -> None:
-    command(blend, "--out", tmp_path / "whole", "--format", "pc2", "--frames", "1-9")
-    code, _ = command(
-        blend, "--out", tmp_path / "part", "--format", "pc2", "--frames", "6-9", "--begin", "1", "--object", "Ball"
-    )
-    assert code == 0
-    start, _, part = read_point_cache(tmp_path / "part" / "Ball.pc2")
-    _, _, whole = read_point_cache(tmp_path / "whole" / "Ball.pc2")
-    assert start == 6 and np.array_equal(part, whole[5:]) and np.abs(part[0] - whole[0]).max() > 0.01
-    assert (tmp_path / "part" / "Ball.csv").read_text().splitlines()[1].startswith("6,")
-
-
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
         (["--object", "Cube"], 'The scene has no object "Cube". Its Dimple bodies: Ball.'),
         (["--object", "Table"], '"Table" has no faces'),
         (["--frames", "9-3"], "must not come before the first"),
-        (["--frames", "3-9", "--begin", "5"], "begins at frame 5, after the first"),
     ],
 )
 def test_what_cannot_be_done_is_said_with_exit_code_1(

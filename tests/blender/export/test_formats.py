@@ -77,7 +77,7 @@ def test_blender_reads_the_alembic_as_it_was(bpy: ModuleType, exported: Exported
 def test_blender_reads_the_fbx_as_it_was(bpy: ModuleType, exported: Exported) -> None:
     path = str(exported.folder / "Cushion.fbx")
     obj = imported(bpy, lambda: bpy.ops.import_scene.fbx(filepath=path, anim_offset=0.0))
-    found = seen(bpy, obj, range(FIRST, LAST + 1))
+    found = seen(bpy, obj, range(LAST - FIRST + 1))
     assert worst(found, exported.world) <= FINEST * exported.world_size
     assert faces(obj) == (exported.corners.tolist(), exported.counts.tolist())
 
@@ -97,18 +97,13 @@ def test_blenders_mesh_cache_plays_the_point_cache(bpy: ModuleType, exported: Ex
 
 
 def test_the_json_says_what_the_files_are(exported: Exported) -> None:
-    import hashlib
-
     said = json.loads((exported.folder / "Cushion.json").read_text())
-    assert said["frames"] == [FIRST, LAST] and said["frame_rate"] == FPS and said["seeds"] == []
-    assert said["vertices"] == exported.local.shape[1]
+    assert said["frames"] == [FIRST, LAST] and said["frame_rate"] == FPS
     assert said["metres_per_scene_unit"] == pytest.approx(0.165 / exported.world_size, rel=0.2)
     for name in ("Cushion.abc", "Cushion.glb", "Cushion.fbx", "Cushion.pc2"):
-        data = (exported.folder / name).read_bytes()
-        file = said["files"][name]
-        assert file["bytes"] == len(data) and file["sha256"] == hashlib.sha256(data).hexdigest()
+        assert said["files"][name]["vertices"] == exported.local.shape[1]
     assert {"Cushion_usd", "Cushion_vat"} < set(said["files"])
     starts = {file["format"]: file["time_0_is_frame"] for file in said["files"].values()}
-    assert starts["glTF"] == FIRST and starts["FBX"] == starts["USD"] == 0
+    assert starts["glTF"] == starts["FBX"] == FIRST and starts["Alembic"] == starts["USD"] == 0
     rows = (exported.folder / "Cushion.csv").read_text().splitlines()
     assert len(rows) == 1 + LAST - FIRST + 1 and rows[1].startswith(f"{FIRST},")

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from tests.blender.export.reading import contents, earlier
+from tests.blender.export.reading import contents, earlier, is_whole
 from tests.point_cache import read_point_cache
 from tools.environment import ROOT
 
@@ -51,8 +51,6 @@ def killed_at(share: float, blend: Path, out: Path) -> bool:
 def test_an_export_that_is_killed_leaves_whole_files_or_those_from_before(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, count: int
 ) -> None:
-    from bl_ext.user_default.dimple.operators.export import formats
-
     obj, out, chance = pressed(), tmp_path / "out", random.Random(14)
     obj.dimple.enabled = True
     blend = tmp_path / "press.blend"
@@ -72,7 +70,7 @@ def test_an_export_that_is_killed_leaves_whole_files_or_those_from_before(
             elif path.suffix == ".csv":
                 assert len(path.read_text().splitlines()) == 13
             else:
-                assert formats.is_whole(path)
+                assert is_whole(path)
     assert at_work > count / 2, "the others were done before"
 
 

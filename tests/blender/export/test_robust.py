@@ -1,7 +1,7 @@
 """Whatever happens to an export, nothing is lost that was there, and no half file stands under a final name."""
 
 import json
-import os
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
@@ -44,45 +44,27 @@ def test_a_disk_that_fills_costs_nothing_that_was_there(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], coordinates: Bits, tmp_path: Path, kind: str,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The simulation fits on the disk; what is made of it does not, and only sometimes is that known before."""
+    """What is seen fits on the disk; what is made of it does not, and only sometimes is that known before."""
     from bl_ext.user_default.dimple.operators.export import export_plan
 
     if kind != "ALEMBIC":  # it would end Blender
-        monkeypatch.setattr(export_plan, "reserve", lambda *_: None)
+        monkeypatch.setattr(export_plan, "check_space", lambda *_: None)
     obj = pressed()
     bpy.ops.dimple.bake(frame_start=1, frame_end=6)
     before, bits, meshes = earlier(tmp_path / "out"), coordinates(obj), len(bpy.data.meshes)
-    table = next(Path(scene.dimple.cache_dir).glob("*.csv")).stat().st_size
-    with full_after(table if table < 1500 else 1500), pytest.raises(RuntimeError) as refused:
+    room = 1500 if kind == "PC2" else 32 + 6 * 42 * 12  # what is seen fits, and the file of the format does not
+    with full_after(room), pytest.raises(RuntimeError) as refused:
         bpy.ops.dimple.export_animation(
             directory=str(tmp_path / "out"), formats={kind}, frame_start=1, frame_end=6, overwrite=True
         )
     (sentence,) = str(refused.value).strip().splitlines()
-    assert ("File too large" in sentence or "could not finish" in sentence) and str(tmp_path) in sentence
+    said = {"ALEMBIC": "has 0.0 MB left"}.get(kind, "File too large|could not finish")
+    assert re.search(said, sentence) and str(tmp_path) in sentence
     now = contents(tmp_path / "out")
     assert now.keys() == before.keys(), "no temporary file is left"
     assert {name for name in now if now[name] != before[name]} <= {"Ball.csv"}, "the table was whole already"
     assert coordinates(obj) == bits and [m.name for m in obj.modifiers] == ["Dimple"]
     assert len(bpy.data.meshes) == meshes and scene.frame_current == 1
-
-
-@pytest.mark.parametrize("kind", EVERY)
-def test_a_file_that_was_cut_short_is_noticed(
-    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, kind: str
-) -> None:
-    """Some of Blender's formats do not notice that the disk is full."""
-    from bl_ext.user_default.dimple.operators.export import formats
-
-    pressed()
-    bpy.ops.dimple.export_animation(directory=str(tmp_path), formats={kind}, frame_start=1, frame_end=3)
-    files = [path for path in tmp_path.rglob("*") if path.suffix in (".abc", ".usdc", ".glb")]
-    assert files or kind in ("FBX", "PC2")
-    for path in files:
-        assert formats.is_whole(path)
-        os.truncate(path, path.stat().st_size - 1)
-        if path.suffix != ".usdc":  # what is last there is its table of contents
-            os.truncate(path, path.stat().st_size // 2)
-        assert not formats.is_whole(path) or path.suffix in (".abc", ".usdc")
 
 
 def test_what_this_blender_cannot_write_is_said_before_anything_is_simulated(
@@ -126,7 +108,7 @@ def test_too_small_a_disk_is_said_before_anything_is_simulated(
 
     pressed()
     monkeypatch.setattr(shutil, "disk_usage", lambda _path: SimpleNamespace(free=1e4))
-    with pytest.raises(RuntimeError, match=r"needs about 0\.\d MB, and .+ has 0\.0 MB left"):
+    with pytest.raises(RuntimeError, match=r"may need 0\.\d MB, and .+ has 0\.0 MB left"):
         bpy.ops.dimple.export_animation(directory=str(tmp_path / "o"), formats={"ALEMBIC"}, frame_start=1, frame_end=90)
     assert contents(tmp_path / "o") == {}
 
@@ -169,7 +151,6 @@ def test_a_cancelled_export_keeps_what_is_finished(
     for _ in begun:
         if any(path.suffix == ".abc" for path in written):
             break
-    next(begun)  # within the texture
     begun.close()
     assert sorted(path.name for path in tmp_path.iterdir() if path.name != "caches") == [
         "Ball.abc", "Ball.csv", "Ball.json", "Ball.pc2",

