@@ -19,7 +19,7 @@ from core.experiment.log import COLUMNS, Log, parsed
 from core.experiment.plan import Plan, read_plan
 from core.experiment.run import Experiment, Interval
 from core.material import PRESETS
-from studies.experiment.people import take_part, written
+from studies.experiment.people import written
 from studies.experiment.plans import KINDS, LEVELS, PAPER, make
 from tools.environment import ROOT
 
