@@ -35,7 +35,7 @@ from .pressure import Pressure
 from .shape_matching import ShapeMatching
 from .springs import Springs
 
-_ALL_PINS = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
+_ALL_PINS = "Every vertex is pinned, so nothing can move. Switch Pinned off, pin fewer vertices or subdivide the mesh."
 SMALL = 1e-3  # [m] a smaller body was most likely modelled in other units
 
 

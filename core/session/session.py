@@ -29,7 +29,7 @@ from .rest_shape import Rest
 from .skin import Pins, Skin
 from .sway import Push, push_of
 
-ANSWERED = 9  # ticks between two looks at a scene: so long a moving shape at rest and what touches it run without an exchange
+ANSWERED = 9  # ticks between two looks at a scene: a moving shape at rest and what touches it exchange no force meanwhile
 CLOSE = 1e-5  # share of the body's size: closer to its shape at rest than this it shows no dent
 
 

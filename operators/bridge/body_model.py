@@ -42,9 +42,9 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
     params, surroundings = body.dimple.to_params(), scene.dimple
     name, said = body.name, advice.on_body(body, mesh, scene, link)
     try:
-        pinned = base_vertices(mesh) if params["pinned"] == "base" else None
-        if params["pinned"] == "group":
-            pinned = _pins(body, params["pin_group"], link, least=0.01 if params["sway"] else 0.5)
+        pinned = base_vertices(mesh) if params["pinned"] == "" else None
+        if params["pinned"]:
+            pinned = _pins(body, params["pinned"], link, least=0.01 if params["sway"] else 0.5)
         materials = [in_trial.get(body.session_uid) or _material(body, slot) for slot in link.slots]
         groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
         maps = {name: _weights(body, group, name, link) for name, group in groups.items() if group}
@@ -85,8 +85,6 @@ def _material(body: bpy.types.Object, slot: int) -> Material:
 
 
 def _pins(body: bpy.types.Object, group: str, link: ObjectLink, *, least: float) -> Floats:
-    if not group:
-        raise DimpleError("it is pinned by a vertex group, but none is chosen. Choose one in Physics > Dimple.")
     weights = _weights(body, group, "pin", link)
     if not (weights >= least).any():
         raise DimpleError(

@@ -90,7 +90,7 @@ CHANGES: dict[str, tuple[Callable[[ModuleType], None], Callable[[Any], bool]]] =
     "thickness map": (of_map("thickness"), lambda model: np.ptp(model.maps.thicker) > 0.1),
     "gravity": (of_scene("use_gravity"), lambda model: model.gravity[2] < -9),
     "ground": (of_scene("use_ground"), lambda model: model.ground is not None),
-    "pins": (of_body("pinned", "NONE"), lambda model: not model.pinned.any()),
+    "pins": (of_body("pinned", False), lambda model: not model.pinned.any()),
     "size": (of_body("size_mm", 330.0), lambda model: model.mesh.size > 0.32),
 }
 
