@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.body.model import Model
-from core.fields import stored
+from studies.reference.energy import stored
 from studies.reference.laws import State
 
 from .motion import move

@@ -97,19 +97,6 @@ def fit_pose(rest: Floats, x: Floats, weight: Floats, pull: Floats | None = None
     return rotation, c1 - rotation @ c0
 
 
-def pose_of(law: ShapeMatching, x: Floats, pose: Pose | None) -> Pose:
-    """Return the pose of the shape at rest: the given one, or the best fit to x."""
-    return fit_pose(law.rest, x, law.k1, law.pull) if pose is None else pose
-
-
-def energy(law: ShapeMatching, x: Floats, pose: Pose | None = None) -> float:
-    """Return the energy [J] at positions (3, n)."""
-    u = displacements(law, x, pose_of(law, x, pose))
-    d, (i, j) = np.linalg.norm(u, axis=0), law.pairs.T
-    bed = float((law.k1 * d**2 + (law.k2 - law.k1) * np.maximum(d - law.d0, 0) ** 2).sum())
-    return (bed + float(law.tension @ ((u[:, i] - u[:, j]) ** 2).sum(axis=0))) / 2
-
-
 def force(law: ShapeMatching, x: Floats, pose: Pose) -> Floats:
     """Return the forces (3, n) [N], without damping, at positions (3, n) [m] and a pose of the shape at rest."""
     u = displacements(law, x, pose)

@@ -84,7 +84,6 @@ class Skin:
         self._yields = model.compliance > 0
         self._yields_somewhere = bool(self._yields.any())
         self._unwelded = len(self._source) == len(model.mass) and bool((self._source[1:] > self._source[:-1]).all())
-        self.laid: Floats | None = None  # (3, n) [m] if the body lies on its shape at rest, and is not stepped
         self.reset()
 
     def of_mesh(self, values: Floats) -> Floats:
@@ -112,8 +111,8 @@ class Skin:
 
     def surface(self, body: Body) -> Floats | Singles:
         """Return the positions of the vertices (n, 3) [m] of the mesh."""
-        if self.laid is not None:
-            return self.laid.T
+        if self._rest.carries:
+            return self._rest.whole.T
         x = body.positions()
         if self._proxy is None:
             return x.T

@@ -41,7 +41,7 @@ def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
         "frame_rate": render.fps / render.fps_base,
         "metres_per_scene_unit": scene_objects.scale_and_top(context, obj)[0],
         "scene_unit_scale": context.scene.unit_settings.scale_length,
-        "table_units": "force N, depth mm, pressure Pa, volume m3, work and energy J, time s",
+        "table_units": "force N, depth mm, pressure Pa, volume m3, work J, time s",
         "error_unit": "of the object's own coordinates",
         "seeds": [],  # nothing is random: the same file gives the same bytes
         "simulation": clip.simulated or "a bake or recording made before this export",

@@ -95,3 +95,18 @@ def test_a_profile_is_as_deep_as_the_dent_and_flat_far_from_it() -> None:
     assert 0.8 < depth.max() / session.frame.depths[0] < 1.02
     assert abs(distance[depth.argmax()]) < 0.3 * TIP
     assert np.abs(depth[np.abs(distance) > 0.07]).max() < 0.1 * depth.max()
+
+
+@pytest.mark.parametrize("vertices", [0, 300])
+def test_a_body_that_lies_in_the_pose_of_its_rig_shows_no_depth_no_stretch_and_no_pressure(vertices: int) -> None:
+    mesh = mesh_from_triangles(*ball(3, RADIUS))
+    model = build_model(mesh, [VINYL], rigged=True)
+    session = Session(model, proxy=build_proxy(model, vertices) if vertices else None)
+    bent = session.positions().astype(np.float64) * (1.0, 1.0, 1.3) + (0.1, 0.0, 0.0)
+    for _ in range(150):
+        session.set_rest(bent)
+        session.step(0.01)
+    assert np.abs(fields.at_rest(session) - bent[mesh.source]).max() < 1e-6 * RADIUS
+    assert np.abs(fields.field(session, "depth")).max() < 0.1
+    assert np.abs(fields.field(session, "stretch")).max() < 0.5
+    assert fields.pressure(session).max() < 100.0
