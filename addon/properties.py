@@ -53,7 +53,6 @@ _FIELDS = (
     ("SLOPE", "Slope K1", "How hard the first millimetres are, painted softness included (N/mm)"),
     ("KNEE", "Knee x0", "How deep the soft part reaches, painted knee included (mm)"),
     ("SPREAD", "Spread", "How far a dent reaches beyond the fingertip, painted spread included (mm)"),
-    ("THICKNESS", "Thickness", "How thick the surface is, painted thickness included; 100 is as measured (%)"),
 )
 
 
@@ -83,7 +82,6 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
     softness_group: _map(0)
     knee_group: _map(1)
     spread_group: _map(2)
-    thickness_group: _map(3)
     presses: PointerProperty(
         name="Presses",
         description="The body that this fingertip was made for. While the fingertip is active, Bake and Export take "

@@ -15,8 +15,7 @@ from .reduction.binding import blend
 from .reduction.cells import vertex_normals
 from .session import Session
 
-UNITS = {"pressure": "kPa", "depth": "mm", "stretch": "%", "slope": "N/mm", "knee": "mm"}
-UNITS |= {"spread": "mm", "thickness": "%"}
+UNITS = {"pressure": "kPa", "depth": "mm", "stretch": "%", "slope": "N/mm", "knee": "mm", "spread": "mm"}
 REACH = 2.5  # [tip radius + spread] half the width of a profile
 
 
@@ -25,8 +24,7 @@ def field(session: Session, name: str) -> Floats:
 
     Args:
         name: "pressure" of the contacts on the area at rest; "depth" below the surface at rest; mean "stretch" of the
-            edges at a vertex; or a constant times its painted map: "slope" (K1), "knee" (x0), "spread", and
-            "thickness" (a factor on the mass).
+            edges at a vertex; or a constant times its painted map: "slope" (K1), "knee" (x0), and "spread".
     """
     if name == "pressure":
         return pressure(session) / 1e3
@@ -35,8 +33,6 @@ def field(session: Session, name: str) -> Floats:
     if name == "stretch":
         return 100 * stretch(session)
     model, maps = session.model, session.model.maps
-    if name == "thickness":
-        return 100 * (maps.thicker if maps else np.ones(len(model.mesh.rest_positions)))
     shown = [
         {"slope": 1e-3 * each.K1, "knee": 1e3 * each.x0, "spread": 1e3 * spread_on(each, model.mesh.size)}[name]
         for each in model.materials

@@ -62,19 +62,18 @@ def test_a_body_that_is_blown_up_by_a_tenth_is_stretched_by_a_tenth() -> None:
 def test_what_is_painted_is_shown_in_the_units_of_the_material() -> None:
     points = ball(3, RADIUS)[0]
     high = (points[:, 2] > 0).astype(float)
-    session = Session(body(softness=high, knee=0.5 * high, spread=0.5 + 0.5 * high, thickness=0.25 + 0.5 * high))
+    session = Session(body(softness=high, knee=0.5 * high, spread=0.5 + 0.5 * high))
     up = session.model.mesh.rest_positions[:, 2] > 1e-9
     np.testing.assert_allclose(fields.field(session, "slope"), np.where(up, 0.61 / 4, 0.61 * 4))
     np.testing.assert_allclose(fields.field(session, "knee"), np.where(up, 16.3, 16.3 * 0.05))
     spread = 1e3 * spread_on(VINYL, 2 * RADIUS)
     np.testing.assert_allclose(fields.field(session, "spread"), np.where(up, 2 * spread, spread), rtol=1e-3)
-    np.testing.assert_allclose(fields.field(session, "thickness"), np.where(up, 150.0, 50.0))
 
 
 def test_where_nothing_is_painted_the_material_is_shown_as_measured() -> None:
     session = Session(body())
     spread = 1e3 * spread_on(VINYL, 2 * RADIUS)
-    for name, value in (("slope", 0.61), ("knee", 16.3), ("spread", spread), ("thickness", 100.0)):
+    for name, value in (("slope", 0.61), ("knee", 16.3), ("spread", spread)):
         np.testing.assert_allclose(fields.field(session, name), value, rtol=1e-3)
 
 
