@@ -94,10 +94,7 @@ class Session:
         Raises:
             DimpleError: another number of vertices, or positions that are not numbers.
         """
-        positions = self._of_mesh(positions)
-        if not np.isfinite(positions[self._pins.followed]).all():
-            raise DimpleError("A pinned vertex has a position that is not a number.")
-        self._pins.target = positions.T
+        self._pins.target = self._of_mesh(positions).T
 
     def set_rest(self, positions: Floats) -> None:
         """Set the shape at rest of the input vertices (N, 3) [m] at the end of the next step, as a rig bends it.
@@ -107,10 +104,7 @@ class Session:
         Raises:
             DimpleError: another number of vertices, or positions that are not numbers.
         """
-        positions = self._of_mesh(positions)
-        if not np.isfinite(positions).all():
-            raise DimpleError("The shape at rest has a position that is not a number.")
-        self._rest.target = positions.T
+        self._rest.target = self._of_mesh(positions).T
 
     def _of_mesh(self, positions: Floats) -> Floats:
         """Return the positions of the mesh's vertices (n, 3) from those of the input vertices (N, 3)."""
@@ -119,6 +113,8 @@ class Session:
             raise DimpleError(
                 "The mesh has {vertices} vertices: give a position for each.", vertices=len(self.model.mesh.source)
             )
+        if not np.isfinite(positions).all():
+            raise DimpleError("A vertex has a position that is not a number.")
         return self._skin.of_mesh(positions)
 
     def step(self, dt: float, *, budget: float | None = None) -> Frame:

@@ -24,7 +24,6 @@ from .rest_shape import Rest
 class Pins:
     """Pinned vertices of a mesh, during a step: they move evenly from its start to its end.
 
-    followed: the vertices of the mesh whose positions are prescribed.
     origin: positions that all vertices (3, n) [m] would have at the start if they were pinned,
     target: and at the end, None if the pins rest.
     """
@@ -32,7 +31,6 @@ class Pins:
     def __init__(self, model: Model, proxy: Proxy | None) -> None:
         self._pinned = np.flatnonzero(model.pinned) if proxy is None else proxy.seeds[proxy.model.pinned]
         self._still = proxy.still if proxy else self._pinned[:0]
-        self.followed = np.union1d(self._pinned, self._still) if proxy else self._pinned
         self.rest_at(model.matching.rest)
 
     def rest_at(self, positions: Floats) -> None:
