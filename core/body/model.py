@@ -28,11 +28,11 @@ from ..material import Material
 from ..mesh.surface import Mesh, spans_a_plane
 from ..messages import Message
 from ..other_tip import layer
-from . import pressure, shape_matching, springs, stability_bound
+from . import pressure, springs, stability_bound
 from .maps import Maps, painted
 from .on_mesh import constants_on, mass_on
 from .pressure import Pressure
-from .shape_matching import ShapeMatching
+from .shape_matching import ShapeMatching, tension_force
 from .springs import Springs
 
 _ALL_PINS = "Every vertex is pinned, so nothing can move. Switch Pinned off, pin fewer vertices or subdivide the mesh."
@@ -218,9 +218,6 @@ def assemble(
         rest_pressure: gauge pressure of the fill in the shape at rest [Pa].
     """
     n, ends = len(mass), mesh.springs
-    shape = shape_matching.build_shape_matching(
-        mesh, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, tension=tension
-    )
     met = 2 * sums_at(ends.ravel(), np.repeat(tension, 2), n) + np.maximum(k1, k2)
     mass = _even_out(mass, 2 * sums_at(ends.ravel(), np.repeat(stiffness, 2), n) + met, ~mesh.loose)
     i, j = ends.T
@@ -228,10 +225,12 @@ def assemble(
     dashpots = 2 * mean_of_pairs(damping, ends) * np.sqrt(stiffness * reduced)
     inverse_mass = np.where(pinned, 0.0, 1 / mass)
 
-    membrane = springs.build_springs(mesh, stiffness, dashpots)
-    shape = replace(
-        shape, damping=2 * damping * np.sqrt(k1 * mass), mass=np.where(mesh.loose, EXACT * mass, mass)
-    )
+    membrane, rest = springs.build_springs(mesh, stiffness, dashpots), np.array(mesh.rest_positions.T, order="C")
+    shape = ShapeMatching(
+        rest=rest, k1=k1, k2=k2, d0=d0, damping=2 * damping * np.sqrt(k1 * mass),
+        mass=np.where(mesh.loose, EXACT * mass, mass), pairs=ends, tension=tension,
+        pull=tension_force(ends, tension, rest),
+    )  # fmt: skip
     inside = pressure.build_pressure(mesh, fill, rest_pressure)
     return Model(
         mesh=mesh, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, pinned=pinned,

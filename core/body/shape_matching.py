@@ -24,7 +24,6 @@ import numpy as np
 
 from ..base import Floats, Ints, sums_at
 from ..constants import TINY
-from ..mesh.surface import Mesh
 
 Pose = tuple[Floats, Floats]  # rotation (3, 3), translation (3,)
 
@@ -52,24 +51,6 @@ class ShapeMatching:
     pairs: Ints
     tension: Floats
     pull: Floats
-
-
-def build_shape_matching(
-    mesh: Mesh,
-    *,
-    k1: Floats,
-    k2: Floats,
-    d0: Floats,
-    damping: Floats,
-    mass: Floats,
-    tension: Floats,
-) -> ShapeMatching:
-    """Build the shape matching of a mesh; the arguments are the fields of ShapeMatching."""
-    x = np.array(mesh.rest_positions.T, order="C")
-    return ShapeMatching(
-        rest=x, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, pairs=mesh.springs, tension=tension,
-        pull=tension_force(mesh.springs, tension, x),
-    )  # fmt: skip
 
 
 def tension_force(pairs: Ints, tension: Floats, u: Floats) -> Floats:

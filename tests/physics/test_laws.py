@@ -61,9 +61,11 @@ def fill(kind: str, rest_pressure: float = 0.0) -> Callable[[Mesh, np.random.Gen
 def shape_matching_law(mesh: Mesh, rng: np.random.Generator, knee: float) -> shape_matching.ShapeMatching:
     n = len(mesh.rest_positions)
     k1 = rng.uniform(1, 5, n)
-    return shape_matching.build_shape_matching(
-        mesh, k1=k1, k2=k1 * rng.uniform(0.5, 8, n), d0=np.full(n, knee), damping=rng.uniform(0, 1, n),
-        mass=rng.uniform(0.1, 1, n), tension=rng.uniform(0, 5, len(mesh.springs)),
+    rest, tension = np.array(mesh.rest_positions.T, order="C"), rng.uniform(0, 5, len(mesh.springs))
+    return shape_matching.ShapeMatching(
+        rest=rest, k1=k1, k2=k1 * rng.uniform(0.5, 8, n), d0=np.full(n, knee), damping=rng.uniform(0, 1, n),
+        mass=rng.uniform(0.1, 1, n), pairs=mesh.springs, tension=tension,
+        pull=shape_matching.tension_force(mesh.springs, tension, rest),
     )  # fmt: skip
 
 
