@@ -8,7 +8,7 @@ from ..core.messages import Message, read
 from ..operators.press.sessions import sessions
 from .material_choice import draw_choice
 from .my_materials import DIMPLE_PT_material_presets
-from .panel_parts import MaterialPanel, SidebarPanel, draw_notes, shown_if
+from .panel_parts import MaterialPanel, SidebarPanel, draw_notes, draw_pins, shown_if
 
 
 def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
@@ -58,10 +58,11 @@ def draw_constants(context: bpy.types.Context, layout: bpy.types.UILayout, setti
 
 
 def draw_sway(context: bpy.types.Context, layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
-    """Draw the sway settings of a body."""
+    """Draw what holds a body, and how it sways."""
     settings, live = body.dimple, sessions.get(body.session_uid)
     column = layout.column(align=True)
     column.enabled = settings.enabled
+    draw_pins(column, body)
     column.prop(settings, "sway")
     if settings.sway > 0:
         column.prop(settings, "sway_hz")

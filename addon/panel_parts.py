@@ -58,6 +58,13 @@ def draw_prop(
     row.prop(settings, name, slider=slider)
 
 
+def draw_pins(layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
+    """Draw whether a part of a body is held, and by which vertex group: without one, its base."""
+    row, settings = layout.row(heading="Pinned", align=True), body.dimple
+    row.prop(settings, "pinned", text="" if settings.pin_group else "Base")
+    row.prop_search(settings, "pin_group", body, "vertex_groups", text="")
+
+
 def draw_linked(
     layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, name: str, link: str, **options: str
 ) -> None:

@@ -4,7 +4,7 @@ import bpy
 
 from ..core.messages import read
 from ..operators.names import MAPS, Op
-from .panel_parts import draw_notes, draw_prop, shown_if
+from .panel_parts import draw_notes, draw_pins, draw_prop, shown_if
 
 
 class PhysicsPanel:
@@ -34,10 +34,7 @@ class DIMPLE_PT_body(PhysicsPanel, bpy.types.Panel):
             draw_notes(context, layout, ["Dimple presses meshes. Make Soft converts this object to one."])
         layout = layout.column()
         layout.enabled = body.type == "MESH" and settings.enabled
-        layout.prop(settings, "pinned")
-        row = layout.row()
-        row.active = settings.pinned == "GROUP"
-        row.prop_search(settings, "pin_group", body, "vertex_groups")
+        draw_pins(layout, body)
         column = layout.column(align=True)
         for name, _, _ in MAPS:
             column.prop_search(settings, f"{name}_group", body, "vertex_groups")

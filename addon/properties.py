@@ -25,14 +25,6 @@ from .material_choice import MaterialChoice
 from .material_settings import DIMPLE_PG_material
 from .object_settings import FIXED, KEYED, ContactSettings, ReductionSettings, exact, kept_text, switch
 
-_PINNED = (
-    ("BASE", "Base", "Pin the lowest tenth of the body, or the border of a flat sheet"),
-    (
-        "GROUP", "Vertex Group",
-        "Pin the vertices whose weight in the pin group is 0.5 or more; with Sway, each as firmly as its weight",
-    ),
-    ("NONE", "None", "Pin nothing: the body can be pushed away, fall and roll"),
-)
 _SIZE_MODES = (
     ("REAL", "As Modeled", "Press the body at its size in the scene"),
     ("CUSTOM", "Custom Size", "Press the body as a real object of the size that you enter, whatever its size in the "
@@ -61,7 +53,6 @@ _FIELDS = (
     ("SLOPE", "Slope K1", "How hard the first millimetres are, painted softness included (N/mm)"),
     ("KNEE", "Knee x0", "How deep the soft part reaches, painted knee included (mm)"),
     ("SPREAD", "Spread", "How far a dent reaches beyond the fingertip, painted spread included (mm)"),
-    ("THICKNESS", "Thickness", "How thick the surface is, painted thickness included; 100 is as measured (%)"),
 )
 
 
@@ -78,18 +69,19 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
     """The settings that make an object a soft body."""
 
     enabled: switch("Dimple", "Make this mesh a soft body that can be pressed")
-    pinned: EnumProperty(
-        name="Pinned", description="Hold a part of the body in place, so that the rest gives way", items=_PINNED,
-        **KEYED,
+    pinned: switch(
+        "Pinned", "Hold a part of the body in place, so that the rest gives way. Otherwise it can be pushed away, fall "
+        "and roll", on=True, options=KEYED,
     )  # fmt: skip
     pin_group: StringProperty(
-        name="Pin Group", description="Vertex group that holds the body in place, where its weight is 0.5 or more",
+        name="Pin Group",
+        description="Vertex group that is held: where its weight is 0.5 or more, or with Sway as firmly as it weighs. "
+        "Empty: the lowest tenth of the body, or the border of a sheet. Make Soft takes a group named Pin",
         **FIXED,
     )  # fmt: skip
     softness_group: _map(0)
     knee_group: _map(1)
     spread_group: _map(2)
-    thickness_group: _map(3)
     presses: PointerProperty(
         name="Presses",
         description="The body that this fingertip was made for. While the fingertip is active, Bake and Export take "
@@ -121,12 +113,11 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
     )  # fmt: skip
 
     def to_params(self) -> dict[str, float | str | tuple[float, float, float] | None]:
-        """Return pinned, pin_group, the group of each map, sway (amount, frequency [Hz] and damping; None if the object
-        does not sway) and size (longest side [m]; None for the modelled size).
+        """Return pinned (the pin group, "" for the base, None if nothing is), the group of each map, sway (amount,
+        frequency [Hz] and damping; None if the object does not sway) and size (longest side [m]; None if as modelled).
         """
         return {
-            "pinned": self.pinned.lower(),
-            "pin_group": self.pin_group,
+            "pinned": self.pin_group if self.pinned else None,
             **{f"{name}_group": getattr(self, f"{name}_group") for name, _, _ in MAPS},
             "sway": (self.sway, self.sway_hz, self.sway_damping) if self.sway > 0 else None,
             "size": exact(self.size_mm, -1) if self.size_mode == "CUSTOM" else None,

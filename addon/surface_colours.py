@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 LEGEND = (14.0, 150.0)  # [px] width and height of the colour bar, at a resolution scale of 1
 LEAST = 0.3  # fraction of the scale: if no value reaches it, the scale shrinks
-NOTHING = {"pressure": 0.1, "depth": 0.1, "stretch": 0.1, "slope": 0.01, "knee": 0.1}
-NOTHING |= {"spread": 0.1, "thickness": 1.0}  # smallest ends of the scales
+# smallest ends of the scales
+NOTHING = {"pressure": 0.1, "depth": 0.1, "stretch": 0.1, "slope": 0.01, "knee": 0.1, "spread": 0.1}
 SIGNED = {"stretch"}
 LIFT = 2e-4  # shift towards the viewer in normalized depth, so that the mesh does not hide the colours on it
 SHADE = 0.3  # fraction by which colours darken where the surface is seen edge-on

@@ -59,7 +59,7 @@ def suzanne() -> None:
     back = max(vertex.co.y for vertex in head.data.vertices)
     neck = head.vertex_groups.new(name="Neck")
     neck.add([v.index for v in head.data.vertices if v.co.y > 0.4 * back and v.co.z < 0.15 * back], 1.0, "ADD")
-    head.dimple.pinned, head.dimple.pin_group, head.dimple.enabled = "GROUP", neck.name, True
+    head.dimple.pin_group, head.dimple.enabled = neck.name, True
     head.modifiers.new("Smooth", "SUBSURF").levels = 1
     tip = press_ball(1, FINGERTIP_MM / 1e3)
     hit, place, normal, _ = head.ray_cast(Vector((0.012, -1.0, 0.0655)), Vector((0.0, 1.0, 0.0)))

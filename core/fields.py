@@ -1,4 +1,4 @@
-"""Quantities of a running body that are shown: the surface colours, the profile of a dent, the energy."""
+"""Quantities of a running body that are shown: the surface colours and the profile of a dent."""
 
 from __future__ import annotations
 
@@ -9,14 +9,13 @@ from .body import pressure as fill
 from .body import shape_matching, springs
 from .body.estimate import spread_on
 from .body.model import Model
-from .body.shape_matching import Pose, fit_pose, pose_of
+from .body.shape_matching import Pose, fit_pose
 from .mesh.surface import Mesh
 from .reduction.binding import blend
 from .reduction.cells import vertex_normals
 from .session import Session
 
-UNITS = {"pressure": "kPa", "depth": "mm", "stretch": "%", "slope": "N/mm", "knee": "mm"}
-UNITS |= {"spread": "mm", "thickness": "%"}
+UNITS = {"pressure": "kPa", "depth": "mm", "stretch": "%", "slope": "N/mm", "knee": "mm", "spread": "mm"}
 REACH = 2.5  # [tip radius + spread] half the width of a profile
 
 
@@ -25,18 +24,15 @@ def field(session: Session, name: str) -> Floats:
 
     Args:
         name: "pressure" of the contacts on the area at rest; "depth" below the surface at rest; mean "stretch" of the
-            edges at a vertex; or a constant times its painted map: "slope" (K1), "knee" (x0), "spread", and
-            "thickness" (a factor on the mass).
+            edges at a vertex; or a constant times its painted map: "slope" (K1), "knee" (x0), and "spread".
     """
     if name == "pressure":
         return pressure(session) / 1e3
     if name == "depth":
         return depth(session) * 1e3
     if name == "stretch":
-        return 100 * stretch((session.model if session.proxy else session.bent_model()).mesh, session.skin())
+        return 100 * stretch(session)
     model, maps = session.model, session.model.maps
-    if name == "thickness":
-        return 100 * (maps.thicker if maps else np.ones(len(model.mesh.rest_positions)))
     shown = [
         {"slope": 1e-3 * each.K1, "knee": 1e3 * each.x0, "spread": 1e3 * spread_on(each, model.mesh.size)}[name]
         for each in model.materials
@@ -49,9 +45,8 @@ def field(session: Session, name: str) -> Floats:
 
 def at_rest(session: Session) -> Floats:
     """Return the vertices of the shape at rest (n, 3) [m], moved along with the pins or with a free body."""
-    moves = session.bent_model()
-    rotation, translation = pose_now(moves, session.body.positions())
-    rest: Floats = (session.model if session.proxy else moves).mesh.rest_positions @ rotation.T + translation
+    rotation, translation = pose_now(session.bent_model(), session.body.positions())
+    rest: Floats = session.rest @ rotation.T + translation
     return rest
 
 
@@ -63,12 +58,13 @@ def depth(session: Session) -> Floats:
     return below
 
 
-def stretch(mesh: Mesh, skin: Floats) -> Floats:
-    """Return the mean strain of the edges round each vertex (n,) of a surface at (n, 3) [m]."""
-    i, j = mesh.springs.T
-    strain = np.linalg.norm(skin[i] - skin[j], axis=1) / np.maximum(mesh.rest_lengths, 1e-12) - 1
-    count = np.bincount(mesh.springs.ravel(), minlength=len(skin))
-    return sums_at(mesh.springs.ravel(), np.repeat(strain, 2), len(skin)) / np.maximum(count, 1)
+def stretch(session: Session) -> Floats:
+    """Return the mean strain of the edges round each vertex (n,)."""
+    ends, n = session.model.mesh.springs, len(session.rest)
+    before, now = (np.linalg.norm(x[ends[:, 0]] - x[ends[:, 1]], axis=1) for x in (session.rest, session.skin()))
+    strain = now / np.maximum(before, 1e-12) - 1
+    count = np.bincount(ends.ravel(), minlength=n)
+    return sums_at(ends.ravel(), np.repeat(strain, 2), n) / np.maximum(count, 1)
 
 
 def pressure(session: Session) -> Floats:
@@ -77,7 +73,7 @@ def pressure(session: Session) -> Floats:
     A contact balances the other forces on the vertices that it touches, and these are known. Inertia and damping are
     neglected, so the estimate holds for a body at rest. For a proxy the result is interpolated.
     """
-    model, x = session.body.model, session.body.positions()
+    model, x = session.bent_model(), session.body.positions()
     forces = springs.force(model.springs, x) + fill.force(model.pressure, x) + model.mass * model.gravity[:, None]
     forces += shape_matching.force(model.matching, x, pose_now(model, x))
     outward = (forces.T * vertex_normals(model.mesh.triangles, x.T)).sum(axis=1)
@@ -120,7 +116,7 @@ def profile(session: Session, finger: int) -> tuple[Floats, Floats]:
 def pose_now(model: Model, x: Floats) -> Pose:
     """Return the pose of the shape at rest for positions (3, n) [m] of a model."""
     if model.free:
-        return pose_of(model.matching, x, None)
+        return fit_pose(model.matching.rest, x, model.matching.k1, model.matching.pull)
     if model.rigged:
         return np.eye(3), np.zeros(3)
     pinned = np.flatnonzero(model.pinned & ~model.mesh.loose)
@@ -133,20 +129,3 @@ def _mean_of_materials(mesh: Mesh, values: Floats) -> Floats:
     weighted = np.repeat(values[mesh.triangle_material] * area, 3)
     whole = sums_at(mesh.triangles.ravel(), np.repeat(area, 3), n)
     return sums_at(mesh.triangles.ravel(), weighted, n) / np.maximum(whole, 1e-30)
-
-
-def energies(session: Session) -> tuple[float, float]:
-    """Return the elastic energy [J] of a body (springs, fill, shape matching) and its kinetic energy [J]."""
-    model, x, v = session.bent_model(), session.body.positions(), session.body.velocities()
-    return stored(model, x, None if model.free else pose_now(model, x)), float((v * v).sum(axis=0) @ model.mass) / 2
-
-
-def stored(model: Model, x: Floats, pose: Pose | None) -> float:
-    """Return the elastic energy [J] of a model.
-
-    Args:
-        x: (3, n) positions [m].
-        pose: of the shape at rest if pins hold it, None for a free body.
-    """
-    held = springs.energy(model.springs, x) + fill.energy(model.pressure, x)
-    return held + shape_matching.energy(model.matching, x, pose)

@@ -35,7 +35,6 @@ MAPS = (
     ("softness", "Softness Group", "softness: 0.5 is as measured, 1 four times softer, 0 four times stiffer"),
     ("knee", "Knee Group", "how deep the soft part reaches: 0.5 is x0, 1 twice and 0.25 half of it"),
     ("spread", "Spread Group", "how far a dent reaches: 0.5 is the spread, 1 twice and 0.25 half of it"),
-    ("thickness", "Thickness Group", "how thick the surface is: 0.5 is the mass, 1 twice and 0.25 half of it"),
 )
 PLACES = (
     ("TOP", "Top", "Straight down on the middle"),

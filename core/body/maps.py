@@ -8,7 +8,7 @@ import numpy as np
 
 from ..base import Floats
 
-LEAST = 0.05  # smallest factor, where 0 is painted: a law without a knee or without mass cannot be simulated
+LEAST = 0.05  # smallest factor, where 0 is painted: a law without a knee cannot be simulated
 
 
 class Maps(NamedTuple):
@@ -17,13 +17,11 @@ class Maps(NamedTuple):
     stiffer: on K1, K2 and the tension.
     deeper: on x0.
     wider: on the spread.
-    thicker: on the mass.
     """
 
     stiffer: Floats
     deeper: Floats
     wider: Floats
-    thicker: Floats
 
 
 def stiffness_of(softness: float | Floats) -> Any:
@@ -31,10 +29,10 @@ def stiffness_of(softness: float | Floats) -> Any:
     return 4.0 ** (1 - 2 * softness)
 
 
-def painted(softness: Floats, knee: Floats, spread: Floats, thickness: Floats) -> Maps:
+def painted(softness: Floats, knee: Floats, spread: Floats) -> Maps:
     """Return the factors (n,) for painted values (n,) from 0 to 1, where 0.5 means as measured.
 
     A softness of 1 is four times softer, 0 four times stiffer. The other maps multiply by twice the painted value.
     """
     stiffer = stiffness_of(np.clip(softness, 0, 1))
-    return Maps(stiffer, *(np.clip(2 * values, LEAST, 2) for values in (knee, spread, thickness)))
+    return Maps(stiffer, *(np.clip(2 * values, LEAST, 2) for values in (knee, spread)))

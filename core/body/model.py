@@ -28,14 +28,14 @@ from ..material import Material
 from ..mesh.surface import Mesh, spans_a_plane
 from ..messages import Message
 from ..other_tip import layer
-from . import pressure, shape_matching, springs, stability_bound
+from . import pressure, springs, stability_bound
 from .maps import Maps, painted
 from .on_mesh import constants_on, mass_on
 from .pressure import Pressure
-from .shape_matching import ShapeMatching
+from .shape_matching import ShapeMatching, tension_force
 from .springs import Springs
 
-_ALL_PINS = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
+_ALL_PINS = "Every vertex is pinned, so nothing can move. Switch Pinned off, pin fewer vertices or subdivide the mesh."
 SMALL = 1e-3  # [m] a smaller body was most likely modelled in other units
 
 
@@ -46,7 +46,7 @@ class Sways(NamedTuple):
     frequency: of the first mode [Hz]; 0: follows from the material.
     damping: damping ratio; 1 is critical.
     held: (n,) how firmly each vertex is pinned, 0 to 1.
-    bones: (b, 2, 3) ends of the bones inside the body that hold it [m].
+    bones: (b, 2, 3) ends of the bones inside the body that hold it [m], None without a rig.
     gravity: (3,) under which the modelled shape is at rest [m/s2].
     """
 
@@ -54,7 +54,7 @@ class Sways(NamedTuple):
     frequency: float
     damping: float
     held: Floats
-    bones: Floats
+    bones: Floats | None
     gravity: Floats
 
 
@@ -143,7 +143,6 @@ def build_model(
     softness: Floats | None = None,
     knee: Floats | None = None,
     spread: Floats | None = None,
-    thickness: Floats | None = None,
     gravity: Sequence[float] = (0.0, 0.0, 0.0),
     ground: float | None = None,
     rigged: bool = False,
@@ -156,7 +155,7 @@ def build_model(
         materials: one for each index in mesh.triangle_material.
         pinned: (N,) pinned input vertices, as booleans or weights. A weight of 0.5 or more pins; of a body that sways
             only a weight of 1 does, and smaller ones hold it partly.
-        softness, knee, spread, thickness: painted values of the input vertices (N,); 0.5 means as measured, see `maps`.
+        softness, knee, spread: painted values of the input vertices (N,); 0.5 means as measured, see `maps`.
         gravity: (3,) [m/s2].
         ground: height [m] of the ground plane.
         rigged: see `Model`.
@@ -175,25 +174,20 @@ def build_model(
     sways = None
     if sway and mesh.pressurable and (rigged or held.any()):
         amount, frequency, damping, down = sway
-        sways = Sways(amount, frequency, damping, held, _bones(bones), np.asarray(down, np.float64))
+        sways = Sways(amount, frequency, damping, held, bones, np.asarray(down, np.float64))
         gravity, rigged = (0.0, 0.0, 0.0), True
     pinned_here = mesh.loose | (held >= (1 - ROUNDING if sways else 0.5))
-    named = (("softness", softness), ("knee", knee), ("spread", spread), ("thickness", thickness))
-    said = (Message("{name} map", name=Message(name)) for name, _ in named)
-    maps = painted(*(_on_vertices(mesh, values, name, 0.5) for name, (_, values) in zip(said, named, strict=True)))
-
-    mass = mass_on(mesh, materials) * maps.thicker
+    maps = painted(*(
+        _on_vertices(mesh, values, Message("{name} map", name=Message(name)), 0.5)
+        for name, values in (("softness", softness), ("knee", knee), ("spread", spread))
+    ))  # fmt: skip
     fill, rest_pressure = _fill(mesh, materials)
     ground, sunk = _ground(mesh, pinned_here, ground)
     model = assemble(
-        mesh, materials, mass=mass, pinned=pinned_here, fill=fill, rest_pressure=rest_pressure, gravity=gravity,
-        ground=ground, notes=sunk, **constants_on(mesh, materials, maps),
+        mesh, materials, mass=mass_on(mesh, materials), pinned=pinned_here, fill=fill, rest_pressure=rest_pressure,
+        gravity=gravity, ground=ground, notes=sunk, **constants_on(mesh, materials, maps),
     )  # fmt: skip
     return replace(model, maps=maps, rigged=rigged, sway=sways)
-
-
-def _bones(bones: Floats | None) -> Floats:
-    return np.zeros((0, 2, 3)) if bones is None else np.asarray(bones, np.float64).reshape(-1, 2, 3)
 
 
 def assemble(
@@ -224,9 +218,6 @@ def assemble(
         rest_pressure: gauge pressure of the fill in the shape at rest [Pa].
     """
     n, ends = len(mass), mesh.springs
-    shape = shape_matching.build_shape_matching(
-        mesh, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, tension=tension
-    )
     met = 2 * sums_at(ends.ravel(), np.repeat(tension, 2), n) + np.maximum(k1, k2)
     mass = _even_out(mass, 2 * sums_at(ends.ravel(), np.repeat(stiffness, 2), n) + met, ~mesh.loose)
     i, j = ends.T
@@ -234,10 +225,12 @@ def assemble(
     dashpots = 2 * mean_of_pairs(damping, ends) * np.sqrt(stiffness * reduced)
     inverse_mass = np.where(pinned, 0.0, 1 / mass)
 
-    membrane = springs.build_springs(mesh, stiffness, dashpots)
-    shape = replace(
-        shape, damping=2 * damping * np.sqrt(k1 * mass), mass=np.where(mesh.loose, EXACT * mass, mass)
-    )
+    membrane, rest = springs.build_springs(mesh, stiffness, dashpots), np.array(mesh.rest_positions.T, order="C")
+    shape = ShapeMatching(
+        rest=rest, k1=k1, k2=k2, d0=d0, damping=2 * damping * np.sqrt(k1 * mass),
+        mass=np.where(mesh.loose, EXACT * mass, mass), pairs=ends, tension=tension,
+        pull=tension_force(ends, tension, rest),
+    )  # fmt: skip
     inside = pressure.build_pressure(mesh, fill, rest_pressure)
     return Model(
         mesh=mesh, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, pinned=pinned,

@@ -21,9 +21,8 @@ def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[
         materials: one for each index in mesh.triangle_material.
     """
     which = mesh.triangle_material
-    # a row for each material
     table = np.array([_row(m, mesh.size) for m in materials]).T
-    kappa1, kappa2, d0, tension, damping, friction, _, yields = table
+    kappa1, kappa2, d0, tension, damping, friction, yields = table
     k1, k2 = (maps.stiffer * _vertex_sum(mesh, c[which] * mesh.triangle_areas / 3) for c in (kappa1, kappa2))
     at_vertices = _vertex_means(mesh, friction[which], damping[which], d0[which], yields[which])
     stiffer, wider = (mean_of_pairs(f, mesh.springs) for f in (maps.stiffer, maps.wider))
@@ -53,9 +52,7 @@ def mass_on(mesh: Mesh, materials: Sequence[Material]) -> Floats:
 
 def _row(material: Material, size: float) -> tuple[float, ...]:
     constants = estimate(material, size)
-    return (
-        *constants, material.damping_ratio, material.friction, material.k, skin_compliance(material, constants),
-    )  # fmt: skip
+    return (*constants, material.damping_ratio, material.friction, skin_compliance(material, constants))
 
 
 def _vertex_sum(mesh: Mesh, per_triangle: Floats) -> Floats:

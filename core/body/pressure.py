@@ -100,19 +100,6 @@ def pressure_slope(law: Pressure, volume: float) -> float:
     return LIQUID_BULK_MODULUS / law.rest_volume if law.kind is PressureLaw.BULK else 0.0
 
 
-def energy(law: Pressure, x: Floats) -> float:
-    """Return the energy [J] of the fill at positions (3, n) [m]; 0 at the volume at rest."""
-    volume, _ = volume_and_gradient(law, x)
-    if law.kind is PressureLaw.GAS:
-        g, v0 = AIR_EXPONENT, law.rest_volume
-        squeezed = v0 * ((v0 / volume) ** (g - 1) - 1) / (g - 1)
-        return AIR_PRESSURE * (squeezed - (v0 - volume)) + law.rest_pressure * squeezed
-    if law.kind is PressureLaw.BULK:
-        less = law.rest_volume - volume
-        return (LIQUID_BULK_MODULUS * less / (2 * law.rest_volume) + law.rest_pressure) * less
-    return 0.0
-
-
 def force(law: Pressure, x: Floats) -> Floats:
     """Return the forces (3, n) [N] at positions (3, n) [m]."""
     volume, gradient = volume_and_gradient(law, x)

@@ -24,7 +24,6 @@ import numpy as np
 
 from ..base import Floats, Ints, sums_at
 from ..constants import TINY
-from ..mesh.surface import Mesh
 
 Pose = tuple[Floats, Floats]  # rotation (3, 3), translation (3,)
 
@@ -54,24 +53,6 @@ class ShapeMatching:
     pull: Floats
 
 
-def build_shape_matching(
-    mesh: Mesh,
-    *,
-    k1: Floats,
-    k2: Floats,
-    d0: Floats,
-    damping: Floats,
-    mass: Floats,
-    tension: Floats,
-) -> ShapeMatching:
-    """Build the shape matching of a mesh; the arguments are the fields of ShapeMatching."""
-    x = np.array(mesh.rest_positions.T, order="C")
-    return ShapeMatching(
-        rest=x, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, pairs=mesh.springs, tension=tension,
-        pull=tension_force(mesh.springs, tension, x),
-    )  # fmt: skip
-
-
 def tension_force(pairs: Ints, tension: Floats, u: Floats) -> Floats:
     """Return sum_j t_ij (u_j - u_i), (3, n) [N], for displacements (3, n) [m]."""
     i, j = pairs.T
@@ -95,19 +76,6 @@ def fit_pose(rest: Floats, x: Floats, weight: Floats, pull: Floats | None = None
     u, _, vt = np.linalg.svd(spread)
     rotation = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
     return rotation, c1 - rotation @ c0
-
-
-def pose_of(law: ShapeMatching, x: Floats, pose: Pose | None) -> Pose:
-    """Return the pose of the shape at rest: the given one, or the best fit to x."""
-    return fit_pose(law.rest, x, law.k1, law.pull) if pose is None else pose
-
-
-def energy(law: ShapeMatching, x: Floats, pose: Pose | None = None) -> float:
-    """Return the energy [J] at positions (3, n)."""
-    u = displacements(law, x, pose_of(law, x, pose))
-    d, (i, j) = np.linalg.norm(u, axis=0), law.pairs.T
-    bed = float((law.k1 * d**2 + (law.k2 - law.k1) * np.maximum(d - law.d0, 0) ** 2).sum())
-    return (bed + float(law.tension @ ((u[:, i] - u[:, j]) ** 2).sum(axis=0))) / 2
 
 
 def force(law: ShapeMatching, x: Floats, pose: Pose) -> Floats:

@@ -52,12 +52,6 @@ def membrane_stiffness(mesh: Mesh, k: Floats) -> Floats:
     return k * mesh.spring_areas / (length**2 * np.sqrt(3) / 2)
 
 
-def energy(law: Springs, x: Floats) -> float:
-    """Return the energy [J] at positions (3, n) [m]."""
-    stretch = np.linalg.norm(x[:, law.pairs[:, 1]] - x[:, law.pairs[:, 0]], axis=0) - law.rest_lengths
-    return float(law.stiffness @ stretch**2) / 2
-
-
 def force(law: Springs, x: Floats) -> Floats:
     """Return the forces (3, n) [N] of the springs, without their dashpots, at positions (3, n) [m]."""
     i, j = law.pairs.T

@@ -71,8 +71,9 @@ class Stepped(Protocol):
 
     body: native.Body
     most: int
-    rides: bool
 
+    @property
+    def rides(self) -> bool: ...
     def begin(self, dt: float, *, alone: bool = True) -> None: ...
     @property
     def due(self) -> int: ...

@@ -16,10 +16,12 @@ class Rest:
     sway: None if it moves with its rig alone.
     target: (3, n) positions of all vertices at the end of the step [m], None if it stays.
     bent: it differs from the model's.
+    carries: the body lies on it, and is not stepped.
     """
 
     target: Floats | None
     bent: bool
+    carries: bool = False
     _led: Floats  # (3, n) positions without sway [m]
     _at: Floats | None  # (3, n) positions with sway [m], None until they are needed
     _begin: tuple[Floats, float]  # positions without sway before the last motion, and its duration [s]
@@ -39,7 +41,7 @@ class Rest:
         self.target = None
         self._led = self._at = self._model.matching.rest
         self._begin = self._led, 1.0
-        self.bent = False
+        self.bent = self.carries = False
         if self.sway:
             self.sway.reset()
 

@@ -29,7 +29,7 @@ from .rest_shape import Rest
 from .skin import Pins, Skin
 from .sway import Push, push_of
 
-ANSWERED = 8  # ticks (a fifth of a frame) for which a moving shape at rest and what touches it run without an exchange
+ANSWERED = 9  # ticks, those between two looks at a scene: after them a moving shape at rest answers what pushes it
 CLOSE = 1e-5  # share of the body's size: closer to its shape at rest than this it shows no dent
 
 
@@ -45,7 +45,6 @@ class Session:
     frame: result of the last step.
     most: largest number of ticks in one motion of the current step.
     clock: time of the session, which the fingertips follow.
-    rides: the body sways untouched: it lies on its shape at rest, and is not stepped.
     """
 
     def __init__(
@@ -62,7 +61,6 @@ class Session:
         if self._rest.bent:  # rebuilt, so that the same motion gives the same bits again
             self.body = self._create(self._moves, self.model)
         self._rest.reset()
-        self.rides = False
         self.body.set_state(self._moves.matching.rest)
         self._work, self._total = 0.0, 0
         self.clock.reset()
@@ -96,10 +94,7 @@ class Session:
         Raises:
             DimpleError: another number of vertices, or positions that are not numbers.
         """
-        positions = self._of_mesh(positions)
-        if not np.isfinite(positions[self._pins.followed]).all():
-            raise DimpleError("A pinned vertex has a position that is not a number.")
-        self._pins.target = positions.T
+        self._pins.target = self._of_mesh(positions).T
 
     def set_rest(self, positions: Floats) -> None:
         """Set the shape at rest of the input vertices (N, 3) [m] at the end of the next step, as a rig bends it.
@@ -109,10 +104,7 @@ class Session:
         Raises:
             DimpleError: another number of vertices, or positions that are not numbers.
         """
-        positions = self._of_mesh(positions)
-        if not np.isfinite(positions).all():
-            raise DimpleError("The shape at rest has a position that is not a number.")
-        self._rest.target = positions.T
+        self._rest.target = self._of_mesh(positions).T
 
     def _of_mesh(self, positions: Floats) -> Floats:
         """Return the positions of the mesh's vertices (n, 3) from those of the input vertices (N, 3)."""
@@ -121,6 +113,8 @@ class Session:
             raise DimpleError(
                 "The mesh has {vertices} vertices: give a position for each.", vertices=len(self.model.mesh.source)
             )
+        if not np.isfinite(positions).all():
+            raise DimpleError("A vertex has a position that is not a number.")
         return self._skin.of_mesh(positions)
 
     def step(self, dt: float, *, budget: float | None = None) -> Frame:
@@ -213,6 +207,16 @@ class Session:
         self.frame = self._show(impulses, seconds)
         return self.frame
 
+    @property
+    def rides(self) -> bool:
+        """Return whether the body sways untouched: it lies on its shape at rest, and is not stepped."""
+        return self._rest.carries
+
+    @property
+    def rest(self) -> Floats:
+        """Return the shape at rest of the mesh (n, 3) [m], as its rig and its sway bend it."""
+        return self._rest.whole.T
+
     def bent_model(self) -> Model:
         """Return the simulated model with its current shape at rest."""
         return with_rest(self._moves, self._rest.of_body) if self._rest.bent else self._moves
@@ -251,7 +255,6 @@ class Session:
 
     def positions(self) -> Singles:
         """Return the positions of the input vertices (N, 3) [m], read-only: the same array until something moves."""
-        self._lay()
         return self._skin.positions(self.body, self.placed)
 
     def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0) -> None:
@@ -346,7 +349,6 @@ class Session:
             self._rate = rate
             self._lay_rest(rate, gain=rate - rate_before if self._rest.sway else None)  # the inertia is in the modes
         else:
-            self._skin.laid = None
             self._skin.reset()
 
     def _ride(self, wanted: bool) -> None:
@@ -354,9 +356,9 @@ class Session:
         rest = self._rest
         if wanted and rest.sway and not self.rides:
             off = self.body.positions() - rest.of_body
-            self.rides = float(np.abs(off).max()) <= CLOSE * self.model.mesh.size
+            rest.carries = float(np.abs(off).max()) <= CLOSE * self.model.mesh.size
         elif self.rides and not wanted:
-            self.rides, self._skin.laid, self._rate = False, None, rest.rate_of_body
+            rest.carries, self._rate = False, rest.rate_of_body
             self._lay_rest()
             self.body.set_state(rest.of_body, self._rate)
 
@@ -364,14 +366,8 @@ class Session:
         """Give the body its shape at rest, its rate (3, m) in the next motion, and a gain (3, m) in velocity [m/s]."""
         self.body.set_rest(self._rest.of_body, rate, surface=self._rest.whole if self.proxy else None, gain=gain)
 
-    def _lay(self) -> None:
-        """Let the skin lie on the shape at rest if the body rides on it."""
-        if self.rides and self._skin.laid is None:
-            self._skin.laid = self._rest.whole
-
     def skin(self) -> Floats:
         """Return the positions of the vertices (n, 3) [m] of the mesh."""
-        self._lay()
         return np.asarray(self._skin.on(self.placed, self._skin.surface(self.body)), np.float64)
 
     def _show(self, impulses: tuple[Vector, ...], seconds: float) -> Frame:

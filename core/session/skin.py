@@ -24,7 +24,6 @@ from .rest_shape import Rest
 class Pins:
     """Pinned vertices of a mesh, during a step: they move evenly from its start to its end.
 
-    followed: the vertices of the mesh whose positions are prescribed.
     origin: positions that all vertices (3, n) [m] would have at the start if they were pinned,
     target: and at the end, None if the pins rest.
     """
@@ -32,7 +31,6 @@ class Pins:
     def __init__(self, model: Model, proxy: Proxy | None) -> None:
         self._pinned = np.flatnonzero(model.pinned) if proxy is None else proxy.seeds[proxy.model.pinned]
         self._still = proxy.still if proxy else self._pinned[:0]
-        self.followed = np.union1d(self._pinned, self._still) if proxy else self._pinned
         self.rest_at(model.matching.rest)
 
     def rest_at(self, positions: Floats) -> None:
@@ -84,7 +82,6 @@ class Skin:
         self._yields = model.compliance > 0
         self._yields_somewhere = bool(self._yields.any())
         self._unwelded = len(self._source) == len(model.mass) and bool((self._source[1:] > self._source[:-1]).all())
-        self.laid: Floats | None = None  # (3, n) [m] if the body lies on its shape at rest, and is not stepped
         self.reset()
 
     def of_mesh(self, values: Floats) -> Floats:
@@ -112,8 +109,8 @@ class Skin:
 
     def surface(self, body: Body) -> Floats | Singles:
         """Return the positions of the vertices (n, 3) [m] of the mesh."""
-        if self.laid is not None:
-            return self.laid.T
+        if self._rest.carries:
+            return self._rest.whole.T
         x = body.positions()
         if self._proxy is None:
             return x.T

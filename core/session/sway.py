@@ -252,8 +252,7 @@ def first_frequency(modes: Modes, material: Material, density: float) -> float:
 
 def _anchors(modes: Modes, rest: Floats) -> tuple[Ints, Floats]:
     """Return one vertex (a,) of each cell that has any, and the weights (m, a) by which each node follows them."""
-    cells, first = np.unique(modes.nodes[:, 0], return_index=True)
-    del cells
+    _, first = np.unique(modes.nodes[:, 0], return_index=True)
     ways = ((modes.lattice.nodes[:, None] - rest[first]) ** 2).sum(axis=2)
     near = 1 / (ways + (modes.lattice.sides.mean() / 2) ** 2) ** 2
     return first, near / near.sum(axis=1, keepdims=True)

@@ -22,7 +22,8 @@ class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
     bl_label = "Bake"
     bl_description = (
         "Turn the press of the keyframed fingertips on the selected bodies into an animation. A proxy is simulated for "
-        "a mesh that is too heavy, as in a live press. Full Mesh in Physics > Dimple bakes every vertex"
+        "a mesh that is too heavy, as in a live press. Full Mesh in Physics > Dimple bakes every vertex. A bake does "
+        "not follow later changes of material or settings: bake again"
     )
     bl_options = {"UNDO"}
     running = "Baking: Esc cancels"

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from .object_link import Floats, ObjectLink
 
 
-
-
 def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink) -> Parts:
     """Read the materials and settings of an object into a model on the mesh that it was linked with, in parts.
 
@@ -42,9 +40,14 @@ def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, li
     params, surroundings = body.dimple.to_params(), scene.dimple
     name, said = body.name, advice.on_body(body, mesh, scene, link)
     try:
-        pinned = base_vertices(mesh) if params["pinned"] == "base" else None
-        if params["pinned"] == "group":
-            pinned = _pins(body, params["pin_group"], link, least=0.01 if params["sway"] else 0.5)
+        pinned = base_vertices(mesh) if params["pinned"] == "" else None
+        if group := params["pinned"]:
+            pinned, least = _weights(body, group, "pin", link), 0.01 if params["sway"] else 0.5
+            if not (pinned >= least).any():
+                raise DimpleError(
+                    'no vertex of the pin group "{group}" has a weight of {least:g} or more. Paint some.',
+                    group=group, least=least,
+                )  # fmt: skip
         materials = [in_trial.get(body.session_uid) or _material(body, slot) for slot in link.slots]
         groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
         maps = {name: _weights(body, group, name, link) for name, group in groups.items() if group}
@@ -82,18 +85,6 @@ def _material(body: bpy.types.Object, slot: int) -> Material:
         return Material(**material.dimple.to_params())
     except DimpleError as error:
         raise DimpleError('material "{name}": {error}', name=material.name, error=error) from error
-
-
-def _pins(body: bpy.types.Object, group: str, link: ObjectLink, *, least: float) -> Floats:
-    if not group:
-        raise DimpleError("it is pinned by a vertex group, but none is chosen. Choose one in Physics > Dimple.")
-    weights = _weights(body, group, "pin", link)
-    if not (weights >= least).any():
-        raise DimpleError(
-            'no vertex of the pin group "{group}" has a weight of {least:g} or more. Paint some.',
-            group=group, least=least,
-        )
-    return weights
 
 
 def _weights(body: bpy.types.Object, group: str, role: str, link: ObjectLink) -> Floats:

@@ -62,7 +62,7 @@ def reading_body(
     except DimpleError as error:
         raise DimpleError(about(body.name, str(error))) from error
     resting = mesh.rest_positions[mesh.source].astype(np.float32)
-    pinned = body.dimple.to_params()["pinned"] != "none"
+    pinned = body.dimple.pinned
     link = ObjectLink(
         uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix, resting=resting, cuts=cuts,
         own=get_points(body.data.attributes["position"].data, len(body.data.vertices), "vector"),

@@ -30,7 +30,7 @@ def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
         "frame_rate": 1 / timeline.frame_s(context.scene),
         "metres_per_scene_unit": scene_objects.scale_and_top(context, obj)[0],
         "scene_unit_scale": context.scene.unit_settings.scale_length,
-        "table_units": "force N, depth mm, pressure Pa, volume m3, work and energy J, time s",
+        "table_units": "force N, depth mm, pressure Pa, volume m3, work J, time s",
         "error_unit": "of the object's own coordinates",
         "simulated": "for this export" if clip.plays else "before, as a bake or a recording",
         "body": _plain(obj.dimple.to_params()),

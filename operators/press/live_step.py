@@ -15,7 +15,7 @@ from ...core.constants import MAX_FINGERTIPS
 from ...core.messages import about, in_a_row
 from ...core.session import Finger
 from ...core.session.clock import step_all
-from ..bridge import cache_files, scene_objects, sizing
+from ..bridge import cache_files, scene_objects, sizing, timeline
 from ..messages import Note, gathered
 from . import (
     colliders,
@@ -99,6 +99,7 @@ def advance(
     *,
     budget: float | None = None,
     pressed: Mapping[int, Sequence[Finger | None]] = {},
+    shown: bool = True,
 ) -> list[str]:
     """Step every session and show it.
 
@@ -106,6 +107,7 @@ def advance(
         dt: simulated time [s].
         budget: wall time for all of them [s]; if preparing them takes longer than this, the excess is deducted.
         pressed: fingertips of a poke by body; they take precedence over the haptic device's, and these over objects.
+        shown: show and record the result; otherwise it is seen after a later step.
 
     Returns:
         Sentences for the artist: sessions that ended, or were put back to rest.
@@ -126,7 +128,7 @@ def advance(
     for world in sessions.worlds:
         props.show(world)
     for uid, body in list(sessions.sessions.items()):
-        messages += _trying(uid, finish, body)
+        messages += _trying(uid, finish, body) if shown else []
         last_press.note(context, body)
         if body.frame.note:
             sessions.disarm()  # the body jumped back to rest, possibly onto a fingertip of the device
@@ -135,6 +137,14 @@ def advance(
     for body in sessions.sessions.values():
         body.done, body.lead = body.lead, body.lead - slowest  # the others wait for the slowest: all share one clock
     haptic_fingertips.write(context.scene)
+    return messages
+
+
+def advance_to(context: bpy.types.Context, frame: int) -> list[str]:
+    """Advance from the previous frame of the timeline to this one, as a bake does, and show it; see `advance`."""
+    messages, last = [], timeline.looks_a_frame(context.scene)
+    for look, step_s in enumerate(timeline.looks(context.scene, frame), start=1):
+        messages += advance(context, step_s, shown=look == last)
     return messages
 
 

@@ -1,9 +1,7 @@
 """Make Soft: give a mesh everything that it needs to be pressed, in one click, without changing the mesh itself."""
 
-from typing import TYPE_CHECKING, NamedTuple
-
 import bpy
-from bpy.props import BoolProperty, EnumProperty
+from bpy.props import EnumProperty
 
 from ...core.errors import DimpleError
 from ...core.messages import Message, about, in_a_row
@@ -13,23 +11,12 @@ from ..names import Op
 from . import polls, sessions
 from .progress import LARGE
 
-if TYPE_CHECKING:
-    import bmesh
-
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # types other than meshes are converted
 TEXT_DEPTH = 0.15  # [size of the characters] half of the depth that flat text gets
-SAME = 1e-6  # [size of the object] distance up to which two vertices count as doubled
+PIN = "Pin"  # name of the vertex group that pins a body unless another is chosen
 FIRST = "object_2_vinyl_air"  # number 0 of the list, and therefore its default
 Item = tuple[str, str, str, str, int]
 _items: list[Item] = []  # Blender does not keep the strings of a list that a function returns
-
-
-class Faults(NamedTuple):
-    """The numbers of doubled vertices, loose vertices and faces that look inward."""
-
-    doubled: int = 0
-    loose: int = 0
-    inward: int = 0
 
 
 def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[Item]:
@@ -54,10 +41,6 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
         description="Material for the meshes. Unless you choose one, only meshes without a material get it",
         items=presets, default=0, options={"SKIP_SAVE"},  # a remembered value would count as chosen
     )  # fmt: skip
-    repair: BoolProperty(
-        name="Repair", options={"SKIP_SAVE"},
-        description="Repair the mesh itself: weld doubled vertices, delete loose ones and turn faces outward",
-    )  # fmt: skip
 
     needs = (
         polls.in_object_mode,
@@ -75,12 +58,6 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
                 if obj.type != "MESH":
                     obj, sentence = convert(context, obj)
                     done.append(sentence)
-                shared = obj.data.shape_keys or obj.data.users > 1  # a repair would change more than this object
-                if self.repair and not shared and any(found := repair(obj)):
-                    done += [Message('"{name}" was repaired.', name=obj.name), Message(
-                        "Doubled vertices: {doubled}. Loose vertices: {loose}. Faces that look inward: {inward}.",
-                        **found._asdict(),
-                    )]  # fmt: skip
                 chosen = self.properties.is_property_set("preset")
                 sentence, notes = make_soft(context, obj, self.preset, chosen=chosen)
                 soft.append(sentence)
@@ -121,6 +98,8 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *,
             bpy.ops.dimple.apply_preset(preset=preset)
     settle_size(context.scene, obj)
     fit(context.scene, obj)
+    if not obj.dimple.pin_group and PIN in obj.vertex_groups:
+        obj.dimple.pin_group = PIN
     obj.dimple.enabled = True
     if len(obj.data.vertices) > LARGE:
         return Message(
@@ -164,39 +143,3 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.type
     made.name = name
     what = '"{name}" was given a depth and converted to a mesh.' if deepened else '"{name}" was converted to a mesh.'
     return made, Message(what, name=made.name)
-
-
-def repair(obj: bpy.types.Object) -> Faults:
-    """Weld doubled vertices, delete loose ones and turn faces outward; return the repaired faults."""
-    import bmesh
-
-    mesh = bmesh.new()
-    try:
-        mesh.from_mesh(obj.data)
-        size = max(obj.dimensions) / max(*map(abs, obj.matrix_world.to_scale()), 1e-30)
-        pairs = bmesh.ops.find_doubles(mesh, verts=mesh.verts, dist=SAME * size)["targetmap"]
-        bmesh.ops.weld_verts(mesh, targetmap=pairs)
-        loose = [vertex for vertex in mesh.verts if not vertex.link_faces]
-        found = Faults(len(pairs), len(loose), _turn_outward(mesh))
-        bmesh.ops.delete(mesh, geom=loose, context="VERTS")
-        mesh.to_mesh(obj.data)
-        obj.data.update()
-        return found
-    finally:
-        mesh.free()
-
-
-def _turn_outward(mesh: "bmesh.types.BMesh") -> int:
-    """Turn faces outward; return their number. For an open mesh, the side that most faces look to counts as outward."""
-    import bmesh
-
-    mesh.normal_update()
-    before = [face.normal.copy() for face in mesh.faces]
-    bmesh.ops.recalc_face_normals(mesh, faces=mesh.faces)
-    mesh.normal_update()
-    turned = [face for face, normal in zip(mesh.faces, before, strict=True) if face.normal.dot(normal) < 0]
-    is_open = any(edge.is_boundary for edge in mesh.edges)
-    if is_open and 2 * len(turned) > len(before):
-        bmesh.ops.reverse_faces(mesh, faces=mesh.faces)
-        return len(before) - len(turned)
-    return len(turned)

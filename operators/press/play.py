@@ -1,7 +1,6 @@
 """Play: run the simulation in real time, or along the timeline while Blender plays it."""
 
 import time
-from itertools import chain
 
 import bpy
 from bpy.props import FloatProperty, IntProperty
@@ -94,13 +93,13 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
         self.start(context)
         scene = context.scene
         now, count = scene.frame_current, max(round(self.seconds / timeline.frame_s(scene)), 1)
-        steps = [self.seconds / count] * count
-        if self.frames:
-            looks = (look for frame in range(now, now + self.frames) for look in timeline.looks(scene, frame + 1))
-            steps = chain([0.0] * _at_rest(), looks)  # a fingertip's path begins at its current place
         with sessions.ending_on_error():
-            for step_s in steps:
-                report(self, live_step.advance(context, step_s))
+            for _ in range(0 if self.frames else count):
+                report(self, live_step.advance(context, self.seconds / count))
+            if self.frames and _at_rest():  # a fingertip's path begins at its current place
+                report(self, live_step.advance(context, 0.0))
+            for frame in range(now, now + self.frames):
+                report(self, live_step.advance_to(context, frame + 1))
 
     def begin(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Start, pause or continue."""
@@ -142,13 +141,12 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
 
     def _follow(self, context: bpy.types.Context) -> list[str]:
         """Advance by one frame of the timeline, as a bake does; if the timeline was rewound, start again at rest."""
-        from ..bridge import timeline
         from . import live_step, props
 
         scene, before = context.scene, self._frame
         if scene.frame_current > before:
             self._frame += 1
-            return [each for step_s in timeline.looks(scene, before + 1) for each in live_step.advance(context, step_s)]
+            return live_step.advance_to(context, self._frame)
         self._frame = scene.frame_current
         if self._frame == before and not _at_rest():
             return showing.end_changed(context.view_layer)

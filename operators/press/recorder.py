@@ -21,10 +21,7 @@ FINGERS = 3
 
 
 class ForceTable:
-    """A CSV table, a line per frame: force, friction [N], depth [mm], pressure [Pa], volume [m3], energy [J], steps.
-
-    work_j is the work of the fingertips by the law; elastic_j and kinetic_j are the energies of the skin and its fill.
-    """
+    """A CSV table, a line per frame: force, friction [N], depth [mm], pressure [Pa], volume [m3], work [J], steps."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("w", buffering=1, newline="", encoding="utf-8")  # written line by line
@@ -32,15 +29,11 @@ class ForceTable:
         columns = ["frame", "time_s"]
         for number in range(1, FINGERS + 1):
             columns += [f"force_{number}_n", f"friction_{number}_n", f"depth_{number}_mm"]
-        columns += ["pressure_pa", "volume_m3", "rest_volume_m3", "work_j", "elastic_j", "kinetic_j", "steps"]
+        columns += ["pressure_pa", "volume_m3", "rest_volume_m3", "work_j", "steps"]
         self._rows.writerow(columns)
-        self._of: tuple[object, object] | None = None  # positions and model of the last energies
-        self._energies = 0.0, 0.0
 
     def append(self, number: float, time_s: float, session: Session) -> None:
         """Add the line of one frame of the animation."""
-        from ...core.fields import energies
-
         frame, row = session.frame, list[float]()
         for i in range(FINGERS):
             push = depth = friction = 0.0
@@ -48,13 +41,7 @@ class ForceTable:
                 push, depth = float(frame.pushes[i]), float(frame.depths[i])
                 friction = max(float((frame.finger_forces[i] ** 2).sum()) - push**2, 0.0) ** 0.5
             row += [push, friction, depth * 1e3]
-        now = session.positions(), session.model  # for a sleeping body, the same objects as before
-        if self._of is None or any(a is not b for a, b in zip(now, self._of, strict=True)):
-            self._of, self._energies = now, energies(session)
-        numbers = [
-            time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.work, *self._energies,
-            frame.total_steps,
-        ]  # fmt: skip
+        numbers = [time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.work, frame.total_steps]
         self._rows.writerow([f"{number:g}", *(f"{value:.9g}" for value in numbers)])
 
     def close(self) -> None:

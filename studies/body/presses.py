@@ -53,7 +53,8 @@ def choose_presses(model: Model, radius: float, count: int, *, seed: int = 0) ->
     if not share.sum() > 0:
         raise DimpleError("No part of the surface is free to be pressed. Pin fewer vertices.")
     pinned = mesh.rest_positions[model.pinned & ~mesh.loose]
-    drawn = rng.choice(len(share), min(DRAWN * count, int(np.count_nonzero(share))), replace=False, p=share / share.sum())
+    most = min(DRAWN * count, int(np.count_nonzero(share)))
+    drawn = rng.choice(len(share), most, replace=False, p=share / share.sum())
     away = [v for v in drawn if _distance(pinned, mesh.rest_positions[v]) > BESIDE_PINS * radius]
     depth = min(DEPTH * radius, mesh.size / 8)
     places = (away or drawn.tolist())[:count]

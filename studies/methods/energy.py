@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.body.model import Model
-from core.fields import stored
 from studies.methods.motion import move
+from studies.reference.energy import stored
 from studies.reference.laws import State
 from studies.scenes import oscillator
 

@@ -17,7 +17,7 @@ from core.base import Floats, sums_at
 from core.body import pressure, shape_matching
 from core.body.model import Model
 from core.body.shape_matching import Pose, ShapeMatching
-from studies.reference.laws import State, rigid_velocity
+from studies.reference.laws import State, pose_of, rigid_velocity
 
 from . import penalty
 from .penalty import Meeting
@@ -123,7 +123,7 @@ def stiffness_parts(law: ShapeMatching, x: Floats, pose: Pose) -> tuple[Floats, 
 
 def _memory(model: Model, state: State, h: float) -> tuple[Product, Floats]:
     law, x = model.matching, state.positions
-    pose = shape_matching.pose_of(law, x, state.pose)
+    pose = pose_of(law, x, state.pose)
     bed, turn, u = stiffness_parts(law, x, pose)
     level, steep, tension, drag = h * h * bed, h * h * turn, h * h * law.tension, h * law.damping
 

@@ -16,10 +16,10 @@ from functools import partial
 import numpy as np
 
 from core.base import Floats, Ints
-from core.body import pressure, shape_matching
+from core.body import pressure
 from core.body.model import Model
 from core.body.shape_matching import Pose, ShapeMatching
-from studies.reference.laws import State, rigid_velocity, shape_velocity
+from studies.reference.laws import State, pose_of, rigid_velocity, shape_velocity
 
 from ..reference.contact import Touch
 from . import penalty
@@ -93,7 +93,7 @@ def advance(model: Model, state: State, touches: Sequence[Touch], dt: float, *, 
         carried = dt * shape_velocity(model.matching, state.pose_rate)
         drift = before + (carried if state.pose else rigid_velocity(model.matching.mass, x, x - before))
         fixed = Fixed(
-            goal=goal, before=before, drift=drift, pose=shape_matching.pose_of(model.matching, x, state.pose),
+            goal=goal, before=before, drift=drift, pose=pose_of(model.matching, x, state.pose),
             fill=state.pressure * g, met=[(m, x[:, m.corners], penalty.stiffness_blocks(m, x.shape[1])) for m in met],
         )  # fmt: skip
         inverse = np.zeros((6, len(w)))

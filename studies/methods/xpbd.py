@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.base import Floats, Ints
-from core.body import pressure, shape_matching
+from core.body import pressure
 from core.body.model import Model
-from studies.reference.laws import State, rigid_velocity, shape_velocity
+from studies.reference.laws import State, pose_of, rigid_velocity, shape_velocity
 
 from ..reference.path import FingerPath
 from ..reference.ticks import run_ticks
@@ -108,7 +108,7 @@ def move_springs(edges: Edges, x: Floats, before: Floats, h: float) -> None:
 def move_to_shape(model: Model, state: State, before: Floats, h: float) -> None:
     """Move the vertices toward the shape at rest, in place; a free body as a whole stays where it is."""
     law, x, w = model.matching, state.positions, model.inverse_mass
-    start, pose = x.copy(), shape_matching.pose_of(law, x, state.pose)
+    start, pose = x.copy(), pose_of(law, x, state.pose)
     for edges in kept(model, spring_colours):
         move_by_tension(edges, x, pose[0], h)
     stiffness, _, u = stiffness_parts(law, x, pose)

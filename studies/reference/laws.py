@@ -13,7 +13,7 @@ import numpy as np
 from core.base import Floats, sums_at
 from core.body import pressure
 from core.body.model import Model
-from core.body.shape_matching import Pose, ShapeMatching, displacements, fit_pose, pose_of, secant, tension_force
+from core.body.shape_matching import Pose, ShapeMatching, displacements, fit_pose, secant, tension_force
 from core.body.springs import Springs
 from core.constants import TINY
 from core.mesh.rings import Rings
@@ -50,6 +50,11 @@ def initial_state(model: Model) -> State:
     x = np.array(model.mesh.rest_positions.T, order="C")  # a copy, whatever the order of the mesh's
     pose = None if model.free else (np.eye(3), np.zeros(3))
     return State(positions=x, velocities=np.zeros_like(x), pose=pose)
+
+
+def pose_of(law: ShapeMatching, x: Floats, pose: Pose | None) -> Pose:
+    """Return the pose of the shape at rest: the given one, or the best fit to x."""
+    return fit_pose(law.rest, x, law.k1, law.pull) if pose is None else pose
 
 
 def forces(model: Model, state: State) -> Floats:

@@ -117,7 +117,7 @@ def test_self_contact_is_offered_for_a_pinned_body_too(bpy: ModuleType, body: An
         def prop(self, data: Any, name: str, **options: Any) -> None:
             self.drawn.append(f"{name} {self.__dict__.get('active', True)}")
 
-    body.dimple.enabled, body.dimple.pinned = True, "BASE"
+    body.dimple.enabled, body.dimple.pinned = True, True
     drawn: list[str] = []
     bpy.types.DIMPLE_PT_contact.draw(
         SimpleNamespace(layout=Active(bpy, drawn)), SimpleNamespace(object=body)

@@ -43,8 +43,8 @@ def test_a_new_object_is_switched_off_and_as_large_as_it_is_modelled(empty_file:
     body = empty_file.data.objects.new("Body", empty_file.data.meshes.new("Body"))
     assert not body.dimple.enabled
     assert body.dimple.to_params() == {
-        "pinned": "base", "pin_group": "", "softness_group": "", "knee_group": "",
-        "spread_group": "", "thickness_group": "", "size": None, "sway": None,
+        "pinned": "", "softness_group": "", "knee_group": "",
+        "spread_group": "", "size": None, "sway": None,
     }  # fmt: skip
     body.dimple.size_mode = "CUSTOM"
     assert body.dimple.to_params()["size"] == 0.165

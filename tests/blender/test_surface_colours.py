@@ -78,7 +78,7 @@ def test_the_surface_is_drawn_in_the_colours_of_the_scale(
     bpy: ModuleType, colours: ModuleType, halves: Any  # noqa: F811
 ) -> None:
     entry = pressed(bpy)
-    for name in ("pressure", "depth", "stretch", "slope", "knee", "spread", "thickness"):
+    for name in ("pressure", "depth", "stretch", "slope", "knee", "spread"):
         seen_in_colours(bpy, colours, halves, entry, name)
 
 

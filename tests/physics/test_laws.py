@@ -15,7 +15,7 @@ from core.body import pressure, shape_matching, springs
 from core.body.shape_matching import fit_pose
 from core.mesh.surface import Mesh, mesh_from_triangles
 from studies.methods import penalty
-from studies.reference import paper
+from studies.reference import energy, paper
 from studies.reference.contact import Touch
 from studies.reference.laws import matching_force, spring_force
 from studies.reference.paper import spring_energy
@@ -36,12 +36,12 @@ def springs_of(mesh: Mesh, rng: np.random.Generator) -> springs.Springs:
 
 def membrane(mesh: Mesh, rng: np.random.Generator) -> Law:
     law = springs_of(mesh, rng)
-    return Law(lambda x: springs.energy(law, x), lambda x: springs.force(law, x))
+    return Law(lambda x: energy.of_springs(law, x), lambda x: springs.force(law, x))
 
 
 def membrane_of_the_reference(mesh: Mesh, rng: np.random.Generator) -> Law:
     law = springs_of(mesh, rng)
-    return Law(lambda x: springs.energy(law, x), lambda x: spring_force(law, x))
+    return Law(lambda x: energy.of_springs(law, x), lambda x: spring_force(law, x))
 
 
 def equation_4(mesh: Mesh, rng: np.random.Generator) -> Law:
@@ -53,7 +53,7 @@ def fill(kind: str, rest_pressure: float = 0.0) -> Callable[[Mesh, np.random.Gen
     def law_of(mesh: Mesh, rng: np.random.Generator) -> Law:
         law = pressure.build_pressure(mesh, kind, rest_pressure)
         assert law.fill == kind
-        return Law(lambda x: pressure.energy(law, x), lambda x: pressure.force(law, x))
+        return Law(lambda x: energy.of_fill(law, x), lambda x: pressure.force(law, x))
 
     return law_of
 
@@ -61,21 +61,23 @@ def fill(kind: str, rest_pressure: float = 0.0) -> Callable[[Mesh, np.random.Gen
 def shape_matching_law(mesh: Mesh, rng: np.random.Generator, knee: float) -> shape_matching.ShapeMatching:
     n = len(mesh.rest_positions)
     k1 = rng.uniform(1, 5, n)
-    return shape_matching.build_shape_matching(
-        mesh, k1=k1, k2=k1 * rng.uniform(0.5, 8, n), d0=np.full(n, knee), damping=rng.uniform(0, 1, n),
-        mass=rng.uniform(0.1, 1, n), tension=rng.uniform(0, 5, len(mesh.springs)),
+    rest, tension = np.array(mesh.rest_positions.T, order="C"), rng.uniform(0, 5, len(mesh.springs))
+    return shape_matching.ShapeMatching(
+        rest=rest, k1=k1, k2=k1 * rng.uniform(0.5, 8, n), d0=np.full(n, knee), damping=rng.uniform(0, 1, n),
+        mass=rng.uniform(0.1, 1, n), pairs=mesh.springs, tension=tension,
+        pull=shape_matching.tension_force(mesh.springs, tension, rest),
     )  # fmt: skip
 
 
 def pinned_matching(mesh: Mesh, rng: np.random.Generator) -> Law:
     law = shape_matching_law(mesh, rng, 0.1)
     pose = fit_pose(law.rest, law.rest + rng.normal(0, 0.3, law.rest.shape), law.k1)
-    return Law(lambda x: shape_matching.energy(law, x, pose), lambda x: shape_matching.force(law, x, pose))
+    return Law(lambda x: energy.of_matching(law, x, pose), lambda x: shape_matching.force(law, x, pose))
 
 
 def free_matching(mesh: Mesh, rng: np.random.Generator) -> Law:
     law = shape_matching_law(mesh, rng, 1e9)
-    return Law(lambda x: shape_matching.energy(law, x), lambda x: matching_force(law, x))
+    return Law(lambda x: energy.of_matching(law, x), lambda x: matching_force(law, x))
 
 
 def fingertip(mesh: Mesh, rng: np.random.Generator) -> Law:

@@ -29,18 +29,18 @@ def small(**maps: Floats) -> Model:
 
 def test_each_map_multiplies_its_own_constants_and_half_changes_nothing() -> None:
     plain, n = small(), len(small().mesh.source)
-    for name in ("softness", "knee", "spread", "thickness"):
+    for name in ("softness", "knee", "spread"):
         same, twice = small(**{name: np.full(n, 0.5)}), small(**{name: np.full(n, 1.0)})
         np.testing.assert_array_equal(same.matching.k1, plain.matching.k1)
         np.testing.assert_array_equal(same.mass, plain.mass)
         factors = {
             "k1": twice.matching.k1 / plain.matching.k1, "d0": twice.matching.d0 / plain.matching.d0,
             "tension": twice.matching.tension.sum() / plain.matching.tension.sum(),
-            "k": twice.springs.stiffness / plain.springs.stiffness, "mass": twice.mass.sum() / plain.mass.sum(),
+            "k": twice.springs.stiffness / plain.springs.stiffness,
         }  # fmt: skip
         wanted = {
             "softness": {"k1": 0.25, "tension": 0.25, "k": 0.25}, "spread": {"tension": 4.0, "k": 4.0},
-            "knee": {"d0": 2.0}, "thickness": {"mass": 2.0},
+            "knee": {"d0": 2.0},
         }[name]  # fmt: skip
         for constant, factor in factors.items():
             np.testing.assert_allclose(factor, wanted.get(constant, 1.0), rtol=1e-9, err_msg=f"{name}: {constant}")
@@ -48,7 +48,7 @@ def test_each_map_multiplies_its_own_constants_and_half_changes_nothing() -> Non
 
 def test_a_place_painted_0_keeps_a_little_of_its_constants_and_runs() -> None:
     n = len(small().mesh.source)
-    model = small(knee=np.zeros(n), spread=np.zeros(n), thickness=np.zeros(n))
+    model = small(knee=np.zeros(n), spread=np.zeros(n))
     assert model.matching.d0.min() == pytest.approx(LEAST * small().matching.d0.min())
     assert depth(model, 3.0) > 0
 

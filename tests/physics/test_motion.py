@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body import pressure, shape_matching, springs
+from core.body import shape_matching
 from core.body.model import Model, build_model
 from core.fills import FILLS
 from core.material import PRESETS, Material, Preset
@@ -16,6 +16,7 @@ from core.session import Finger, Session
 from studies import scenes
 from studies.methods import native as native_method
 from studies.reference import semi_implicit
+from studies.reference.energy import stored
 from studies.reference.laws import State, forces, initial_state
 from studies.reference.path import FingerPath
 from tests.bodies import TETRAHEDRON, after, ball, hemisphere, sheet, state_of
@@ -78,9 +79,8 @@ def energies_after(session: Session, depth: float) -> list[float]:
         assert session.step(0.1).note == ""
         state = state_of(session.body)
         state.pose = np.eye(3), np.zeros(3)
-        stored = shape_matching.energy(model.matching, state.positions, state.pose)
-        stored += springs.energy(model.springs, state.positions) + pressure.energy(model.pressure, state.positions)
-        energies.append(stored + float((model.mass * state.velocities**2).sum()) / 2)
+        kept = stored(model, state.positions, state.pose)
+        energies.append(kept + float((model.mass * state.velocities**2).sum()) / 2)
     return energies
 
 
@@ -161,10 +161,7 @@ def test_momentum_is_kept_over_ten_thousand_steps(backend: str) -> None:
 
 
 def energy(model: Model, state: State) -> float:
-    x = state.positions
-    stored = springs.energy(model.springs, x) + pressure.energy(model.pressure, x)
-    stored += shape_matching.energy(model.matching, x)
-    return stored + float((model.mass * state.velocities**2).sum()) / 2
+    return stored(model, state.positions) + float((model.mass * state.velocities**2).sum()) / 2
 
 
 @pytest.mark.parametrize("amount", [0.3, 2.0], ids=["short of the knee", "beyond the knee"])

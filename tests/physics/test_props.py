@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError, Floats, Ints
-from core.body import pressure, rigid, shape_matching, springs
+from core.body import rigid
 from core.body.model import Model, build_model
 from core.material import PRESETS, Indenter
 from core.mesh.surface import base_vertices
@@ -16,6 +16,7 @@ from core.session import Session
 from core.world import World
 from core.world.props import shrunk, touching_gap
 from studies.reference import rigid as turning
+from studies.reference.energy import stored
 from studies.scenes import cube
 
 G, SIDE = 9.81, 0.165
@@ -155,8 +156,7 @@ def held_by(session: Session, model: Model) -> float:
     """Return the energy of a body's motion and shape [J]."""
     x, v, pose = session.body.positions(), session.body.velocities(), (np.eye(3), np.zeros(3))
     moving = 0.5 * float((model.mass * (v * v).sum(axis=0)).sum())
-    shape = springs.energy(model.springs, x) + shape_matching.energy(model.matching, x, pose)
-    return moving + shape + pressure.energy(model.pressure, x)
+    return moving + stored(model, x, pose)
 
 
 def test_a_ball_that_lands_beside_the_middle_of_a_ball_rolls_off_it() -> None:

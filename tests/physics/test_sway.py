@@ -79,6 +79,20 @@ def test_a_bone_holds_the_flesh_about_it() -> None:
     assert moved[far < 0.02].max() < 0.3 * moved[far > 0.035].max()
 
 
+def test_pins_hold_as_firmly_as_they_weigh() -> None:
+    mesh = box(0.08, 0.08, 0.16, cells=16)
+    high = (mesh.rest_positions[:, 2] > 0).astype(float)
+    base = (mesh.rest_positions[:, 2] < mesh.rest_positions[:, 2].min() + 1e-6).astype(float)
+    swung = []
+    for weight_of_pin in (0.0, 0.3, 0.7, 1.0):
+        sway = swaying(mesh, np.maximum(base, weight_of_pin * high))
+        sway.advance(mesh.rest_positions, 0.01)
+        for step in range(1, 5):
+            sway.advance(mesh.rest_positions + (0.01 * step, 0, 0), 0.01)
+        swung.append(np.linalg.norm(sway.displacement()[high > 0], axis=1).max())
+    assert swung[0] > 1.2 * swung[1] > 1.2**2 * swung[2] > 0 and swung[3] < 1e-9
+
+
 def test_a_free_body_has_no_mode_that_only_moves_it() -> None:
     mesh = ball()
     modes = modes_of(mesh, mesh.rest_positions, np.zeros(len(mesh.rest_positions)))

@@ -23,7 +23,7 @@ CHANGES = [
     replace(SOFT, K1=1800), replace(SOFT, K2=9000), replace(SOFT, x0=0.015), replace(SOFT, k=3000),
     replace(SOFT, mass=2.0), replace(SOFT, damping_ratio=1.5), replace(SOFT, friction=0.0), replace(SOFT, spread=0.03),
 ]  # fmt: skip
-MAPS = ("softness", "knee", "spread", "thickness")
+MAPS = ("softness", "knee", "spread")
 
 
 def on_its_base(mesh: Mesh, material: Material = SOFT, **maps: Any) -> Model:
@@ -73,7 +73,7 @@ def test_a_changed_map_acts_at_once_and_nothing_jumps(name: str) -> None:
     wanted = pressed(painted)
     wanted.step(1.0)
     assert force(session) == pytest.approx(force(wanted), rel=1e-3)
-    if name == "softness":  # the knee matters deeper, spread and thickness for the shape
+    if name == "softness":  # the knee matters deeper, the spread for the shape
         assert force(session) != pytest.approx(first, rel=0.01)
 
 

@@ -378,7 +378,7 @@ def in_japanese() -> robot.Waits:
 def play_on(rest: np.ndarray) -> robot.Waits:
     """Start the simulation by its button and leave it running: `finish` closes Blender in the middle."""
     bpy.context.scene.dimple.use_gravity = True  # so that something moves
-    bpy.data.objects[BODY].dimple.pinned = "NONE"
+    bpy.data.objects[BODY].dimple.pinned = False
     yield from click("play")
     yield from robot.until(lambda: moved(rest) > 0.01, "the free ball falls", 60)
     check("a click on its button plays: the free ball falls", "DIMPLE_OT_play" in robot.modal_operators())

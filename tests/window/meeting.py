@@ -26,7 +26,7 @@ def meet(out: Path, check: Check, measured: dict) -> robot.Waits:
     floor.dimple.collider = True
     balls = [_add(name, *_ball((0.1 * k, 0.0, 2.03 * k))) for k, name in enumerate(("Lower", "Upper"))]
     for ball in balls:
-        ball.dimple.pinned = "NONE"
+        ball.dimple.pinned = False
         ball.dimple.size_mode = "CUSTOM"
         ball.select_set(True)
     bpy.context.view_layer.objects.active = balls[0]

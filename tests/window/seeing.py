@@ -46,7 +46,7 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from robot.redrawn()
     plain = robot.screenshot(out / "0-plain.png")
     settings.show_rest = settings.show_profile = True
-    for name in ("PRESSURE", "DEPTH", "STRETCH", "SLOPE", "KNEE", "SPREAD", "THICKNESS"):
+    for name in ("PRESSURE", "DEPTH", "STRETCH", "SLOPE", "KNEE", "SPREAD"):
         yield from show(name)
         yield from robot.redrawn(3)
         coloured = robot.screenshot(out / f"0-colours-{name.lower()}.png")

@@ -95,7 +95,7 @@ def paint(skin: bpy.types.Object) -> None:
     """Paint what is firm: 1 near the bones, 0 at the belly."""
     points = np.array([vertex.co for vertex in skin.data.vertices])
     away = np.min([distance(points, *map(np.array, ends[:2])) for ends in BONES.values()], axis=0)
-    group = skin.vertex_groups.new(name="Firm")
+    group = skin.vertex_groups.new(name="Pin")
     for vertex, weight in enumerate(np.clip((FREE_M - away) / (FREE_M - FIRM_M), 0.0, 1.0)):
         group.add([vertex], float(weight), "REPLACE")
 
@@ -145,53 +145,15 @@ def sway(out: Path, check: Check, measured: dict) -> robot.Waits:
     yield from robot.until(lambda: skin.dimple.enabled, "the character is soft", 60)
     yield from pick((yield from clicking.in_sidebar("material")), "F", hand)
     yield from robot.until(lambda: skin.dimple.material == "flesh", "its material is flesh", 20)
-    before = hand.count
-    yield from pin(skin, hand)
-    pinned = hand.count - before
+    check("its painted weights hold it", skin.dimple.pinned and skin.dimple.pin_group == "Pin")
     robot.screenshot(out / "s-00-pinned.png")
     yield from hand.button("play")
     yield from robot.until(lambda: opening.body() is not None, "it plays", 120)
-    hand.count -= pinned
-    words = f"{hand.count}, and {pinned} more to choose the weights as pins"
-    check("a rigged character of flesh plays by four actions", hand.count <= CLICKS, words)
+    check("a rigged character of flesh plays by four actions", hand.count <= CLICKS, str(hand.count))
     yield from robot.redrawn()
     robot.screenshot(out / "s-00-playing.png")
     view.show_region_ui = False
     yield from watched(skin, out, check, measured)
-
-
-def pin(skin: bpy.types.Object, hand: minute.Hand) -> robot.Waits:
-    """Choose in the Physics tab the painted weights as pins."""
-    area = next(each for each in robot.window().screen.areas if each.type == "PROPERTIES")
-    tabs = next(each for each in area.regions if each.type == "NAVIGATION_BAR")
-    shown = next(each for each in area.regions if each.type == "WINDOW")
-    for y in range(tabs.y + tabs.height - 12, tabs.y, -20):
-        yield from robot.click(tabs.x + tabs.width // 2, y)
-        yield from robot.looks(4)
-        if area.spaces.active.context == "PHYSICS":
-            break
-    hand.count += 1
-    yield from pick((yield from standing(area, shown, "pinned")), "V", hand)
-    yield from robot.until(lambda: skin.dimple.pinned == "GROUP", "it is pinned by a group", 20)
-    place = yield from standing(area, shown, "pin_group")
-    yield from hand.click(place)
-    yield from clicking.write("Firm", place)
-    yield from robot.looks(10)
-    yield from hand.key("RET", place)
-    yield from robot.until(lambda: skin.dimple.pin_group == "Firm", "the group is chosen", 20)
-
-
-def standing(area: bpy.types.Area, region: bpy.types.Region, name: str) -> clicking.Found:
-    """Return where a field is, once nothing above it opens or closes any more."""
-    for _ in range(5):
-        yield from robot.redrawn()
-        found = yield from clicking.fields(area, region, name)
-        if name in found:
-            yield from robot.move(*found[name])
-            yield from robot.looks(10)
-            if clicking.hovered(area, region).endswith(f".{name}"):
-                return found[name]
-    raise robot.NotReached(f"the Physics tab shows no {name}")
 
 
 def pick(menu: clicking.Place, letter: str, hand: minute.Hand) -> robot.Waits:
@@ -205,7 +167,7 @@ def watched(skin: bpy.types.Object, out: Path, check: Check, measured: dict) -> 
     """Play the timeline by the space bar, and note how far belly and firm parts are from the rig in each frame [mm]."""
     scene, posed = bpy.context.scene, by_rig(skin)
     rest = np.array([vertex.co for vertex in skin.data.vertices])
-    firm, belly = weights(skin)["Firm"] == 1.0, int(rest[:, 1].argmin())
+    firm, belly = weights(skin)["Pin"] == 1.0, int(rest[:, 1].argmin())
     mm, away = skin.dimple.size_mm / max(skin.dimensions), {}
     yield from robot.move(*BESIDE)
     yield from clicking.strike("SPACE", BESIDE)

@@ -67,7 +67,7 @@ def test_bodies_that_meet_in_play_are_one_task_and_meet_in_its_bake(
     for name, height in (("Lower", 0.0), ("Upper", 2.05)):
         body = ball(name)
         body.location.z, body.dimple.enabled, body.dimple.self_contact = height, True, name == "Lower"
-        body.dimple.pinned = "BASE" if name == "Lower" else "NONE"
+        body.dimple.pinned = name == "Lower"
     scene.dimple.use_gravity, scene.dimple.use_ground = True, False
     blend, out = tmp_path / "meeting.blend", tmp_path / "out"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))

@@ -124,8 +124,7 @@ def test_a_scale_of_zero_is_refused(add: Callable[..., Any], refused: Refused, s
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"pinned": "GROUP", "pin_group": "Neck"}, 'no vertex group "Neck"'),
-        ({"pinned": "GROUP"}, "none is chosen"),
+        ({"pin_group": "Neck"}, 'no vertex group "Neck"'),
         ({"softness_group": "Soft"}, 'no vertex group "Soft"'),
     ],
 )
@@ -141,7 +140,7 @@ def test_a_vertex_group_that_does_not_exist_is_named(
 def test_pins_that_hold_nothing_are_refused(add: Callable[..., Any], refused: Refused) -> None:
     obj = add()
     obj.vertex_groups.new(name="Neck").add([0, 1], 0.4, "ADD")
-    obj.dimple.pinned, obj.dimple.pin_group = "GROUP", "Neck"
+    obj.dimple.pin_group = "Neck"
     refused(obj, "weight of 0.5")
 
 

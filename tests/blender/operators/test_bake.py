@@ -162,7 +162,7 @@ def test_a_free_body_falls_by_physics_not_by_frames(
     bpy: ModuleType, scene: Any, add: Add, coordinates: Bits, fps: int, shown: Any
 ) -> None:
     obj = add()
-    obj.dimple.pinned, obj.dimple.size_mode = "NONE", "REAL"
+    obj.dimple.pinned, obj.dimple.size_mode = False, "REAL"
     scene.dimple.use_gravity, scene.render.fps = True, fps
     bpy.ops.dimple.bake(frame_start=1, frame_end=1 + fps)
     _, positions = cached(scene, obj)
@@ -267,7 +267,7 @@ def test_a_keyframed_pressure_swells_a_body_in_a_bake(bpy: ModuleType, scene: An
 def test_keyframed_pins_let_a_body_go(bpy: ModuleType, scene: Any, ball: Add) -> None:
     obj = ball()
     scene.dimple.use_gravity = True
-    for frame, pinned in ((1, "BASE"), (10, "NONE")):
+    for frame, pinned in ((1, True), (10, False)):
         obj.dimple.pinned = pinned
         obj.dimple.keyframe_insert("pinned", frame=frame)
     bpy.ops.dimple.bake(frame_start=1, frame_end=20)

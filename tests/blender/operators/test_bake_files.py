@@ -37,7 +37,6 @@ def test_the_table_beside_the_cache_has_force_depth_pressure_and_volume(
     put_in = 610 * 0.0163**2 / 2 + 610 * 0.0163 * beyond + 7230 * beyond**2 / 2
     assert held["work_j"] == pytest.approx(put_in, rel=0.03), "what the law takes on the way in"
     assert -0.03 * put_in < rows[-1]["work_j"] < 0.05 * put_in, "and gives back"
-    assert rows[0]["elastic_j"] < 1e-6 < held["elastic_j"] and held["kinetic_j"] < 1e-4
 
 
 def test_the_demo_sums_up_the_table_that_a_bake_writes(

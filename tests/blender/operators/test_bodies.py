@@ -196,7 +196,7 @@ def test_several_selected_objects_run_at_once(bpy: ModuleType, ball: Add, coordi
     bodies = []
     for i in range(3):
         obj = ball(f"Ball {i}")
-        obj.location.x, obj.dimple.pinned = 3 * i, "NONE"
+        obj.location.x, obj.dimple.pinned = 3 * i, False
         bodies.append(obj)
     for obj in bodies:
         obj.select_set(True)

@@ -202,11 +202,9 @@ def test_over_a_hidden_body_nothing_is_drawn(
 def test_a_frame_in_which_a_body_rests_is_that_before_it(
     bpy: ModuleType, scene: Any, ball: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.core import fields
     from bl_ext.user_default.dimple.operators.bridge import scene_objects
 
     obj, calls = ball(), Counter[str]()
-    counted(monkeypatch, calls, fields, "energies")
     counted(monkeypatch, calls, scene_objects, "offsets_of")
     bpy.ops.dimple.bake(frame_start=1, frame_end=80)
     assert calls.total() < 40, "it falls asleep within 20 frames"

@@ -30,7 +30,7 @@ def pushed(bpy: ModuleType, scene: Any, ball: Add, add: Add) -> Callable[[], tup
         cube.select_set(False)
         obj.select_set(True)
         bpy.context.view_layer.objects.active = obj
-        obj.dimple.pinned = "BASE"
+        obj.dimple.pinned = True
         scene.dimple.use_gravity = scene.dimple.use_ground = False
         scene.frame_set(1)
         return obj, cube
@@ -92,7 +92,7 @@ def test_two_bodies_press_each_other_flat_where_they_meet(
     floor.dimple.collider = True
     floor.select_set(False)
     for obj in (lower, upper):
-        obj.dimple.pinned = "NONE"
+        obj.dimple.pinned = False
         obj.select_set(True)
     scene.dimple.use_gravity, scene.dimple.use_ground = True, False
     assert bpy.ops.dimple.play(seconds=0.3) == {"FINISHED"}
@@ -127,7 +127,7 @@ def test_faces_that_pass_through_others_of_their_mesh_are_left_out_of_self_conta
 def hand_and_ball(bpy: ModuleType, scene: Any, ball: Add, add: Add) -> tuple[Any, Any]:
     """A soft ball between two fingers of one mesh, whose bones close on it from frame 1 to 7."""
     obj = ball()
-    obj.dimple.pinned = "NONE"
+    obj.dimple.pinned = False
     scene.dimple.use_gravity = scene.dimple.use_ground = False
     box = [(x, y, z) for x in (-0.1, 0.1) for y in (-0.6, 0.6) for z in (-0.6, 0.6)]
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -205,7 +205,7 @@ def test_what_sleeps_on_a_collider_falls_once_that_is_taken_away(
 ) -> None:
     from bl_ext.user_default.dimple.operators.press import live_step
 
-    cube.location, cube.dimple.pinned = (0, 0, 1.02), "NONE"
+    cube.location, cube.dimple.pinned = (0, 0, 1.02), False
     scene.dimple.use_gravity, scene.dimple.use_ground = True, False
     tables = [add([(-3, -3, z), (3, -3, z), (3, 3, z), (-3, 3, z)], [(0, 1, 2, 3)]) for z in (0, -0.05, -0.1, -0.15)]
     for table in tables:
@@ -291,7 +291,7 @@ def led_down(bpy: ModuleType, scene: Any, add: Add) -> Callable[[Sequence[float]
         led.select_set(False)
         soft.select_set(True)
         bpy.context.view_layer.objects.active = soft
-        soft.dimple.pinned = "BASE"
+        soft.dimple.pinned = True
         scene.dimple.use_gravity = scene.dimple.use_ground = False
         scene.frame_set(1)
         assert bpy.ops.dimple.bake(frame_start=1, frame_end=24) == {"FINISHED"}

@@ -87,10 +87,9 @@ CHANGES: dict[str, tuple[Callable[[ModuleType], None], Callable[[Any], bool]]] =
     "softness map": (of_map("softness"), lambda model: np.ptp(model.maps.stiffer) > 0.1),
     "knee map": (of_map("knee"), lambda model: np.ptp(model.maps.deeper) > 0.1),
     "spread map": (of_map("spread"), lambda model: np.ptp(model.maps.wider) > 0.1),
-    "thickness map": (of_map("thickness"), lambda model: np.ptp(model.maps.thicker) > 0.1),
     "gravity": (of_scene("use_gravity"), lambda model: model.gravity[2] < -9),
     "ground": (of_scene("use_ground"), lambda model: model.ground is not None),
-    "pins": (of_body("pinned", "NONE"), lambda model: not model.pinned.any()),
+    "pins": (of_body("pinned", False), lambda model: not model.pinned.any()),
     "size": (of_body("size_mm", 330.0), lambda model: model.mesh.size > 0.32),
 }
 
@@ -354,13 +353,13 @@ def test_x0_is_painted_while_a_force_rests_and_the_press_stops_there(bpy: Module
 
 
 def test_a_map_may_be_an_attribute(bpy: ModuleType, entry: Any, cube: Any) -> None:
-    values = cube.data.attributes.new("thick", "FLOAT", "POINT")
-    cube.dimple.thickness_group = "thick"
+    values = cube.data.attributes.new("soft", "FLOAT", "POINT")
+    cube.dimple.softness_group = "soft"
     values.data.foreach_set("value", [1.0] * len(cube.data.vertices))
-    before = entry.session.model.mass.sum()
+    before = entry.session.model.matching.k1.sum()
     step(bpy)
-    assert entry.session.model.mass.sum() == pytest.approx(2 * before) and not entry.refused
-    cube.dimple.thickness_group = ""
+    assert entry.session.model.matching.k1.sum() == pytest.approx(before / 4) and not entry.refused
+    cube.dimple.softness_group = ""
 
 
 def test_a_poke_lets_the_brush_have_the_mouse(bpy: ModuleType, hand: Any, ball: Any) -> None:

@@ -106,34 +106,27 @@ def broken(bpy: ModuleType) -> Any:
     return obj
 
 
-def test_a_broken_mesh_is_repaired_where_the_artist_agrees_and_what_is_left_is_said(
+def test_a_broken_mesh_is_left_as_it_is_and_what_is_wrong_with_it_is_said(
     bpy: ModuleType, empty_file: ModuleType, coordinates: Bits, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    from bl_ext.user_default.dimple.operators.press import make_soft
-
     obj = broken(bpy)
     before = coordinates(obj)
     bpy.ops.dimple.make_soft()
-    assert coordinates(obj) == before, "nothing is repaired unasked"
+    assert coordinates(obj) == before
     assert "Holes closed for the pressure only: 1." in capfd.readouterr().out
-    bpy.ops.dimple.make_soft(repair=True)
-    assert len(obj.data.vertices) == 642 and make_soft.repair(obj) == (0, 0, 0)
-    said = capfd.readouterr().out
-    assert "Doubled vertices: 3. Loose vertices: 1. Faces that look inward: 1." in said
 
 
-def test_whatever_is_wrong_with_a_sheet_most_of_its_faces_say_which_side_is_outward(
-    bpy: ModuleType, empty_file: ModuleType
+@pytest.mark.parametrize(
+    ("painted", "chosen", "taken"), [("Pin", "", "Pin"), ("Belt", "", ""), ("Pin", "Belt", "Belt")]
+)
+def test_make_soft_takes_a_vertex_group_named_pin_unless_another_is_chosen(
+    bpy: ModuleType, bare: Any, painted: str, chosen: str, taken: str
 ) -> None:
-    from bl_ext.user_default.dimple.operators.press import make_soft
-
-    bpy.ops.mesh.primitive_grid_add(x_subdivisions=10, y_subdivisions=10)
-    sheet = bpy.context.object
-    for polygon in sheet.data.polygons:
-        polygon.flip() if polygon.index in (3, 50) else None
-    sheet.data.update()
-    assert make_soft.repair(sheet).inward == 2
-    assert all(polygon.normal.z > 0.99 for polygon in sheet.data.polygons)
+    for name in filter(None, {painted, chosen}):
+        bare.vertex_groups.new(name=name).add([0, 1, 2, 3], 1.0, "ADD")
+    bare.dimple.pin_group = chosen
+    bpy.ops.dimple.make_soft()
+    assert bare.dimple.pinned and bare.dimple.pin_group == taken
 
 
 def test_a_preset_is_chosen_by_its_name(bpy: ModuleType, bare: Any) -> None:

@@ -36,7 +36,7 @@ def test_another_tip_presses_and_leaves_the_material_as_it_was(bpy: ModuleType, 
 
 
 def test_a_body_that_nothing_holds_is_not_measured(bpy: ModuleType, vinyl: Any, cube: Any, tmp_path: Path) -> None:
-    cube.dimple.pinned = "NONE"
+    cube.dimple.pinned = False
     with pytest.raises(RuntimeError, match="held by nothing"):
         bpy.ops.dimple.measure(filepath=str(tmp_path / "free.csv"))
 

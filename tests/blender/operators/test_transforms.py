@@ -1,4 +1,4 @@
-"""Transforms and times that a bake or a file cannot hold are refused with the reason."""
+"""What a bake or a file cannot hold is refused with the reason, and what has no effect is said."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -26,3 +26,18 @@ def test_a_sheared_object_is_refused_by_the_export(
     for each in ("GLB", "ALEMBIC"):
         with pytest.raises(RuntimeError, match="sheared"):
             bpy.ops.dimple.export_animation(formats={each}, **frames)
+
+
+def test_what_does_not_act_on_a_body_is_said(bpy: ModuleType, scene: Any, pressed: Callable[..., Any]) -> None:
+    from bl_ext.user_default.dimple.operators.bridge import scene_objects
+
+    obj = pressed()
+
+    def said() -> str:
+        return str(scene_objects.read_body(bpy.context, obj)[1].notes)
+
+    assert "force fields" not in said() and "is disabled in the viewport" not in said()
+    bpy.ops.object.effector_add(type="WIND")
+    scene.dimple.finger_1.hide_viewport = True
+    assert "Wind and other force fields of the scene do not act" in said()
+    assert "is disabled in the viewport" in said()
