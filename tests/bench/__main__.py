@@ -7,6 +7,7 @@ import json
 import sys
 from pathlib import Path
 
+
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command's words; it needs no environment."""
     made = argparse.ArgumentParser(
