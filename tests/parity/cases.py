@@ -13,7 +13,7 @@ from core.material import FINGERTIP, PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.native import Body
 from core.native.motion import FingertipMotion, Frame, Motion, PinMotion
-from tests.bodies import REAL, ball, hemisphere, joined, real, sheet, soup
+from tests.bodies import REAL, ball, fan, hemisphere, joined, real, sheet, soup
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2, fill="liquid")
 SIZE = 0.16
@@ -37,15 +37,6 @@ class Case:
     moved: bool = False
     ticks: int = 20
     options: dict[str, Any] = field(default_factory=dict)
-
-
-def fan() -> tuple[Floats, Any]:
-    """Return a cone of 20 triangles round one tip: more neighbours than a ring has room for."""
-    turn = np.arange(20) * 2 * np.pi / 20
-    rim = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
-    return np.concatenate([rim, [[0, 0, 1.0], [0, 0, -1.0]]]), np.array(
-        [(i, (i + 1) % 20, 20) for i in range(20)] + [((i + 1) % 20, i, 21) for i in range(20)]
-    )
 
 
 def crumpled() -> tuple[Floats, Any]:

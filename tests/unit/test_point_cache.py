@@ -11,7 +11,6 @@ import pytest
 
 from core.base import DimpleError
 from core.recording import PointCache, open_point_cache
-from core.recording import point_cache as recording
 from tests.point_cache import read_point_cache
 from tools.environment import ROOT
 
@@ -69,12 +68,6 @@ def test_a_file_cut_anywhere_gives_its_whole_samples_or_a_message(path: Path) ->
             samples = read_point_cache(path)[2]
             assert len(samples) == (length - HEADER) // SIZE
             np.testing.assert_array_equal(samples, SAMPLES[: len(samples)])
-
-
-def test_a_sample_torn_by_a_crash_is_not_counted(path: Path) -> None:
-    data = path.read_bytes()
-    path.write_bytes(data + SAMPLES[0].tobytes()[:17])
-    np.testing.assert_array_equal(read_point_cache(path)[2], SAMPLES)
 
 
 def test_every_sample_can_be_read_before_the_next(tmp_path: Path) -> None:
@@ -147,20 +140,6 @@ def test_a_random_file_never_raises_anything_but_a_message(whole: Path) -> None:
 def test_a_missing_folder_is_said_by_name(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="nowhere"):
         PointCache(tmp_path / "nowhere" / "press.pc2", 3)
-
-
-def test_samples_are_flushed_and_the_disk_is_waited_for_once_at_the_end(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    waits = []
-    monkeypatch.setattr(recording.os, "fsync", waits.append)
-    cache = PointCache(tmp_path / "press.pc2", 3)
-    for sample in SAMPLES:
-        cache.append(sample)
-    assert waits == []
-    cache.close()
-    cache.close()
-    assert len(waits) == 1
 
 
 @pytest.mark.parametrize("size", [0, 16, HEADER, HEADER + SIZE - 1, HEADER + SIZE, HEADER + 2 * SIZE + 7])
