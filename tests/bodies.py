@@ -10,7 +10,6 @@ import pytest
 from core.base import Floats, Ints
 from core.native import Body
 from core.session import Session
-from studies.reference.contact import Skin
 from studies.reference.laws import State
 from studies.reference.rigid import rotation
 
@@ -120,11 +119,6 @@ def after(session: Session, seconds: float) -> npt.NDArray[np.float32]:
     """Step a session and return where it is then."""
     session.step(seconds)
     return session.positions()
-
-
-def hard(n: int, friction: float) -> Skin:
-    """Return a skin of n vertices that does not give way."""
-    return Skin(np.full(n, friction), np.zeros(n))
 
 
 def state_of(body: Body) -> State:

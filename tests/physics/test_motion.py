@@ -10,7 +10,7 @@ from core.base import Floats
 from core.body import pressure, shape_matching, springs
 from core.body.model import Model, build_model
 from core.fills import FILLS
-from core.material import PRESETS, Material, Preset
+from core.material import Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Session
 from studies import scenes
@@ -18,7 +18,7 @@ from studies.methods import native as native_method
 from studies.reference import semi_implicit
 from studies.reference.laws import State, forces, initial_state
 from studies.reference.path import FingerPath
-from tests.bodies import TETRAHEDRON, after, ball, hemisphere, sheet, state_of
+from tests.bodies import TETRAHEDRON, ball, hemisphere, sheet, state_of
 
 RATES = (24.0, 30.0, 60.0, 120.0)
 EVERY = ["native64", "native"]
@@ -133,18 +133,6 @@ def change(model: Model, state: State, before: tuple[Floats, Floats]) -> float:
     )
 
 
-@pytest.mark.parametrize(
-    ("shape", "material"), [("ball", "liquid"), ("ball", "air"), ("capped", "air"), ("ball", "none")]
-)
-def test_a_free_body_keeps_its_momentum(shape: str, material: str) -> None:
-    model, state = thrown(shape, material)
-    session = Session(model, backend="native64")
-    session.body.set_state(state.positions, state.velocities)
-    before = momentum(model, state)
-    session.step(0.1)
-    assert change(model, state_of(session.body), before) < 1e-12
-
-
 @pytest.mark.parametrize("backend", ["native64", "native"])
 def test_momentum_is_kept_over_ten_thousand_steps(backend: str) -> None:
     model, state = thrown("ball", "liquid")
@@ -197,22 +185,6 @@ def test_a_spun_body_keeps_spinning_and_its_rest_shape_follows() -> None:
     turn, _ = shape_matching.fit_pose(model.matching.rest, state.positions, model.matching.k1)
     angle = np.arccos((np.trace(turn) - 1) / 2)
     assert angle == pytest.approx(np.linalg.norm(spin) * 0.3, rel=0.02)
-
-
-@pytest.mark.parametrize("preset", PRESETS, ids=lambda p: p.name)
-def test_a_body_pressed_and_let_go_returns_to_rest(preset: Preset) -> None:
-    material, size = preset.material, preset.size
-    mesh = scenes.cube(2, size)
-    session = Session(build_model(mesh, [material], pinned=base_vertices(mesh)))
-    top = size / 2 + 0.01
-    session.set_fingers([Finger((0.2 * size, 0, top), 0.01)])
-    session.step(0.001)
-    session.set_fingers([Finger((0.2 * size, 0, top - 0.3 * size), 0.01)])
-    pressed = after(session, 0.2)
-    assert np.abs(pressed - mesh.rest_positions[mesh.source]).max() > 0.2 * size
-    session.set_fingers([])
-    back = after(session, 1.0)
-    np.testing.assert_allclose(back, mesh.rest_positions[mesh.source], atol=1e-4 * size)
 
 
 BODIES: dict[str, Mesh] = {

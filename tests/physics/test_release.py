@@ -11,8 +11,8 @@ from core.material import Material
 from core.mesh.surface import base_vertices
 from studies.__main__ import main
 from studies.bodies import DOUGH, GEL, VINYL, head
-from studies.primitives import HARD, PRIMITIVES, SIZE, grid, icosphere, joined, makers, moved, sized
-from studies.release import Place, flipped, place_at, release, residual
+from studies.primitives import HARD, PRIMITIVES, SIZE, grid, icosphere, sized
+from studies.release import flipped, place_at, release, residual
 from studies.release_report import run_mesh
 
 FINGERTIP = 0.015  # [m]
@@ -63,22 +63,7 @@ def test_a_face_turned_over_is_seen_and_a_turned_body_has_none() -> None:
     assert flipped(mesh, x.T) > 0
 
 
-def test_a_place_behind_is_on_the_far_side() -> None:
-    mesh = sized(*joined(icosphere(2), moved(icosphere(2), 4, 0, 0)))
-    place: Place = place_at(mesh, int(mesh.rest_positions[:, 2].argmax()))
-    assert place.behind is not None and place.behind[2] == pytest.approx(-place.point[2], rel=0.02)
-
-
-def test_there_are_a_hundred_meshes_with_those_beside_the_repository() -> None:
-    assert len(makers()) >= 96
-
-
 def test_the_command_sums_up_as_json(tmp_path: Path) -> None:
     assert main(["release", "--only", "ico sphere 3", "--json", str(tmp_path / "sum.json")]) == 0
     found = json.loads((tmp_path / "sum.json").read_text("utf-8"))
     assert found["meshes"] == 1 and found["presses"] == len(found["rows"]) == 3 and found["not_back"] == 0
-
-
-def test_a_folder_without_meshes_is_refused_in_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["release", "--only", "nothing", "--meshes", str(tmp_path)]) == 2
-    assert "holds no .obj" in capsys.readouterr().err
