@@ -21,15 +21,6 @@ def core(name: str) -> ModuleType:
     return importlib.import_module(f"{ROOT}.core.{name}")
 
 
-def apply(settings: Any, preset: Any) -> None:
-    """Type the constants of a preset in, as the paper prints them."""
-    measured = preset.material
-    settings.K1, settings.K2, settings.k = measured.K1 / 1e3, measured.K2 / 1e3, measured.k / 1e3
-    settings.x0, settings.fill = measured.x0 * 1e3, measured.fill.upper()
-    settings.mass_from = "MASS" if measured.density is None else "DENSITY"
-    settings.mass_kg, settings.density = measured.mass or 1.0, measured.density or 1.0
-
-
 def test_a_new_material_is_the_second_object_of_the_paper(material: Any) -> None:
     assert material.to_params() == {
         "K1": 610.0, "K2": 7230.0, "k": 9200.0, "x0": 0.0163, "density": 100.0,
@@ -55,30 +46,6 @@ def test_what_is_typed_is_what_is_computed(material: Any) -> None:
     for number in (0.59, 2.24, 54.8, 9.13, 0.001, 1234.567):
         material.K1 = number
         assert material.to_params()["K1"] == pytest.approx(number * 1e3, rel=1e-15)
-
-
-@pytest.mark.parametrize("which", range(3))
-def test_every_preset_survives_the_panel_unchanged(material: Any, which: int) -> None:
-    preset = core("material").PRESETS[which]
-    apply(material, preset)
-    stored = core("material").Material(**material.to_params())
-    for name in ("K1", "K2", "k", "x0", "mass", "density", "fill"):
-        assert getattr(stored, name) == getattr(preset.material, name), name
-
-
-def test_the_mass_is_given_once(material: Any) -> None:
-    assert "mass" not in material.to_params()
-    material.mass_from = "MASS"
-    assert material.to_params()["mass"] == 0.2
-    assert "density" not in material.to_params()
-
-
-def test_several_materials_on_one_mesh_keep_their_own_constants(empty_file: ModuleType) -> None:
-    mesh = empty_file.data.meshes.new("Body")
-    for name, stiffness in (("soft", 1.0), ("stiff", 50.0)):
-        mesh.materials.append(empty_file.data.materials.new(name))
-        mesh.materials[-1].dimple.k = stiffness
-    assert [slot.dimple.to_params()["k"] for slot in mesh.materials] == [1e3, 50e3]
 
 
 def test_every_fill_is_one_the_core_knows(empty_file: ModuleType, material: Any) -> None:

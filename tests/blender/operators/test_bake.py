@@ -32,7 +32,7 @@ def cached(scene: Any, obj: Any) -> tuple[float, np.ndarray]:
     return start, rest.reshape(-1, 3) + offsets
 
 
-def test_the_modifier_plays_what_was_recorded(
+def test_the_modifier_plays_what_was_recorded_and_unbake_takes_it_off(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], shown: Shown, coordinates: Bits
 ) -> None:
     obj = pressed()
@@ -53,18 +53,8 @@ def test_the_modifier_plays_what_was_recorded(
         assert np.abs(shown(obj) - positions[frame - 1]).max() < 1e-5
     assert positions[0].tobytes() == before
     assert np.abs(positions[8] - positions[0]).max() > 0.1
-
-
-def test_unbake_takes_everything_off(
-    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], shown: Shown, coordinates: Bits
-) -> None:
-    obj = pressed()
-    before, rest = coordinates(obj), shown(obj).copy()
-    bpy.ops.dimple.bake(frame_start=1, frame_end=8)
-    scene.frame_set(8)
-    assert np.abs(shown(obj) - rest).max() > 0.1
     bpy.ops.dimple.unbake()
-    assert not obj.modifiers and np.array_equal(shown(obj), rest) and coordinates(obj) == before
+    assert [modifier.name for modifier in obj.modifiers] == [later.name] and shown(obj).tobytes() == before
 
 
 def test_a_bake_without_frames_takes_those_of_the_scene(
@@ -157,7 +147,7 @@ def test_a_press_is_the_same_at_every_frame_rate(bpy: ModuleType, scene: Any, pr
         assert forces[fps] == pytest.approx(forces[24], rel=1e-3)
 
 
-@pytest.mark.parametrize("fps", [24, 30, 60, 120])
+@pytest.mark.parametrize("fps", [24, 120])
 def test_a_free_body_falls_by_physics_not_by_frames(
     bpy: ModuleType, scene: Any, add: Add, coordinates: Bits, fps: int, shown: Any
 ) -> None:

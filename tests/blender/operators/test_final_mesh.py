@@ -189,23 +189,6 @@ def test_a_modifier_that_must_be_first_is_pressed_as_any(
     assert shown(obj)[:, 2].max() < high - 0.02 and [each.name for each in obj.modifiers] == ["First", "Pressed"]
 
 
-def test_what_shows_a_press_is_no_object_of_the_artist_after_copy_paste_and_a_full_scene_copy(
-    bpy: ModuleType, scene: Any, ball: Callable[..., Any], tmp_path: Any
-) -> None:
-    from bl_ext.user_default.dimple.operators.press import sessions
-
-    ball()
-    bpy.ops.dimple.play(seconds=0.02)
-    bpy.ops.view3d.copybuffer()
-    bpy.ops.view3d.pastebuffer()
-    bpy.ops.scene.new(type="FULL_COPY")
-    sessions.stop_all()
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "copied.blend"))
-    for kind in (bpy.data.objects, bpy.data.meshes, bpy.data.node_groups):
-        assert not any(each.name.startswith(".Dimple") for each in kind)
-    assert not any(obj.modifiers for obj in bpy.data.objects)
-
-
 def test_a_kept_press_is_appended_whole_and_brings_no_object(
     bpy: ModuleType, scene: Any, ball: Callable[..., Any], shown: Callable[[Any], np.ndarray], tmp_path: Any
 ) -> None:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 Bits = Callable[[Any], bytes]
-TIP, FORCE = 0.01, 15.0  # [m], [N]
 PRESS: dict[str, Any] = {"force_n": 4.0, "press_s": 0.1, "hold_s": 0.2, "release_s": 0.0, "keep": True}
 
 
@@ -32,29 +31,6 @@ def test_a_bare_cube_is_ready_for_its_first_press_and_keeps_its_mesh(
     seen = shown(bare)
     assert seen[np.hypot(seen[:, 0], seen[:, 1]) < 0.1][:, 2].max() < 1.0 - 0.02
     assert coordinates(bare) == before
-
-
-@pytest.mark.once
-@pytest.mark.parametrize("K1", [pytest.param(0.3, marks=pytest.mark.slow), 3.0])
-def test_a_press_by_force_is_as_deep_as_the_law_says_on_a_vertex_and_beside_it(
-    bpy: ModuleType, bare: Any, sessions: Any, K1: float
-) -> None:
-    from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators.press import live_step
-
-    bpy.ops.dimple.make_soft()
-    body, _ = sessions.start(bare, bpy.context)
-    bare.active_material.dimple.K1 = K1
-    live_step.advance(bpy.context, 1e-3)
-    law, mesh = body.session.model.materials[0].law, body.session.model.mesh
-    edge = float(np.median(mesh.rest_lengths))
-    for aside in ((0.0, 0.0), (0.5, 0.0), (0.5, 0.5)):  # of an edge: on a vertex, an edge and a face
-        at = (edge * aside[0], edge * aside[1], mesh.size / 2 + TIP)
-        for force, seconds in ((0.0, 0.3), (FORCE, 1.0)):
-            body.session.set_fingers([Finger(at, TIP, force)])
-            body.session.step(seconds)
-        assert law(0.95 * body.frame.depths[0]) < FORCE < law(1.05 * body.frame.depths[0]), (aside, body.frame)
-    sessions.stop_all()
 
 
 def test_a_metaball_becomes_a_body_under_its_own_name(bpy: ModuleType, empty_file: ModuleType) -> None:
@@ -134,13 +110,6 @@ def test_whatever_is_wrong_with_a_sheet_most_of_its_faces_say_which_side_is_outw
     sheet.data.update()
     assert make_soft.repair(sheet).inward == 2
     assert all(polygon.normal.z > 0.99 for polygon in sheet.data.polygons)
-
-
-def test_a_preset_is_chosen_by_its_name(bpy: ModuleType, bare: Any) -> None:
-    choices = bpy.ops.dimple.make_soft.get_rna_type().properties["preset"]
-    assert choices.type == "ENUM"
-    bpy.ops.dimple.make_soft(preset="object_3_vinyl_water")
-    assert bare.active_material.dimple.fill == "LIQUID"
 
 
 def test_undo_takes_all_of_it_back(bpy: ModuleType, bare: Any, coordinates: Bits) -> None:
