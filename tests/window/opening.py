@@ -30,7 +30,7 @@ def open_samples(out: Path, check: Check, measured: dict) -> robot.Waits:
     yield from ready_in(out, check, measured)
     yield from new_file()
     bpy.data.objects["Cube"].data.materials.clear()  # else it keeps its own, which was measured nowhere
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.dimple.make_soft()
     yield from robot.redrawn()
     yield from status_bar(out, check)
@@ -92,14 +92,14 @@ def open_sample(name: str, out: Path, check: Check) -> robot.Waits:
 def ready_in(out: Path, check: Check, measured: dict) -> robot.Waits:
     """Make a bare mesh of 10,000 vertices soft, and see how long that takes; a time is no check."""
     cube = bpy.data.objects["Cube"]
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         cube.data.materials.clear()
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.subdivide(number_cuts=FINE - 1)
         bpy.ops.object.mode_set(mode="OBJECT")
     yield from robot.redrawn()
     begun, cpu = time.perf_counter(), time.process_time()
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.dimple.make_soft("INVOKE_DEFAULT")
         seconds, cpu = time.perf_counter() - begun, time.process_time() - cpu
     yield from robot.redrawn(1)
@@ -134,7 +134,7 @@ def status_bar(out: Path, check: Check) -> Generator[float, None, None]:
     bpy.ops.ed.undo_push(message="Radius")
     yield from robot.move(*at)
     before = yield from status(out / "00-status-before.png")
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.dimple.poke("INVOKE_DEFAULT")
     yield from robot.until(lambda: body() is not None, "the poke runs", 60)
     keys = yield from status(out / "00-status-keys.png")
@@ -224,13 +224,13 @@ def menus(out: Path, check: Check) -> robot.Waits:
     for language in ("en_US", "ja_JP"):
         view.language = language
         yield from robot.redrawn(3)
-        with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        with robot.inside():
             bpy.ops.wm.call_menu(name="DIMPLE_MT_object")
         yield from robot.looks(15)
         robot.screenshot(out / f"00-menu-{language[:2]}.png")
         yield from robot.key("ESC", *at)
     yield from panels(out)
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.mesh.primitive_uv_sphere_add(radius=0.3, location=(0.0, 0.0, 3.0))
         bpy.ops.wm.call_menu(name="DIMPLE_MT_object")
     yield from robot.looks(15)
