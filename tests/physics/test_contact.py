@@ -142,19 +142,3 @@ def test_a_fingertip_that_jumps_far_does_not_blow_the_body_up(backend: str) -> N
         assert frame.finite
     session.set_fingers([])
     np.testing.assert_allclose(after(session, 1.5), mesh.rest_positions, atol=2e-3)
-
-
-@pytest.mark.parametrize("z", [-0.5, -0.45, -0.375, -0.25])
-@pytest.mark.parametrize("cells", [2, 4])
-def test_a_fingertip_beside_pinned_vertices_feels_no_absurd_force(cells: int, z: float) -> None:
-    preset = PRESETS[1]
-    mesh = cube(cells, preset.size)
-    session = Session(build_model(mesh, [preset.material], pinned=base_vertices(mesh)))
-    for y in (0.0, 0.2, 0.4):
-        session.reset()
-        for i in range(11):
-            session.set_fingers(
-                [Finger((preset.size * (0.5 - 0.01 * i) + 0.006, y * preset.size, z * preset.size), 0.006)]
-            )
-            frame = session.step(0.01)
-            assert frame.finite and np.abs(frame.finger_forces).max() < 1e5  # it was 1e34

@@ -43,12 +43,6 @@ def test_what_is_recorded_is_read_back(whole: Path) -> None:
     np.testing.assert_array_equal(samples, SAMPLES)
 
 
-def test_what_is_recorded_is_read_by_others(path: Path) -> None:
-    start, rate, samples = read_point_cache(path)
-    assert (start, rate) == (10.0, 0.5) and samples.dtype == np.float32
-    np.testing.assert_array_equal(samples, SAMPLES)
-
-
 def test_the_file_is_a_pc2_file_byte_by_byte(path: Path) -> None:
     data = path.read_bytes()
     assert data[:HEADER] == b"POINTCACHE2\0" + struct.pack("<iiffi", 1, 3, 10.0, 0.5, 4)
@@ -68,16 +62,6 @@ def test_a_file_cut_anywhere_gives_its_whole_samples_or_a_message(path: Path) ->
             samples = read_point_cache(path)[2]
             assert len(samples) == (length - HEADER) // SIZE
             np.testing.assert_array_equal(samples, SAMPLES[: len(samples)])
-
-
-def test_every_sample_can_be_read_before_the_next(tmp_path: Path) -> None:
-    cache = PointCache(tmp_path / "press.pc2", 3)
-    assert read_point_cache(cache.path)[2].shape == (0, 3, 3)
-    for count, sample in enumerate(SAMPLES, start=1):
-        cache.append(sample)
-        np.testing.assert_array_equal(read_point_cache(cache.path)[2], SAMPLES[:count])
-    cache.close()
-    cache.close()
 
 
 @pytest.mark.parametrize("shape", [(2, 3), (4, 3), (3, 2), (9,), (), (1, 3, 3), (0, 3)])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import time
 from collections.abc import Callable, Generator
 from pathlib import Path
 
@@ -19,15 +18,12 @@ OTHER = "Animation"  # a workspace in Object Mode too
 ALIKE = 30  # [px] of it that may differ between two pictures of the same text
 EDIT = 62, 790  # [px] where the Edit menu is, with the default theme and scale
 BELOW = 60  # [px] under a body, where nothing is drawn
-FINE = 41  # cells along an edge of a cube: 10,088 vertices
 
 
-def open_samples(out: Path, check: Check, measured: dict) -> robot.Waits:
+def open_samples(out: Path, check: Check) -> robot.Waits:
     """Open the samples as an artist does and press each at once; then go back to the default scene."""
     for name in SAMPLES:
         yield from open_sample(name, out, check)
-    yield from new_file()
-    yield from ready_in(out, check, measured)
     yield from new_file()
     bpy.data.objects["Cube"].data.materials.clear()  # else it keeps its own, which was measured nowhere
     with robot.inside():
@@ -86,34 +82,6 @@ def open_sample(name: str, out: Path, check: Check) -> robot.Waits:
     check(f"{name} is drawn nowhere but where it is", stray < ALIKE, f"{stray} pixels below it differ")
     depth, force = 1e3 * float(body().frame.depths[0]), float(np.linalg.norm(body().frame.finger_forces[0]))
     check(f"{name} is pressed by one drag", depth > 0, f"{depth:.1f} mm, {force:.1f} N")
-    yield from leave(at)
-
-
-def ready_in(out: Path, check: Check, measured: dict) -> robot.Waits:
-    """Make a bare mesh of 10,000 vertices soft, and see how long that takes; a time is no check."""
-    cube = bpy.data.objects["Cube"]
-    with robot.inside():
-        cube.data.materials.clear()
-        bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.mesh.subdivide(number_cuts=FINE - 1)
-        bpy.ops.object.mode_set(mode="OBJECT")
-    yield from robot.redrawn()
-    begun, cpu = time.perf_counter(), time.process_time()
-    with robot.inside():
-        bpy.ops.dimple.make_soft("INVOKE_DEFAULT")
-        seconds, cpu = time.perf_counter() - begun, time.process_time() - cpu
-    yield from robot.redrawn(1)
-    words = f"{seconds:.2f} s, {cpu:.2f} s of processor, {time.perf_counter() - begun:.2f} s until it is drawn"
-    measured["make_soft"] = {"vertices": len(cube.data.vertices), "seconds": round(seconds, 3)}
-    check("10,000 vertices are soft by one click", cube.dimple.enabled and bool(cube.dimple.plan_reason), words)
-    at = robot.on_screen((0.0, 0.0, 1.0))
-    yield from robot.move(*at)
-    begun = time.perf_counter()
-    yield from robot.button(*at, "PRESS")
-    yield from robot.until(lambda: body() is not None and body().frame.depths.any(), "the click presses", 120)
-    measured["make_soft"]["first_press_s"] = round(time.perf_counter() - begun, 3)
-    yield from robot.redrawn()
-    robot.screenshot(out / "00-ten-thousand.png")
     yield from leave(at)
 
 

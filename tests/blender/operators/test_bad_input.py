@@ -145,16 +145,6 @@ def test_pins_that_hold_nothing_are_refused(add: Callable[..., Any], refused: Re
     refused(obj, "weight of 0.5")
 
 
-def test_what_is_not_a_mesh_is_refused_with_what_to_do(bpy: ModuleType, add: Callable[..., Any]) -> None:
-    from bl_ext.user_default.dimple.operators.press import sessions
-
-    add().select_set(False)
-    bpy.ops.object.text_add()
-    with pytest.raises(RuntimeError, match='"Text" is not a mesh.*Make Soft converts'):
-        bpy.ops.dimple.poke(**QUICK)
-    assert not sessions.sessions
-
-
 NOT_MESHES: dict[str, tuple[str, dict[str, Any]]] = {
     "a light": ("light_add", {"type": "POINT"}),
     "a camera": ("camera_add", {}),

@@ -42,13 +42,10 @@ def test_a_press_dents_the_body_where_and_as_deep_as_it_is_told(ball: Add, dent:
 @pytest.mark.parametrize(
     "place",
     [
-        {"scale": (0.5, 0.5, 0.5)},
         {"scale": (-1, 1, 1)},
-        {"location": (100, -50, 3)},
-        {"rotation_euler": (0, 0, 1)},
-        {"scale": (30, 30, 30), "location": (0, 0, 7), "rotation_euler": (0, 0, -2)},
+        {"scale": (30, 30, 30), "location": (100, -50, 7), "rotation_euler": (0, 0, -2)},
     ],
-    ids=["small", "mirrored", "far off", "turned", "all at once"],
+    ids=["mirrored", "all at once"],
 )
 def test_scale_place_and_turn_do_not_change_the_press(
     ball: Add, dent: Callable[..., Any], place: dict[str, Any]
@@ -105,21 +102,6 @@ def test_linked_duplicates_keep_their_mesh_while_one_is_pressed(
     bpy.ops.dimple.poke(**{**PRESS, "keep": keep})
     assert twin.data == obj.data == mesh and coordinates(obj) == before == shown(twin).tobytes()
     assert (shown(obj).tobytes() != before) == keep
-
-
-def test_linked_duplicates_pressed_together_are_put_back_together(
-    bpy: ModuleType, ball: Add, coordinates: Bits, shown: Any
-) -> None:
-    obj = ball()
-    twin = obj.copy()
-    twin.location.x = 5
-    bpy.context.collection.objects.link(twin)
-    twin.select_set(True)
-    before, mesh, meshes = coordinates(obj), obj.data, len(bpy.data.meshes)
-    assert bpy.ops.dimple.play(seconds=0.05) == {"FINISHED"}
-    assert obj.data == twin.data == mesh
-    bpy.ops.dimple.reset()
-    assert obj.data == twin.data == mesh and coordinates(obj) == before and len(bpy.data.meshes) == meshes
 
 
 @pytest.fixture
@@ -183,20 +165,6 @@ def test_several_selected_objects_run_at_once(bpy: ModuleType, ball: Add, coordi
     assert heights[0] < -0.4
     bpy.ops.dimple.reset()
     assert [coordinates(obj) for obj in bodies] == before
-
-
-def test_pins_follow_a_body_that_is_moved(bpy: ModuleType, ball: Add, shown: Shown) -> None:
-    obj = ball()
-    bpy.ops.dimple.play(seconds=0.02)
-    lowest = int(shown(obj)[:, 2].argmin())
-    for i in range(1, 21):
-        obj.location.x = 0.05 * i
-        bpy.context.view_layer.update()
-        bpy.ops.dimple.play(seconds=1 / 24)
-    now = world(obj, shown(obj))
-    assert now[lowest] == pytest.approx((1.0, 0.0, -1.0), abs=1e-3)  # a part of a tick is left over
-    assert np.abs(now.mean(axis=0) - (1, 0, 0)).max() < 0.1
-    bpy.ops.dimple.reset()
 
 
 def test_materials_of_several_slots_press_differently(bpy: ModuleType, ball: Add, dent: Callable[..., Any]) -> None:

@@ -1,7 +1,6 @@
 """A proxy of a fine mesh takes a while to make: progress is shown meanwhile, and Esc heard."""
 
 import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -91,25 +90,3 @@ def test_an_export_goes_on_while_its_proxy_is_made_and_once_stopped_leaves_nothi
     assert 0 < next(steps) < 0.05
     steps.close()
     assert not any(plan.folder.iterdir())
-
-
-def test_all_that_takes_long_at_a_start_is_done_beside_blenders_events(
-    bpy: ModuleType, empty_file: ModuleType, ball: Any
-) -> None:
-    from bl_ext.user_default.dimple.operators.press import live_step, sessions
-
-    ball("Fine", 7)
-    parts, sent, done, here = live_step.starting_all(bpy.context), None, [], 0.0
-    began = time.process_time()
-    while True:
-        last = time.process_time()
-        try:
-            _, call = parts.send(sent)
-        except StopIteration:
-            break
-        finally:
-            here += time.process_time() - last
-        sent = call()
-        done.append(getattr(call, "func", call).__name__)
-    assert done[-1] == "Session" and here < 0.3 * (time.process_time() - began)
-    sessions.stop_all()

@@ -48,15 +48,6 @@ def test_a_text_without_characters_is_refused_and_stays_flat(bpy: ModuleType, em
     assert bpy.context.object.type == "FONT" and bpy.context.object.data.extrude == 0.0
 
 
-def test_what_the_artist_has_set_is_left_as_it_is(bpy: ModuleType, ball: Any) -> None:
-    obj = ball(subdivisions=4)
-    obj.active_material = bpy.data.materials.new("Own")
-    obj.active_material.dimple.K1 = 2.0
-    obj.dimple.enabled, obj.dimple.size_mm = True, 90.0
-    bpy.ops.dimple.make_soft()
-    assert obj.active_material.name == "Own" and obj.active_material.dimple.K1 == 2.0 and obj.dimple.size_mm == 90.0
-
-
 def test_what_cannot_be_pressed_is_said(bpy: ModuleType, add: Any) -> None:
     add(faces=[])
     with pytest.raises(RuntimeError, match="has no faces"):
