@@ -75,6 +75,25 @@ def test_a_fingertip_whose_centre_lies_on_the_skin_pushes_as_with_numpy(
     np.testing.assert_allclose(ends[1], ends[0], rtol=0, atol=tolerance * SIZE)
 
 
+CRUSHED = {"mirrored": (1, 0.8, -0.6), "flat": (1, 0.8, 0), "nearly flat": (1, 0.8, 1e-9), "a line": (1, 0, 0)}
+
+
+@pytest.mark.parametrize("name", [*CRUSHED, "a point"])
+def test_a_body_that_is_crushed_and_turned_goes_where_that_of_numpy_goes(name: str) -> None:
+    """Its shape at rest is turned by the best rotation that is no reflection; about a line and a point any will do."""
+    model, _, motion = build(CASES["free"])
+    q, _ = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))
+    crushed = (q * np.linalg.det(q)) @ np.diag(CRUSHED.get(name, (0, 0, 0))) @ model.matching.rest
+    still, alone, ends = np.zeros_like(crushed), motion._replace(ticks=2, fingertips=()), []
+    for kind in ("numpy", "native64"):
+        body = create(model, backend=kind)
+        assert run(body, still, alone, positions=crushed).finite
+        ends.append(body.positions())
+    assert np.abs(ends[0] - crushed).max() > 1e-6 * SIZE
+    if name in ("mirrored", "flat", "nearly flat"):
+        np.testing.assert_allclose(ends[1], ends[0], rtol=0, atol=DOUBLE * SIZE)
+
+
 def test_what_is_held_stays_to_the_last_digit() -> None:
     body, _ = go("liquid", "native")
     pinned = body.model.pinned

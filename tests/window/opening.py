@@ -7,6 +7,7 @@ from collections.abc import Callable, Generator
 from pathlib import Path
 
 import bpy
+import clicking
 import numpy as np
 import robot
 from mathutils import Vector
@@ -147,22 +148,6 @@ def status_bar(out: Path, check: Check) -> Generator[float, None, None]:
     check("and the keys are gone from both when it has ended", min(differ(there, keys), differ(here, keys)) > 300, gone)
 
 
-def places(area: bpy.types.Area) -> Generator[float, None, dict[str, tuple[int, int]]]:
-    """Return where our fields of a properties editor are, found by hovering."""
-    region = next(each for each in area.regions if each.type == "WINDOW")
-    found: dict[str, tuple[int, int]] = {}
-    for y in range(region.y + region.height - 4, region.y, -10):
-        x = region.x + round(0.7 * region.width)
-        yield from robot.move(x, y)
-        with bpy.context.temp_override(window=robot.window(), area=area, region=region):
-            if bpy.ops.ui.copy_data_path_button.poll():
-                bpy.ops.ui.copy_data_path_button(full_path=True)
-                path = bpy.context.window_manager.clipboard
-                if ".dimple." in path:
-                    found.setdefault(path.rpartition(".")[2], (x, y))
-    return found
-
-
 def fields(out: Path, check: Check) -> robot.Waits:
     """Edit the first constant of a measured material: no field may move away under the mouse."""
     area = robot.area()
@@ -170,13 +155,14 @@ def fields(out: Path, check: Check) -> robot.Waits:
     area.type = "PROPERTIES"
     area.spaces.active.context = "MATERIAL"
     yield from robot.looks(30)
-    before = yield from places(area)
+    region = next(each for each in area.regions if each.type == "WINDOW")
+    before = yield from clicking.fields(area, region)
     robot.screenshot(out / "00-fields.png")
     material = bpy.data.objects["Cube"].active_material.dimple
     material.K1 = 2 * material.K1
     check("a measured material is marked as edited", material.edited)
     yield from robot.looks(30)
-    after = yield from places(area)
+    after = yield from clicking.fields(area, region)
     robot.screenshot(out / "00-fields-edited.png")
     moved = [name for name in before if after.get(name) != before[name]]
     check("no field moves at the first edit", len(before) >= 8 and not moved, f"{sorted(before)}; moved: {moved}")

@@ -192,15 +192,6 @@ def test_an_animated_body_carries_its_pins(bpy: ModuleType, scene: Any, ball: Ad
     assert abs(lags[-1]) < 1e-5, "and comes to rest where it is carried"
 
 
-def test_linked_duplicates_are_baked_without_a_copy(bpy: ModuleType, scene: Any, ball: Add) -> None:
-    obj = ball()
-    twin = obj.copy()
-    bpy.context.collection.objects.link(twin)
-    twin.select_set(False)
-    bpy.ops.dimple.bake(frame_start=1, frame_end=3)
-    assert obj.data == twin.data and obj.modifiers and not twin.modifiers
-
-
 def test_frames_in_the_wrong_order_are_said(bpy: ModuleType, scene: Any, pressed: Callable[..., Any]) -> None:
     pressed()
     with pytest.raises(RuntimeError, match="must come after"):
