@@ -10,7 +10,7 @@ import pytest
 
 from tests.point_cache import cache_of
 
-MANY = 50
+MANY = 20
 OURS = ".Dimple"
 
 
@@ -41,7 +41,7 @@ def counted(monkeypatch: pytest.MonkeyPatch, calls: Counter[str], module: Any, n
 
 
 @pytest.mark.once
-def test_of_fifty_bodies_pressed_at_once_each_is_prepared_once(
+def test_of_twenty_bodies_pressed_at_once_each_is_prepared_once(
     bpy: ModuleType, empty_file: ModuleType, hand: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from bl_ext.user_default.dimple.core.reduction import proxy
