@@ -297,16 +297,6 @@ def test_under_a_fingertip_that_rests_it_sleeps_and_presses_on_it_as_before(back
 
 
 @pytest.mark.parametrize("backend", EVERY)
-@pytest.mark.parametrize("cause", ["a changed constant", "gravity switched off"])
-def test_in_a_world_too_a_change_wakes_it_in_the_next_tick(cause: str, backend: str) -> None:
-    scene = beside_collider(backend)
-    scene.settle(awake=False)
-    CAUSES[cause][1](scene, TICK)
-    scene.step(TICK)
-    assert scene.bodies[0].moved
-
-
-@pytest.mark.parametrize("backend", EVERY)
 def test_what_lies_on_a_collider_falls_in_the_tick_in_which_that_is_drawn_away(backend: str) -> None:
     scene = on_table(backend)
     scene.settle(awake=False)

@@ -74,6 +74,8 @@ def test_a_second_bake_takes_the_place_of_the_first(bpy: ModuleType, scene: Any,
     bpy.ops.dimple.bake(frame_start=1, frame_end=6)
     assert np.array_equal(cached(scene, obj)[1], first), "the same press gives the same bits"
     assert len(obj.modifiers) == 1
+    files = sorted(path.name for path in Path(scene.dimple.cache_dir).iterdir())
+    assert files == ["untitled_Ball_bake_001.csv", "untitled_Ball_bake_001.pc2"], "though the file has no name"
 
 
 @pytest.mark.parametrize("step", [1, 3])
