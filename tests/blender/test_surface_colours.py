@@ -74,6 +74,9 @@ def test_the_surface_is_drawn_in_the_colours_of_the_scale(
     entry = pressed(bpy)
     for name in ("pressure", "depth", "stretch", "slope", "knee", "spread", "thickness"):
         seen_in_colours(bpy, colours, halves, entry, name)
+    before = colours.made(halves.session_uid, entry, name)
+    entry.session.step(0.05)
+    assert colours.made(halves.session_uid, entry, name) is not before, "in the next frame anew"
 
 
 def seen_in_colours(bpy: ModuleType, colours: ModuleType, halves: Any, entry: Any, name: str) -> None:  # noqa: F811

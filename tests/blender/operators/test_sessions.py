@@ -53,8 +53,10 @@ def test_a_file_saved_while_playing_holds_the_rest_shape(
 ) -> None:
     obj = playing(keys)
     before = shown(obj)
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "pressed.blend"))
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "pressed.blend"), copy=True)
     assert sessions.sessions and np.array_equal(shown(obj), before) and before.tobytes() != rest, "the session goes on"
+    with bpy.data.libraries.load(str(tmp_path / "pressed.blend")) as (held, _):
+        assert "Ball" in held.objects and not [name for name in held.objects if name.startswith(".Dimple")]
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "pressed.blend"))
     obj = bpy.data.objects["Ball"]
     assert is_clean(obj) and coordinates(obj) == rest
