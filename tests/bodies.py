@@ -8,9 +8,7 @@ import numpy.typing as npt
 import pytest
 
 from core.base import Floats, Ints
-from core.native import Body
 from core.session import Session
-from studies.reference.laws import State
 from studies.reference.rigid import rotation
 
 Shape = tuple[Floats, Ints]
@@ -119,8 +117,3 @@ def after(session: Session, seconds: float) -> npt.NDArray[np.float32]:
     """Step a session and return where it is then."""
     session.step(seconds)
     return session.positions()
-
-
-def state_of(body: Body) -> State:
-    """Return a copy of what a body owns."""
-    return State(positions=body.positions(), velocities=body.velocities(), pose=None)

@@ -13,7 +13,7 @@ from core.material import FINGERTIP, PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.native import Body
 from core.native.motion import FingertipMotion, Frame, Motion, PinMotion
-from tests.bodies import REAL, ball, fan, hemisphere, joined, real, sheet, soup
+from tests.bodies import REAL, ball, fan, hemisphere, joined, real, sheet, soup, walled_box
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2, fill="liquid")
 SIZE = 0.16
@@ -47,12 +47,6 @@ def crumpled() -> tuple[Floats, Any]:
 def needles() -> tuple[Floats, Any]:
     points, faces = ball(2)
     return points * (1.0, 0.02, 1.0), faces
-
-
-def three_walls() -> tuple[Floats, Any]:
-    """Return two tetrahedra that share a face: edges with three triangles."""
-    points = np.array([[0.0, 0, 0], [1, 0, 0], [0.4, 1, 0], [0.4, 0.4, 1], [0.4, 0.4, -1]])
-    return points, np.array([(0, 1, 3), (1, 2, 3), (2, 0, 3), (0, 1, 2), (1, 0, 4), (2, 1, 4), (0, 2, 4)])
 
 
 def tangle(seed: int) -> tuple[Floats, Any]:
@@ -92,7 +86,7 @@ DEGENERATE = {
     "a free sheet": Case(shape=sheet, hold="free", thrown=True),
     "a flat body": Case(shape=needles, hold="free", thrown=True),
     "a wide fan": Case(shape=fan),
-    "three walls at an edge": Case(shape=three_walls, hold="free", thrown=True),
+    "three walls at an edge": Case(shape=walled_box, hold="free", thrown=True),
     "soup": Case(shape=lambda: soup(ball(1))),
     "crumpled": Case(shape=crumpled, thrown=True),
     "two bodies": Case(shape=lambda: joined(ball(1), (ball(1)[0] + (3, 0, 0), ball(1)[1])), hold="free", thrown=True),

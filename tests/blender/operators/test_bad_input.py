@@ -1,6 +1,7 @@
 """Bad input gets a plain sentence and harms nothing."""
 
 from collections.abc import Callable
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -298,3 +299,16 @@ def test_a_preset_for_what_is_linked_is_refused_for_it_would_be_lost(
     own.active_material = bpy.data.materials["Linked"]
     with pytest.raises(RuntimeError, match="The material is linked from another file"):
         bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+
+
+def test_a_library_override_is_called_so(bpy: ModuleType, add: Any, tmp_path: Path) -> None:
+    obj, path = add(), str(tmp_path / "library.blend")
+    bpy.data.libraries.write(path, {obj})
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.objects = ["Body"]
+    own = bpy.data.objects["Body"].override_create()
+    bpy.context.collection.objects.link(own)
+    bpy.context.view_layer.objects.active = own
+    with pytest.raises(RuntimeError, match="Settings of a library override would not be saved"):
+        bpy.ops.dimple.make_soft()

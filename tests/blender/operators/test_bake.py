@@ -2,6 +2,7 @@
 
 import csv
 import shutil
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
@@ -10,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.point_cache import read_point_cache
+from tests.blender.operators.test_starting import counted
+from tests.point_cache import cache_of, read_point_cache
 
 Add = Callable[..., Any]
 Bits = Callable[[Any], bytes]
@@ -270,3 +272,19 @@ def test_a_keyframe_that_cannot_be_simulated_stops_the_bake_in_words(bpy: Module
     with pytest.raises(RuntimeError, match="K1 must be greater than 0"):
         bpy.ops.dimple.bake(frame_start=1, frame_end=8)
     assert not obj.modifiers
+
+
+def test_a_frame_in_which_a_body_rests_is_that_before_it(
+    bpy: ModuleType, scene: Any, ball: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.core import fields
+    from bl_ext.user_default.dimple.operators.bridge import scene_objects
+
+    obj, calls = ball(), Counter[str]()
+    counted(monkeypatch, calls, fields, "energies")
+    counted(monkeypatch, calls, scene_objects, "offsets_of")
+    bpy.ops.dimple.bake(frame_start=1, frame_end=80)
+    assert calls.total() < 40, "it falls asleep within 20 frames"
+    lines = Path(cache_of(obj).filepath).with_suffix(".csv").read_text().splitlines()
+    resting = {line.split(",", 2)[2].rsplit(",", 1)[0] for line in lines[40:]}
+    assert len(lines) == 81 and len(resting) == 1, "but for frame, time and steps"

@@ -1,6 +1,7 @@
 """What the artist changes while a body is live stays changed, and nothing of the press stays with it."""
 
 from collections.abc import Callable
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -220,3 +221,52 @@ def test_an_edit_that_was_undone_is_not_taken_for_a_new_one(
     assert coordinates(obj) == rest and is_clean(obj)
     bpy.ops.ed.redo()
     assert coordinates(bpy.data.objects["Ball"]) == edited
+
+
+def test_what_carries_a_press_is_deleted_and_the_session_goes_on(
+    bpy: ModuleType, sessions: Any, playing: Any, rest: bytes, shown: Shown
+) -> None:
+    obj = playing()
+    bpy.data.objects.remove(bpy.data.objects[".Dimple Carrier"])
+    bpy.ops.dimple.play(seconds=0.05)
+    assert shown(obj).tobytes() != rest and sessions.sessions
+    bpy.ops.dimple.reset()
+    assert shown(obj).tobytes() == rest and is_clean(obj)
+
+
+@pytest.mark.parametrize("how", ["paste", "scene", "paste after it", "kept"])
+def test_a_copy_of_a_live_body_leaves_nothing_of_ours_in_a_saved_file(
+    bpy: ModuleType, sessions: Any, playing: Any, tmp_path: Path, how: str
+) -> None:
+    playing()
+    if how == "scene":
+        bpy.ops.scene.new(type="FULL_COPY")
+    else:
+        if how == "kept":
+            sessions.stop_all(restore=False)
+        bpy.ops.view3d.copybuffer()
+        if how == "paste after it":
+            bpy.ops.dimple.reset()
+        bpy.ops.view3d.pastebuffer()
+    path = str(tmp_path / "saved.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
+    sessions.stop_all()
+    bpy.ops.wm.open_mainfile(filepath=path)
+    data = (*bpy.data.objects, *bpy.data.meshes, *bpy.data.node_groups)
+    ours = [each for each in data if each.name.startswith(".Dimple")]
+    carriers = [each for each in ours if isinstance(each, bpy.types.Object)]
+    assert not any(each.users_collection for each in carriers), "none of them is in a scene"
+    assert len(ours) == (2 * 3 if how == "kept" else 0), "a group, a carrier and its mesh"
+
+
+def test_over_a_hidden_body_nothing_is_drawn(
+    bpy: ModuleType, sessions: Any, playing: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.addon import canvas, overlay
+
+    obj = playing()
+    monkeypatch.setattr(canvas, "overlays_shown", lambda _: True)
+    for hidden in (False, True):
+        obj.hide_set(hidden)
+        assert bool(overlay.shown_bodies(bpy.context)) is not hidden
+    sessions.stop_all()

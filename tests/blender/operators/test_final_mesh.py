@@ -200,3 +200,16 @@ def test_a_kept_press_is_appended_whole_and_brings_no_object(
     bpy.ops.wm.append(filepath=f"{path}/Object/Ball", directory=f"{path}/Object/", filename="Ball")
     assert np.array_equal(shown(bpy.data.objects["Ball"]), seen)
     assert [each.name for each in bpy.context.scene.objects] == ["Ball"]
+
+
+def test_a_surface_that_a_modifier_makes_alone_is_pressed(
+    bpy: ModuleType, add: Any, shown: Callable[[Any], Any]
+) -> None:
+    obj = add(faces=[])
+    group = bpy.data.node_groups.new("Cube", "GeometryNodeTree")
+    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    cube, result = group.nodes.new("GeometryNodeMeshCube"), group.nodes.new("NodeGroupOutput")
+    group.links.new(cube.outputs[0], result.inputs[0])
+    obj.modifiers.new("Nodes", "NODES").node_group = group
+    bpy.ops.dimple.poke(depth_mm=10.0, press_s=0.1, hold_s=0.1, release_s=0.0, keep=True)
+    assert shown(obj)[:, 2].min() == -0.5 and not len(obj.data.polygons)

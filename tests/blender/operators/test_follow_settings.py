@@ -357,3 +357,14 @@ def test_what_plays_follows_a_keyframe_when_the_frame_changes(bpy: ModuleType, e
     bpy.context.scene.frame_set(1)
     step(bpy)
     assert entry.session.model.materials[0].K1 == 610
+
+
+def test_a_material_that_is_deleted_while_it_acts_is_said(
+    bpy: ModuleType, vinyl: Any, cube: Any, capfd: pytest.CaptureFixture[str]
+) -> None:
+    vinyl.K1 = 2.0
+    bpy.ops.dimple.play(seconds=0.01)
+    bpy.data.materials.remove(cube.active_material)
+    bpy.ops.dimple.play(seconds=0.01)
+    assert "a material is gone: the constants of a new one act in its place" in capfd.readouterr().out
+    bpy.ops.dimple.reset()
