@@ -68,7 +68,11 @@ WHOLE = {
     "pumped air": Case(shape=lambda: ball(2), material=replace(SOFT, fill="air", pressure=2e4), hold="free"),
     "drawn liquid": Case(shape=lambda: ball(2), material=replace(SOFT, pressure=-2e4)),
     "solid": Case(shape=lambda: ball(2), material=replace(SOFT, fill="solid", indenter=FINGERTIP), fingers=2),
+    "solid, beyond its knee": Case(
+        shape=lambda: ball(2), material=replace(SOFT, fill="solid", x0=1e-3, indenter=FINGERTIP)
+    ),
     "no fill": Case(shape=lambda: ball(2), material=replace(SOFT, fill="none")),
+    "beyond its knee": Case(shape=lambda: ball(2), material=replace(SOFT, x0=1e-3)),
     "free": Case(shape=lambda: ball(2), hold="free", thrown=True),
     "free on the ground": Case(shape=lambda: ball(2), hold="free", options={"ground": -0.5, "gravity": (0, 0, -9.81)}),
     "in slices": Case(shape=lambda: ball(4), hold="free", ticks=4, options={"ground": -0.5, "gravity": (0, 0, -9.81)}),
