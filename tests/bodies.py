@@ -8,10 +8,7 @@ import numpy.typing as npt
 import pytest
 
 from core.base import Floats, Ints
-from core.native import Body
 from core.session import Session
-from studies.reference.contact import Skin
-from studies.reference.laws import State
 from studies.reference.rigid import rotation
 
 Shape = tuple[Floats, Ints]
@@ -78,6 +75,15 @@ def hemisphere(segments: int = 16, rings: int = 8, radius: float = 1.0) -> Shape
     return radius * np.array([*points, (0, 0, 1)]), np.array(faces)
 
 
+def fan() -> Shape:
+    """Return a cone of 20 triangles round one tip: more neighbours than a ring has room for."""
+    turn = np.arange(20) * 2 * np.pi / 20
+    rim = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    return np.concatenate([rim, [[0, 0, 1.0], [0, 0, -1.0]]]), np.array(
+        [(i, (i + 1) % 20, 20) for i in range(20)] + [((i + 1) % 20, i, 21) for i in range(20)]
+    )
+
+
 def walled_box() -> Shape:
     """Return a box 1 x 1 x 2 with a wall across its middle: the wall's edges join three faces."""
     points = np.array([(x, y, z) for z in (0.0, 1.0, 2.0) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))])
@@ -111,13 +117,3 @@ def after(session: Session, seconds: float) -> npt.NDArray[np.float32]:
     """Step a session and return where it is then."""
     session.step(seconds)
     return session.positions()
-
-
-def hard(n: int, friction: float) -> Skin:
-    """Return a skin of n vertices that does not give way."""
-    return Skin(np.full(n, friction), np.zeros(n))
-
-
-def state_of(body: Body) -> State:
-    """Return a copy of what a body owns."""
-    return State(positions=body.positions(), velocities=body.velocities(), pose=None)

@@ -99,9 +99,7 @@ DM_INLINE void dm_run_ring_groups(dm_state *b, int64_t from, int64_t to, double 
         if (b->moving) w = dm_sub(w, dm_rotated(rows, b->rest_rate[g], none));
         dm_vec3 force = dm_matching_force(m, dm_sub(x, dm_rotated(rows, m->rest, offset)), w);
         /* the tension between displacements is that of the arms, in the springs, minus that of the shape at rest */
-#ifndef DM_NO_TENSION /* bench --tension leaves it out to measure its cost */
         force = dm_sub(force, dm_rotated(rows, m->pull, none));
-#endif
         if (fitted) {
             dm_vec3 torque = dm_cross(x, force);
             part[0] += force.x, part[1] += force.y, part[2] += force.z;

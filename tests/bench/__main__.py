@@ -5,15 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from importlib import import_module
 from pathlib import Path
-
-ALONE = {  # option: its help, and the module that measures it and prints the result
-    "profile": ("the cost of each part of a step", "profile"),
-    "tension": ("the cost of the tension", "tension"),
-    "enabling": ("the cost of enabling the extension in Blender", "enabling"),
-    "show": ("a press shown by a modifier, beside writing it into the mesh", "showing"),
-}
 
 
 def parser() -> argparse.ArgumentParser:
@@ -27,8 +19,7 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--quick", action="store_true", help=quick)
     made.add_argument("--json", type=Path, metavar="FILE", help="write the numbers (steps, --peers and --scale)")
     subjects = made.add_mutually_exclusive_group()
-    for option, (text, _) in ALONE.items():
-        subjects.add_argument(f"--{option}", action="store_true", help=text)
+    subjects.add_argument("--profile", action="store_true", help="the cost of each part of a step")
     subjects.add_argument("--exports", action="store_true", help="the cost of an export in each format")
     subjects.add_argument("--peers", action="store_true", help="Dimple beside Bullet on the same bodies")
     subjects.add_argument("--scale", action="store_true", help="many bodies, many vertices")
@@ -39,11 +30,12 @@ def parser() -> argparse.ArgumentParser:
 def main(words: list[str]) -> int:
     """Measure one subject and return the exit code."""
     options = parser().parse_args(words)
-    for option, (_, module) in ALONE.items():
-        if getattr(options, option):
-            return int(import_module(f"tests.bench.{module}").main())
     from tests.bench import bench
 
+    if options.profile:
+        from tests.bench import profile
+
+        return profile.main()
     if options.scale:
         from tests.bench import scale
 

@@ -105,35 +105,6 @@ def test_every_panel_draws_on_a_mesh_on_nothing_and_on_a_curve(bpy: ModuleType, 
     assert drawn == {panel.__name__ for panel in found} - {f"DIMPLE_PT_{name}" for name in waiting}
 
 
-def test_self_contact_is_offered_for_a_pinned_body_too(bpy: ModuleType, body: Any) -> None:
-    class Active(Layout):
-        """A layout that notes what is greyed out."""
-
-        def row(self, **options: Any) -> "Layout":
-            return Active(self.bpy, self.drawn)
-
-        column = row
-
-        def prop(self, data: Any, name: str, **options: Any) -> None:
-            self.drawn.append(f"{name} {self.__dict__.get('active', True)}")
-
-    body.dimple.enabled, body.dimple.pinned = True, True
-    drawn: list[str] = []
-    bpy.types.DIMPLE_PT_contact.draw(
-        SimpleNamespace(layout=Active(bpy, drawn)), SimpleNamespace(object=body)
-    )
-    assert "self_contact True" in drawn and "is_prop False" in drawn
-
-
-def test_a_wrong_constant_is_reported_under_the_constants(bpy: ModuleType, body: Any) -> None:
-    material = body.active_material
-    before = draw(bpy, bpy.types.DIMPLE_PT_material, material=material)
-    material.dimple.k = 0.0
-    after = " ".join(draw(bpy, bpy.types.DIMPLE_PT_material, material=material))
-    assert "greater than 0" not in " ".join(before)
-    assert "k must be greater than 0 N/mm" in after
-
-
 def test_a_running_session_shows_force_depth_pressure_and_volume_with_units(bpy: ModuleType, body: Any) -> None:
     from bl_ext.user_default.dimple.operators.press import sessions
 
@@ -150,21 +121,6 @@ def test_a_running_session_shows_force_depth_pressure_and_volume_with_units(bpy:
     finally:
         sessions.stop_all()
     assert "Nothing is being pressed" in draw(bpy, bpy.types.DIMPLE_PT_readout, object=body)
-
-
-@pytest.mark.parametrize(("content", "word"), [(None, "no compiled core"), (b"not a library", "was refused")])
-def test_without_a_native_core_nothing_is_pressed_and_the_message_says_what_to_install(
-    bpy: ModuleType, body: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, content: bytes | None, word: str
-) -> None:
-    from bl_ext.user_default.dimple.core import native
-
-    library = tmp_path / native.LIBRARY
-    if content:
-        library.write_bytes(content)
-    monkeypatch.setattr(native, "_loaded", [])
-    monkeypatch.setattr(native, "places", lambda: [library])
-    with pytest.raises(RuntimeError, match=f"{word}.*Install the zip"):
-        bpy.ops.dimple.poke(depth_mm=1.0, press_s=0.01, hold_s=0.0, release_s=0.0)
 
 
 @pytest.mark.parametrize("shape, said", [("CUBE", True), ("EMPTY", False)])
@@ -237,15 +193,6 @@ def test_a_mesh_without_a_material_is_offered_the_pictures_too(bpy: ModuleType, 
     drawn = draw(bpy, bpy.types.DIMPLE_PT_object_material, object=bare)
     assert "DIMPLE_PG_object.material" in drawn and "DIMPLE_PG_material.softness_mm" not in drawn
     assert draw(bpy, bpy.types.DIMPLE_PT_object_constants, object=bare) == []
-
-
-def test_ones_own_materials_are_listed_where_there_are_some(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("bl_ui.utils.PresetPanel.draw", lambda this, _context: this.layout.label(text="own"))
-    monkeypatch.setattr(bpy.utils, "preset_paths", lambda _folder: [])
-    assert "own" not in draw(bpy, bpy.types.DIMPLE_PT_material_presets), "Blender would complain of missing paths"
-    monkeypatch.setattr(bpy.utils, "preset_paths", lambda _folder: ["somewhere"])
-    drawn = draw(bpy, bpy.types.DIMPLE_PT_material_presets)
-    assert drawn[0] == "own" and {"dimple.open_material", "dimple.save_material"} <= {*map(str, drawn)}
 
 
 def test_sentences_are_broken_where_a_sidebar_ends(bpy: ModuleType) -> None:

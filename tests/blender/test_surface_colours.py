@@ -39,12 +39,6 @@ def test_a_higher_number_has_a_lighter_colour_in_even_steps(colour_map: ModuleTy
     assert signed.argmax() in (127, 128) and abs(signed[0] - signed[-1]) < 5
 
 
-def test_a_number_beyond_the_scale_has_the_colour_of_its_end(colour_map: ModuleType) -> None:
-    low, middle, high = colour_map.coloured(np.array([-1.0, 5.0, 99.0]), (0.0, 10.0))
-    assert (low == colour_map.table()[0]).all() and (high == colour_map.table()[-1]).all()
-    assert (middle == colour_map.table()[128]).all()
-
-
 def test_a_scale_holds_still_until_what_it_shows_leaves_it(colours: ModuleType) -> None:
     colours._scales.clear()
 
@@ -80,6 +74,9 @@ def test_the_surface_is_drawn_in_the_colours_of_the_scale(
     entry = pressed(bpy)
     for name in ("pressure", "depth", "stretch", "slope", "knee", "spread"):
         seen_in_colours(bpy, colours, halves, entry, name)
+    before = colours.made(halves.session_uid, entry, name)
+    entry.session.step(0.05)
+    assert colours.made(halves.session_uid, entry, name) is not before, "in the next frame anew"
 
 
 def seen_in_colours(bpy: ModuleType, colours: ModuleType, halves: Any, entry: Any, name: str) -> None:  # noqa: F811
@@ -147,15 +144,3 @@ def test_where_overlays_are_off_nothing_is_coloured_and_nothing_computed(
         colours.draw_surfaces()
         colours.draw_scales()
         assert drawn == expected
-
-
-def test_a_profile_lies_below_the_line_of_rest_where_the_surface_is_pressed_in(bpy: ModuleType) -> None:
-    from bl_ext.user_default.dimple.addon import profile_chart
-
-    curve, ends = profile_chart.placed(
-        [-0.05, 0.0, 0.05], [-0.001, 0.0123, 0.0], (100.0, 50.0), (200.0, 100.0)
-    )  # fmt: skip
-    level = 50.0 + 100.0 * (1 - profile_chart.TOP)
-    assert ends == (0.05, pytest.approx(0.02))
-    assert curve[0][0] == 100.0 and curve[1][0] == 200.0 and curve[2] == (300.0, level)
-    assert curve[0][1] > level > curve[1][1] > 50.0

@@ -169,47 +169,6 @@ def test_words_that_fill_messages_are_there_in_japanese(bpy: ModuleType, japanes
     assert sorted(words - {text for _, text in japanese}) == []
 
 
-def translated(message: str, japanese: dict) -> str:
-    from bl_ext.user_default.dimple.operators.translation import translated
-
-    return translated(message, lambda text: japanese.get(("*", text), text))
-
-
-def test_values_are_filled_in_messages_among_them_are_translated_and_names_are_not(
-    bpy: ModuleType, japanese: dict
-) -> None:
-    from bl_ext.user_default.dimple.core.base import DimpleError
-    from bl_ext.user_default.dimple.core.material import Material
-    from bl_ext.user_default.dimple.core.messages import Message, about, in_a_row
-
-    def refused(**wrong: object) -> str:
-        with pytest.raises(DimpleError) as refusal:
-            Material(**({"K1": 1.0, "K2": 1.0, "x0": 1.0, "k": 1.0, "mass": 1.0} | wrong))
-        return translated(str(refusal.value), japanese)
-
-    assert refused(fill="jelly") == (
-        "中身は 空気、液体、固体、なし のいずれかにしてください（現在 jelly）。マテリアル > Dimple で変更してください。"
-    )
-    assert refused(mass=-1.0) == (
-        "質量は 0 kg より大きくしてください（現在 -1 kg）。マテリアル > Dimple で変更してください。"
-    )
-    closed = about("Air", Message("Holes closed for the pressure only: {holes}.", holes=3))
-    gone = about("Cube", "a material is gone: the constants of a new one act in its place.")
-    assert translated(in_a_row([closed, gone]), japanese) == (
-        '"Air": 圧力の計算でのみふさぐ穴: 3 個。'
-        '"Cube": マテリアルがなくなったため、代わりに新しいマテリアルの定数を使います。'
-    )
-    assert translated("What nobody wrote: {air}.", japanese) == "What nobody wrote: {air}."
-
-
-def test_where_the_interface_is_english_a_message_stays_as_it_is(bpy: ModuleType) -> None:
-    from bl_ext.user_default.dimple.core.messages import Message
-    from bl_ext.user_default.dimple.operators.translation import translated
-
-    message = Message("{share:.0%} of {what}", share=0.25, what=(Message("air"), "{x}"))
-    assert translated(message) == translated(message, lambda text: text) == message == "25% of air, {x}"
-
-
 def test_what_is_reported_goes_through_the_catalogue(bpy: ModuleType) -> None:
     import bl_ext.user_default.dimple as dimple
 

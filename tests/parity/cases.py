@@ -13,7 +13,7 @@ from core.material import FINGERTIP, PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.native import Body
 from core.native.motion import FingertipMotion, Frame, Motion, PinMotion
-from tests.bodies import REAL, ball, hemisphere, joined, real, sheet, soup
+from tests.bodies import REAL, ball, fan, hemisphere, joined, real, sheet, soup, walled_box
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2, fill="liquid")
 SIZE = 0.16
@@ -39,15 +39,6 @@ class Case:
     options: dict[str, Any] = field(default_factory=dict)
 
 
-def fan() -> tuple[Floats, Any]:
-    """Return a cone of 20 triangles round one tip: more neighbours than a ring has room for."""
-    turn = np.arange(20) * 2 * np.pi / 20
-    rim = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
-    return np.concatenate([rim, [[0, 0, 1.0], [0, 0, -1.0]]]), np.array(
-        [(i, (i + 1) % 20, 20) for i in range(20)] + [((i + 1) % 20, i, 21) for i in range(20)]
-    )
-
-
 def crumpled() -> tuple[Floats, Any]:
     points, faces = ball(2)
     return points * np.random.default_rng(3).uniform(0.7, 1.3, (len(points), 1)), faces
@@ -56,12 +47,6 @@ def crumpled() -> tuple[Floats, Any]:
 def needles() -> tuple[Floats, Any]:
     points, faces = ball(2)
     return points * (1.0, 0.02, 1.0), faces
-
-
-def three_walls() -> tuple[Floats, Any]:
-    """Return two tetrahedra that share a face: edges with three triangles."""
-    points = np.array([[0.0, 0, 0], [1, 0, 0], [0.4, 1, 0], [0.4, 0.4, 1], [0.4, 0.4, -1]])
-    return points, np.array([(0, 1, 3), (1, 2, 3), (2, 0, 3), (0, 1, 2), (1, 0, 4), (2, 1, 4), (0, 2, 4)])
 
 
 def tangle(seed: int) -> tuple[Floats, Any]:
@@ -83,7 +68,11 @@ WHOLE = {
     "pumped air": Case(shape=lambda: ball(2), material=replace(SOFT, fill="air", pressure=2e4), hold="free"),
     "drawn liquid": Case(shape=lambda: ball(2), material=replace(SOFT, pressure=-2e4)),
     "solid": Case(shape=lambda: ball(2), material=replace(SOFT, fill="solid", indenter=FINGERTIP), fingers=2),
+    "solid, beyond its knee": Case(
+        shape=lambda: ball(2), material=replace(SOFT, fill="solid", x0=1e-3, indenter=FINGERTIP)
+    ),
     "no fill": Case(shape=lambda: ball(2), material=replace(SOFT, fill="none")),
+    "beyond its knee": Case(shape=lambda: ball(2), material=replace(SOFT, x0=1e-3)),
     "free": Case(shape=lambda: ball(2), hold="free", thrown=True),
     "free on the ground": Case(shape=lambda: ball(2), hold="free", options={"ground": -0.5, "gravity": (0, 0, -9.81)}),
     "in slices": Case(shape=lambda: ball(4), hold="free", ticks=4, options={"ground": -0.5, "gravity": (0, 0, -9.81)}),
@@ -101,7 +90,7 @@ DEGENERATE = {
     "a free sheet": Case(shape=sheet, hold="free", thrown=True),
     "a flat body": Case(shape=needles, hold="free", thrown=True),
     "a wide fan": Case(shape=fan),
-    "three walls at an edge": Case(shape=three_walls, hold="free", thrown=True),
+    "three walls at an edge": Case(shape=walled_box, hold="free", thrown=True),
     "soup": Case(shape=lambda: soup(ball(1))),
     "crumpled": Case(shape=crumpled, thrown=True),
     "two bodies": Case(shape=lambda: joined(ball(1), (ball(1)[0] + (3, 0, 0), ball(1)[1])), hold="free", thrown=True),

@@ -194,6 +194,11 @@ def test_an_unknown_precision_or_fill_is_refused() -> None:
     assert created(lambda definition: setattr(definition.constants, "fill", 9)) == OPTION
 
 
+def test_an_unknown_backend_is_refused() -> None:
+    with pytest.raises(DimpleError, match="backend"):
+        Session(build(CASES["liquid"])[0], backend="gpu")
+
+
 def test_a_null_body_is_refused_by_every_call() -> None:
     library, x = native.library(), np.zeros(3)
     assert library.dm_step(None, ctypes.byref(CMotion()), ctypes.byref(CFrame())) == SIZE

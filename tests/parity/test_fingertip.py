@@ -18,7 +18,7 @@ from studies.scenes import cube
 from tests.bodies import ball
 from tests.parity.cases import CASES, SIZE, SOFT, TICK
 
-RADIUS, SPEED = 0.01, 0.3  # [m], [m/s]
+RADIUS, SPEED = 0.01, 0.6  # [m], [m/s]
 SOLID = replace(SOFT, fill="solid", indenter=FINGERTIP)
 
 
@@ -150,7 +150,7 @@ def test_a_press_is_the_same_in_c_as_in_the_reference(name: str, backend: str, t
             assert other.friction == one.friction
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_fingertip_that_wanders_about_a_body_has_the_depth_numpy_finds(seed: int) -> None:
     """In and out, round corners and past the middle: it is followed alike."""
     rng = np.random.default_rng(seed)
@@ -217,7 +217,7 @@ def test_no_number_that_is_none_comes_into_a_force(backend: str) -> None:
     for table in (falling, beyond):
         body = create(model, backend=backend)
         start, end = ((0.0, 0.0, SIZE / 2 + RADIUS - down) for down in (-1e-4, 8e-3))
-        tip = FingertipMotion.straight(start, end, ticks=30, radius=RADIUS, fresh=True)
-        frame = body.step(Motion(30, model.substeps(TICK), TICK, (tip._replace(factors=(table, 4e-3)),)))
+        tip = FingertipMotion.straight(start, end, ticks=10, radius=RADIUS, fresh=True)
+        frame = body.step(Motion(10, model.substeps(TICK), TICK, (tip._replace(factors=(table, 4e-3)),)))
         for touch in frame.touches:
             assert touch and np.isfinite([*touch.force, *touch.impulse, touch.slope]).all() and touch.slope >= 0

@@ -8,12 +8,13 @@ import numpy as np
 from core.base import Floats
 from core.mesh.surface import Mesh
 from studies.meshes.simple import cube_triangles
-from tests.bodies import ball, hemisphere, joined, walled_box
+from tests.bodies import ball, fan, hemisphere, joined, walled_box
 
 Value = TypeVar("Value", Floats, float)
 
 SHAPES = {
     "ball": ball(1), "cube": cube_triangles(2, 1.0), "capped": hemisphere(8, 4), "wall inside": walled_box(),
+    "wide fan": fan(),
     "two balls": joined(ball(0), (0.5 * ball(0)[0] + [2, 0, 0], ball(0)[1])),
     "tube": (lambda p, f: (p, f[np.abs(p[f][:, :, 2]).min(axis=1) < 0.49]))(*cube_triangles(3, 1.0)),
     "half open": (lambda p, f: (p, f[3:]))(*ball(1)),

@@ -160,11 +160,3 @@ def test_eq_9_surface_tension(force: float, depth: float, span: float) -> None:
 
 def test_eq_10_surface_stretch() -> None:
     assert surface_stretch(4.0, 0.165, 2e-5, 3e6) == pytest.approx(4.0 * 0.165 / (2 * 2e-5 * 3e6))
-
-
-@pytest.mark.parametrize("force", [0.1, 6.2, 80.0])
-@pytest.mark.parametrize("depth", [0.001, 0.0137, 0.05])
-def test_eqs_9_and_10_their_ratio_carries_no_measurement(force: float, depth: float) -> None:
-    tension = surface_tension(force, depth, 0.165)
-    stretch = surface_stretch(tension, 0.165, 2e-5, 3e6)
-    assert tension / stretch == pytest.approx(2 * 2e-5 * 3e6 / 0.165)

@@ -1,6 +1,5 @@
 """A prop falls on a soft body, sinks in until the body carries its weight, and rests there."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,18 +17,11 @@ from core.world.props import shrunk, touching_gap
 from studies.reference import rigid as turning
 from studies.reference.energy import stored
 from studies.scenes import cube
+from tests.bodies import block
 
 G, SIDE = 9.81, 0.165
 DISC, THICK = 0.04, 0.02  # [m] radius and height of a flat weight
 ABOVE = 0.002  # [m] where it falls from
-
-
-def block(size: Sequence[float]) -> tuple[Floats, Ints]:
-    """Return a box about the origin."""
-    import trimesh
-
-    box = trimesh.creation.box(size)
-    return np.array(box.vertices), np.array(box.faces)
 
 
 def disc() -> tuple[Floats, Ints]:
@@ -107,7 +99,7 @@ def test_a_flat_weight_rests_as_deep_as_the_law_says_that_was_measured_with_a_pu
 
 @pytest.mark.parametrize("size", [(0.1, 0.06, 0.02), (0.1, 0.1, 0.1)])
 def test_what_touches_of_a_prop_lies_inside_it_by_a_gap(size: tuple[float, float, float]) -> None:
-    points, faces = block(size)
+    points, faces = block(size, (0.0, 0.0, 0.0))
     for turned in (faces, faces[:, ::-1]):
         (inner, by), wanted = shrunk(Collider(np.ascontiguousarray(points.T), turned), 0.002), np.array(size) - 0.004
         np.testing.assert_allclose(np.ptp(inner.positions, axis=1), wanted, atol=1e-9)
@@ -119,7 +111,7 @@ def test_what_touches_of_a_prop_lies_inside_it_by_a_gap(size: tuple[float, float
 
 
 def test_what_falls_free_falls_as_newton_says_and_keeps_its_spin() -> None:
-    points, faces = block((0.1, 0.06, 0.02))
+    points, faces = block((0.1, 0.06, 0.02), (0.0, 0.0, 0.0))
     shape = rigid.rigid_shape(points + [0.5, 0, 0], faces, 2.0)
     np.testing.assert_allclose(shape.centre, [0.5, 0, 0], atol=1e-9)
     wanted = 2.0 / 12 * np.array([0.06**2 + 0.02**2, 0.1**2 + 0.02**2, 0.1**2 + 0.06**2])
@@ -192,8 +184,7 @@ def test_a_sheet_is_a_shell_whose_centre_is_its_own() -> None:
 @pytest.mark.parametrize("tilt", [0.0, 0.4])
 def test_what_falls_beside_the_body_comes_to_rest_on_the_ground(tilt: float) -> None:
     """A block of 60 x 40 x 20 mm, flat and on an edge; it settles on a face, and its energy never grows."""
-    points, faces = block((0.06, 0.04, 0.02))
-    turned = points @ turning.rotation(np.array([0.0, tilt, 0.1])).T + [0.3, 0.0, 0.0]
+    turned, faces = block((0.06, 0.04, 0.02), (0.3, 0.0, 0.0), (0.0, tilt, 0.1))
     world = falling(Session(vinyl(4)), turned, faces, 0.2, -SIDE / 2)
     energies = []
     for _ in range(20):
@@ -208,8 +199,7 @@ def test_what_falls_beside_the_body_comes_to_rest_on_the_ground(tilt: float) -> 
 def test_on_the_ground_it_slides_until_friction_has_taken_its_speed() -> None:
     """v^2 / 2 mu g."""
     speed = 1.0
-    points, faces = block((0.06, 0.06, 0.01))
-    world = falling(Session(vinyl(4)), points + [0.3, 0.0, -SIDE / 2 + 0.005], faces, 0.2, -SIDE / 2)
+    world = falling(Session(vinyl(4)), *block((0.06, 0.06, 0.01), (0.3, 0.0, -SIDE / 2 + 0.005)), 0.2, -SIDE / 2)
     world.props[0].state.velocity = np.array([speed, 0.0, 0.0])
     begun = world.props[0].state.centre[0]
     world.step(0.6)

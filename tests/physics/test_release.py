@@ -10,9 +10,9 @@ from core.body.model import build_model
 from core.material import Material
 from core.mesh.surface import base_vertices
 from studies.__main__ import main
-from studies.body.release import Place, flipped, place_at, release, residual, run_mesh
+from studies.body.release import flipped, place_at, release, residual, run_mesh
 from studies.meshes.bodies import DOUGH, GEL, VINYL, head
-from studies.meshes.primitives import HARD, PRIMITIVES, joined, makers, moved
+from studies.meshes.primitives import HARD, PRIMITIVES
 from studies.meshes.simple import SIZE, grid, icosphere, sized
 
 FINGERTIP = 0.015  # [m]
@@ -61,16 +61,6 @@ def test_a_face_turned_over_is_seen_and_a_turned_body_has_none() -> None:
     middle = int((x**2).sum(axis=1).argmin())
     x[middle] += 1.5 * SIZE / 6 * np.array([1.0, 0.5, 0])
     assert flipped(mesh, x.T) > 0
-
-
-def test_a_place_behind_is_on_the_far_side() -> None:
-    mesh = sized(*joined(icosphere(2), moved(icosphere(2), 4, 0, 0)))
-    place: Place = place_at(mesh, int(mesh.rest_positions[:, 2].argmax()))
-    assert place.behind is not None and place.behind[2] == pytest.approx(-place.point[2], rel=0.02)
-
-
-def test_there_are_nearly_a_hundred_meshes() -> None:
-    assert len(makers()) >= 96
 
 
 def test_the_command_sums_up_as_json(tmp_path: Path) -> None:

@@ -13,7 +13,6 @@ from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
 from studies.meshes.simple import icosphere, sized
 from studies.scenes import cube
-from tests.bodies import after
 
 BACKENDS = ["native64", "native"]
 RADIUS, TIP, DEPTH = 0.08, 0.010, 0.012  # [m]
@@ -55,14 +54,6 @@ def test_the_skin_gives_way_and_shows_on_the_fingertip(backend: str) -> None:
 def test_no_other_fill_has_a_skin_that_gives_way() -> None:
     for fill in ("air", "liquid", "none"):
         assert not ball(replace(SOLID, fill=fill)).compliance.any()
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_released_it_comes_back(backend: str) -> None:
-    session = Session(ball(SOLID), backend=backend)
-    pressed(session, 2 * TIP)
-    session.set_fingers([])
-    np.testing.assert_allclose(after(session, 2.0), session.model.mesh.rest_positions, rtol=0, atol=1e-3 * 2 * RADIUS)
 
 
 @pytest.mark.parametrize("radius", [0.003, 0.01, 0.02])

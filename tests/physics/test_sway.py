@@ -17,7 +17,7 @@ from core.recording.basis import reduce
 from core.reduction.cells import vertex_normals
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
-from core.session.sway import Sway, young
+from core.session.sway import Sway
 from core.world import Collider, World
 
 JELLY = Material(K1=300, K2=675, x0=0.01, k=500, density=1040, fill="solid", indenter=FINGERTIP)
@@ -273,7 +273,3 @@ def test_a_sway_ships_as_fewer_shape_keys_than_it_has_modes() -> None:
         normals.append(vertex_normals(body.model.mesh.triangles, body.positions()))
     assert np.abs(away).max() > 0.01
     assert len(reduce(np.array(away, np.float32), np.array(normals, np.float32), 1e-4).chosen) < MODES
-
-
-def test_young_is_that_of_hertz() -> None:
-    assert young(JELLY) == pytest.approx(0.75**2 * JELLY.law(0.01) / (0.1 * 0.01**1.5))

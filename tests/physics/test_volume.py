@@ -55,17 +55,6 @@ def test_pressed_air_gives_way_by_the_adiabatic_law() -> None:
     assert frame.pressure == pytest.approx(AIR_PRESSURE * (ratio**1.4 - 1), rel=0.02)
 
 
-def test_a_swollen_body_shrinks_and_an_empty_one_does_not_care() -> None:
-    for fill, returns in (("liquid", True), ("none", False)):
-        material = PRESETS[2].material
-        mesh = scenes.ball(1)
-        model = build_model(mesh, [replace(material, fill=fill, K1=1e-6, K2=1e-6, k=1e-6, damping_ratio=0.0)])
-        session = Session(model)
-        session.body.set_state(1.001 * mesh.rest_positions.T)
-        session.step(0.005)
-        assert (np.abs(session.body.velocities()).max() > 0.01) == returns
-
-
 RADIUS = 0.08
 BALL = mesh_from_triangles(*ball(2, RADIUS))
 

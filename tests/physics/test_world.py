@@ -1,4 +1,4 @@
-"""Bodies meet colliders, each other and themselves, and nothing passes through anything."""
+"""Bodies meet colliders, each other and themselves; nothing passes through anything, and what is put down stays."""
 
 import re
 from collections.abc import Sequence
@@ -27,11 +27,14 @@ RADIUS = 0.04
 
 
 def session(
-    at: tuple[float, float, float], *, gravity: float = -9.81, level: int = 2, backend: str = "native"
-) -> Session:
+    at: tuple[float, float, float], *, gravity: float = -9.81, level: int = 2, backend: str = "native",
+    turn: tuple[float, float, float] = (0, 0, 0), held: bool = False,
+) -> Session:  # fmt: skip
+    """Return a ball, turned about its axes [rad], and held by its lowest quarter or free."""
     points, faces = ball(level, RADIUS)
-    mesh = mesh_from_triangles(points + at, faces)
-    return Session(build_model(mesh, [SOFT], gravity=(0, 0, gravity)), backend=backend)
+    points = Rotation.from_euler("xyz", turn).apply(points)
+    mesh, pinned = mesh_from_triangles(points + at, faces), points[:, 2] < -0.5 * RADIUS if held else None
+    return Session(build_model(mesh, [SOFT], gravity=(0, 0, gravity), pinned=pinned), backend=backend)
 
 
 def table(slope: float = 0.0, friction: float = 0.4) -> Collider:
@@ -244,3 +247,54 @@ def test_faces_that_pass_through_others_of_a_body_at_the_start_are_left_out_of_s
     for x, passes in ((world.sessions[0].body.positions(), False), (through.sessions[0].body.positions(), True)):
         low, high = np.split(x[2], 3)[0::2]
         assert (high.min() < low.max() - 1e-3) == passes
+
+
+def drift(world: World, body: Session) -> float:
+    """Return how far any vertex goes in ten seconds [m], after the body has come to rest within five."""
+    world.step(5.0)
+    before, most = body.body.positions(), 0.0
+    for _ in range(10):
+        world.step(1.0)
+        most = max(most, float(np.abs(body.body.positions() - before).max()))
+    return most
+
+
+@pytest.mark.parametrize("turn", [(0.3, 0.5, 0.2), (1.0, 0.1, 0.7)])
+def test_a_ball_on_a_table_stops_rocking_and_stays(turn: tuple[float, float, float]) -> None:
+    body = session((0.001, 0.002, RADIUS + 0.003), turn=turn)
+    assert drift(World([body], [table()]), body) < 1e-5
+
+
+LOW, HIGH = (0.3, 0.5, 0.2), (0.1, 0.2, 0.9)  # [rad]
+
+
+@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.slow), 0.0002])
+def test_a_ball_at_rest_on_another_drifts_by_about_a_tenth_of_a_millimetre_in_ten_seconds(off: float) -> None:
+    low = session((0, 0, 0), level=3, turn=LOW, held=True)
+    gap, bottom = 1e-3, session((0, 0, 0), level=3, turn=HIGH).model.mesh.rest_positions[:, 2].min()
+    body = session((off, 0, low.model.mesh.rest_positions[:, 2].max() - bottom + gap), level=3, turn=HIGH)
+    assert drift(World([low, body]), body) < 1.2e-4
+    assert body.body.positions()[2].mean() > 1.8 * RADIUS, "it has not rolled off"
+
+
+def test_a_ball_beside_the_top_of_another_rolls_off() -> None:
+    body = session((0.008, 0, 2 * RADIUS), level=3, turn=LOW)
+    World([session((0, 0, 0), level=3, turn=LOW, held=True), body]).step(2.0)
+    assert body.body.positions()[2].mean() < 0
+
+
+def test_what_lies_on_a_table_sleeps_with_what_lies_on_it_and_wakes_where_it_was() -> None:
+    (flat, squares), top = sheet(8, 0.1), table()
+    meshes = [mesh_from_triangles(flat + (0, 0, height), squares) for height in (0.003, 0.006)]
+    sheets = [Session(build_model(mesh, [SOFT], gravity=(0, 0, -9.81))) for mesh in meshes]
+    world = World(sheets, [top])
+    world.step(3.0)
+    world.step(1.0)
+    assert not any(body.moved for body in sheets)
+    before = [body.body.positions() for body in sheets]
+    world.step(1.0)
+    assert all(np.array_equal(a, body.body.positions()) for a, body in zip(before, sheets, strict=True))
+    world.set_colliders([top.positions.T + (1e-5, 0, 0)])
+    world.step(1e-3)
+    assert all(body.moved for body in sheets)
+    assert max(np.abs(a - body.body.positions()).max() for a, body in zip(before, sheets, strict=True)) < 2e-5

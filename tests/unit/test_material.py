@@ -47,13 +47,6 @@ def test_zero_damping_and_friction_are_allowed() -> None:
     assert replace(SOFT, damping_ratio=0.0, friction=0.0).law(0.001) == pytest.approx(0.6)
 
 
-@pytest.mark.parametrize(
-    ("depth", "force"), [(-0.01, 0.0), (0.0, 0.0), (0.005, 3.0), (0.01, 6.0), (0.011, 8.0), (0.02, 26.0)]
-)
-def test_the_force_of_a_depth_is_two_piece_linear(depth: float, force: float) -> None:
-    assert SOFT.law(depth) == pytest.approx(force)
-
-
 @pytest.mark.parametrize("hardens", [1.3, 2.1, 2.25])
 def test_a_solid_under_a_sphere_answers_a_power_law_of_the_same_energy_without_a_bend(hardens: float) -> None:
     two_slopes = replace(SOFT, K2=hardens * SOFT.K1, indenter=FINGERTIP)

@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from core.base import DimpleError
-from core.mesh.repair import SLANTED, connected, weld
+from core.mesh.repair import SLANTED, weld
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from studies.meshes.simple import cube_triangles
 from tests.bodies import TETRAHEDRON, Shape, ball, hemisphere, joined, sheet, signed_volume, soup, walled_box
@@ -25,13 +23,6 @@ def test_a_closed_mesh_is_taken_as_it_is() -> None:
     assert sorted(map(tuple, mesh.springs.tolist())) == [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
     assert mesh.rest_lengths == pytest.approx([1, 1, 1, *[np.sqrt(2)] * 3])
     np.testing.assert_array_equal(mesh.source, range(4))
-
-
-def test_the_area_beside_a_spring_is_that_of_its_triangles() -> None:
-    mesh = mesh_from_triangles(*sheet(2, edge=2.0))
-    for (i, j), area in zip(mesh.springs, mesh.spring_areas, strict=True):
-        beside = [f for f in mesh.triangles if i in f and j in f]
-        assert area == pytest.approx(0.5 * len(beside))
 
 
 def test_soup_is_welded_into_a_closed_mesh() -> None:
@@ -62,16 +53,6 @@ def test_one_pair_of_near_vertices_is_found_among_thousands(level: bool, seed: i
     assert len(kept) == 2999 and source[2000] == source[700] == 700
     np.testing.assert_array_equal(kept, np.delete(np.arange(3000), 2000))
     assert len(weld(np.delete(points, 2000, axis=0), 1e-6)[0]) == 2999
-
-
-@pytest.mark.parametrize("edges", [0, 1, 40, 150, 400])
-def test_what_edges_connect_has_the_lowest_number_of_its_part(edges: int) -> None:
-    for seed in range(20):
-        pairs = np.random.default_rng(seed).integers(0, 200, (edges, 2))
-        graph = coo_matrix((np.ones(edges), pairs.T), shape=(200, 200))
-        parts = connected_components(graph, directed=False)[1]
-        first = np.array([np.flatnonzero(parts == part)[0] for part in parts])
-        np.testing.assert_array_equal(connected(pairs, 200), first)
 
 
 def test_vertices_a_little_apart_stay_apart() -> None:
@@ -215,13 +196,6 @@ def test_a_mesh_that_cannot_be_pressed_is_refused_with_the_reason(
 ) -> None:
     with pytest.raises(DimpleError, match=words):
         mesh_from_triangles(points, faces)
-
-
-def test_edges_beside_two_triangles_know_both_and_border_edges_their_own_twice() -> None:
-    mesh = mesh_from_triangles(*sheet(3))
-    for edge, pair in zip(mesh.springs, mesh.spring_triangles, strict=True):
-        beside = [t for t, f in enumerate(mesh.triangles) if set(edge) <= set(f)]
-        assert sorted(set(pair.tolist())) == beside
 
 
 def test_a_material_for_each_triangle_or_none() -> None:

@@ -120,8 +120,3 @@ def options_in_messages(source: str) -> list[tuple[int, str]]:
 @pytest.mark.parametrize("path", sorted((ROOT / "core").rglob("*.py")), ids=lambda path: str(path.relative_to(ROOT)))
 def test_no_message_of_the_core_names_an_option_of_the_command_line(path: Path) -> None:
     assert options_in_messages(path.read_text()) == []
-
-
-def test_an_option_in_a_message_is_found() -> None:
-    source = 'x = 1\nraise ValueError(f"{x}: choose it with --depth-column.")\ncommand.add_argument("--json")\n'
-    assert options_in_messages(source) == [(2, ": choose it with --depth-column.")]

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.mesh.ray import ray_hit
 from core.poke import Hit, Kind, PokeEvent, PokeState, fingers, lifted, on_event, with_settings
 from core.session import Finger
 
@@ -160,11 +159,6 @@ def test_a_force_pushes_straight_into_the_surface_however_one_looks_at_it() -> N
     assert fingers(state, 7)[0].inward == pytest.approx((-1.0, 0.0, 0.0), abs=1e-6)
 
 
-def test_pen_pressure_is_force_too() -> None:
-    state = run(replace(START, by_force=True), press(pressure=0.5), *ticks(1.0))
-    assert fingers(state, 7)[0].force == pytest.approx(START.force / 2)
-
-
 def test_settings_that_were_changed_in_a_panel_reach_a_press_under_way() -> None:
     state = run(START, press(), *ticks(1.0))
     state = run(with_settings(state, radius=0.02, depth=0.01), *ticks(1.0))
@@ -209,42 +203,6 @@ def test_any_events_in_any_order_keep_the_fingertips_finite() -> None:
                 assert np.isfinite(tip.finger.position).all()
                 assert 0 <= tip.reached
                 assert math.hypot(*tip.aim.inward) == pytest.approx(1)
-
-
-SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
-SHEETS = np.concatenate([SQUARE, SQUARE + (0, 0, 1)])
-FACES = np.array([(0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6)])
-
-
-@pytest.mark.parametrize(("x", "y"), [(0.2, 0.1), (0.1, 0.7), (0.5, 0.5), (1.0, 1.0)])
-def test_a_ray_meets_the_nearest_face_with_the_normal_toward_its_origin(x: float, y: float) -> None:
-    distance, point, normal = ray_hit((x, y, 3.0), (0.0, 0.0, -1.0), SHEETS, FACES)
-    assert distance == pytest.approx(2)
-    assert point == pytest.approx((x, y, 1))
-    assert normal == pytest.approx((0, 0, 1))
-
-
-def test_a_ray_beside_behind_or_along_the_faces_misses() -> None:
-    for origin, direction in (((2, 0, 3), (0, 0, -1)), ((0.5, 0.5, 3), (0, 0, 1)), ((-1, 0.5, 0), (1, 0, 0))):
-        assert ray_hit(origin, direction, SHEETS, FACES) is None
-    assert ray_hit((0, 0, 1), (0, 0, -1), np.zeros((3, 3)), np.array([(0, 1, 2)])) is None
-
-
-def test_no_ray_slips_through_a_corner_or_an_edge_of_a_closed_body() -> None:
-    corners = np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)], float)
-    faces = np.array([(x, y, z) for x in (0, 1) for y in (2, 3) for z in (4, 5)])
-    random = np.random.default_rng(3)
-    for _ in range(300):
-        turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
-        body = corners @ turn + random.normal(size=3)
-        a, b = body[faces[random.integers(8)][:2]]
-        aim = a + random.choice([0.0, 0.5, 1 / 3]) * (b - a)
-        origin = body.mean(axis=0) + 5 * (aim - body.mean(axis=0))
-        direction = (aim - origin) / np.linalg.norm(aim - origin)
-        hit = ray_hit(tuple(origin), tuple(direction), body, faces)
-        assert hit is not None
-        assert hit[0] == pytest.approx(np.linalg.norm(aim - origin))
-        assert np.dot(hit[2], direction) < 0
 
 
 LEFT = Hit(point=(-0.08, 0.0, 0.06), normal=(-0.8, 0.0, 0.6), body=7)

@@ -1,6 +1,5 @@
 """A proxy has the mass, the forces and the shape of its mesh, within what its spacing allows."""
 
-import gc
 from collections.abc import Callable
 
 import numpy as np
@@ -12,7 +11,6 @@ from core.base import DimpleError, Floats
 from core.body.model import Model, build_model
 from core.body.shape_matching import fit_pose
 from core.material import PRESETS
-from core.mesh.edges import edges_of
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.reduction.binding import WHOLE, carry
 from core.reduction.cells import grow_cells, spread_seeds, vertex_normals
@@ -56,19 +54,6 @@ def pressed(model: Model, proxy: Proxy | None, depth: float = 0.01, radius: floa
     return session, float(frame.finger_forces[0, 2])
 
 
-def test_angles_that_face_each_other_across_a_flipped_edge_sum_to_at_most_a_half_turn() -> None:
-    side = 20
-    corner = np.array([i * side + j for i in range(side - 1) for j in range(side - 1)])
-    points = np.stack([*np.divmod(np.arange(side * side), side), np.zeros(side * side)], axis=1).astype(float)
-    points[:, :2] = (points[:, :2] + np.random.default_rng(0).uniform(-0.3, 0.3, (side * side, 2))) * (1, 2)
-    halves = [corner, corner + side, corner + 1], [corner + 1, corner + side, corner + side + 1]
-    flipped = native.flip_edges(native.library(), points, np.concatenate([np.stack(half, axis=1) for half in halves]))
-    at, p, q = (points[np.roll(flipped, -turn, axis=1)] for turn in (2, 0, 1))
-    p, q = p - at, q - at
-    angles, edges = np.arctan2(np.cross(p, q)[..., 2], (p * q).sum(axis=2)), edges_of(flipped)
-    assert (angles > 0).all() and np.bincount(edges.of_half, angles.ravel())[edges.count == 2].max() <= np.pi + 1e-6
-
-
 def test_at_rest_the_surface_is_the_mesh_bit_for_bit(model: Model, proxy: Proxy) -> None:
     session = Session(model, proxy=proxy)
     assert np.array_equal(session.positions(), model.mesh.rest_positions.astype(np.float32))
@@ -83,30 +68,6 @@ def test_a_proxy_has_no_blunt_edges_so_its_tension_is_that_of_its_area(model: Mo
     weights = mesh.cotangents
     assert weights @ mesh.rest_lengths**2 == pytest.approx(2 * mesh.triangle_areas.sum(), rel=2e-3)
     assert (weights <= 0).mean() < 0.01 and mesh.closed
-
-
-def test_a_proxy_is_made_of_so_few_objects_that_python_collects_no_garbage(model: Model) -> None:
-    """In Blender a collection of all there is takes 25 to 75 ms, in which no thread goes on."""
-    begun: list[int] = []
-
-    def note(phase: str, of: dict[str, int]) -> None:
-        if phase == "start":
-            begun.append(of["generation"])
-
-    gc.collect()
-    gc.callbacks.append(note)
-    try:
-        build_proxy(model, 2500)
-    finally:
-        gc.callbacks.remove(note)
-    assert len(begun) <= 1
-
-
-# where edges are half as long as the fingertip's radius, it goes in between the vertices by a twentieth of the depth
-@pytest.mark.parametrize(("vertices", "off"), [(1000, 0.07), (4000, 0.06)])
-def test_a_dent_of_a_proxy_is_as_stiff_as_its_meshs(model: Model, vertices: int, off: float) -> None:
-    whole = pressed(model, None)[1]
-    assert pressed(model, build_proxy(model, vertices))[1] == pytest.approx(whole, rel=off)
 
 
 @pytest.mark.parametrize(("radius", "around", "vertices"), [(0.02, 0.5, 700), (0.01, 0.0, 1000)])

@@ -4,10 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from core.body.model import build_model
-from core.material import PRESETS
-from core.mesh.surface import Mesh, base_vertices, cap_centres, mesh_from_triangles
-from core.session import Finger, Session
+from core.mesh.surface import Mesh, cap_centres, mesh_from_triangles
 from tests.bodies import REAL, real
 
 
@@ -41,12 +38,3 @@ def test_a_real_mesh_and_its_caps_close_and_have_the_volume_trimesh_finds(raw: t
     assert mesh.closed == (len(caps) == 0) and mesh.pressurable == (mesh.volume > 0)
     if mesh.closed:
         assert mesh.volume / 0.165**3 == pytest.approx(abs(raw.volume) / raw.extents.max() ** 3, rel=1e-4)
-
-
-def test_a_real_mesh_can_be_pressed(mesh: Mesh) -> None:
-    session = Session(build_model(mesh, [PRESETS[1].material], pinned=base_vertices(mesh)))
-    top = mesh.rest_positions[~mesh.loose][mesh.rest_positions[~mesh.loose, 2].argmax()]
-    session.set_fingers([Finger((top[0], top[1], top[2] + 0.0095), 0.010)])
-    frame = session.step(0.001)
-    assert frame.finite and np.isfinite(session.positions()).all()
-    assert frame.finger_forces[0, 2] > 0

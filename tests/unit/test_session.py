@@ -12,7 +12,7 @@ from core.constants import MAX_STEPS
 from core.material import Material, law_force
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session
-from tests.bodies import Shape, after, ball, joined, sheet, soup
+from tests.bodies import Shape, after, ball, soup
 
 SOFT = Material(K1=600, K2=2000, x0=0.02, k=600, mass=0.5, damping_ratio=0.5, fill="none")
 RADIUS = 0.08
@@ -193,17 +193,6 @@ def test_time_that_is_no_time_is_refused(dt: float) -> None:
         Session(on_its_base().model, tick=min(dt, 0.0))
 
 
-def test_pins_arrive_where_they_are_sent_and_the_body_follows() -> None:
-    session = on_its_base()
-    pinned = session.model.pinned
-    shift = np.array([0.03, -0.01, 0.02])
-    session.set_pins(BALL[0] + shift)
-    session.step(0.1)
-    np.testing.assert_allclose(session.positions()[pinned], (BALL[0] + shift)[pinned], atol=1e-8)
-    session.step(1.0)
-    np.testing.assert_allclose(session.positions(), BALL[0] + shift, atol=1e-5)
-
-
 def test_pins_arrive_although_a_frame_ends_between_two_ticks() -> None:
     """At 24 frames a second the last tick of a frame ends before it: the rest of the way is gone in the next."""
     session, shift = on_its_base(), np.array([0.03, -0.01, 0.02])
@@ -337,18 +326,3 @@ def test_loose_vertices_stay_and_do_not_hold_the_body() -> None:
     assert frame.finite
     np.testing.assert_array_equal(lone.positions()[42:], far.astype(np.float32))
     np.testing.assert_allclose(lone.positions()[:42], after(plain, 0.1), atol=1e-6)
-
-
-def test_a_sheet_and_two_parts_can_be_pressed() -> None:
-    flat = on_its_base(sheet(4, 0.1))
-    flat.set_fingers([Finger((0, 0, 0.0101), 0.01)])
-    flat.step(0.001)
-    flat.set_fingers([Finger((0, 0, 0.005), 0.01)])
-    assert flat.step(0.1).finger_forces[0, 2] > 0
-    points, faces = BALL
-    pair = on_its_base(joined(BALL, (points + [0.3, 0, 0], faces)))
-    pair.set_fingers([above(0.0), above(0.0, x=0.3)])
-    pair.step(0.001)
-    pair.set_fingers([above(0.01), above(0.01, x=0.3)])
-    forces = pair.step(0.1).finger_forces[:, 2]
-    assert forces[0] > 0 and forces[0] == pytest.approx(forces[1], rel=1e-6)

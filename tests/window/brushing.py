@@ -17,7 +17,7 @@ def brush(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Size, zoom and select before the first press, then the same while the poke runs."""
     settings = bpy.context.scene.dimple
     settings.press_by, settings.finger_radius_mm, settings.press_depth_mm = "DEPTH", 10.0, 15.0
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, -2.2, 0.0))  # seen to the left
         bpy.context.object.name = OTHER
         select("Cube")

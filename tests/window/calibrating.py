@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import bpy
+import clicking
 import numpy as np
 import robot
 
@@ -26,7 +27,7 @@ def press_file(header: str) -> Path:
 
 def drop(path: Path) -> None:
     """Do what Blender does with a file that is let go over the viewport: ask its file handlers."""
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.wm.drop_import_file("INVOKE_DEFAULT", directory=str(path.parent), files=[{"name": path.name}])
 
 
@@ -45,7 +46,7 @@ def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.
     check("a question that is left changes nothing", scene.calibration == "")
     drop(press_file("Distance x (mm),Force F (N)\n"))
     yield from robot.until(lambda: scene.calibration != "", "the dropped file is read", 30)
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.dimple.apply_calibration("INVOKE_DEFAULT")
     settings = bpy.data.objects[body].active_material.dimple
     found = settings.K1, settings.K2, settings.x0
@@ -70,23 +71,20 @@ def by_hand(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.Wa
         bpy.utils.register_class(type(f"TEST_PT_{name}", (bpy.types.Panel,), {**places, "draw": panel.draw}))
     yield from robot.show_tab("Hand")
     bpy.context.window_manager.clipboard = "mm\tg\n" + "".join(f"{x}\t{52 * x + x % 3}\n" for x in range(7))
-    for command in ("bpy.ops.dimple.paste_table", "bpy.ops.dimple.calibrate_by_hand"):
-        if command.endswith("by_hand"):
-            robot.screenshot(out / "9-table.png")
-        else:
-            sheet = bpy.context.window_manager.clipboard
-        buttons = yield from robot.find_buttons(command)
-        place = next(where for each, where in buttons.items() if each.startswith(command))
+    sheet = bpy.context.window_manager.clipboard
+    for name in ("paste_table", "calibrate_by_hand"):
+        place = yield from clicking.button(name)
         bpy.context.window_manager.clipboard = sheet  # looking for a button copied its command
         yield from robot.click(*place)
         yield from robot.redrawn()
+        robot.screenshot(out / f"9-{name}.png")
     check("a table is pasted by a click", round(scene.hand_grams[6]) == 312, f"{scene.hand_grams[6]:.0f} g")
     robot.screenshot(out / "9-tip.png")
     yield from robot.key("RET", *place)
     yield from robot.until(lambda: scene.calibration != "", "the table is fitted", 30)
     yield from robot.redrawn()
     robot.screenshot(out / "9-fitted.png")
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.dimple.apply_calibration("INVOKE_DEFAULT")
         settings = bpy.data.objects[body].active_material.dimple
         bpy.ops.dimple.poke("INVOKE_DEFAULT")

@@ -111,6 +111,16 @@ def button_in_header(command: str) -> Found:
     raise robot.NotReached(f"no button of the tool's header calls {command}")
 
 
+def button(name: str) -> Found:
+    """Return where the button of an operator of ours is in the sidebar, found by hovering."""
+    wanted = f"bpy.ops.dimple.{name}("
+    found = yield from robot.find_buttons(wanted)
+    place = next((at for command, at in found.items() if command.startswith(wanted)), None)
+    if place is None:
+        raise robot.NotReached(f"no button of the sidebar calls dimple.{name}; there are {sorted(found)}")
+    return place
+
+
 def in_sidebar(name: str) -> Found:
     """Return where a field of the sidebar is, turning the wheel until it is seen."""
     found: dict[str, Place] = {}

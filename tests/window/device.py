@@ -54,7 +54,7 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
         return max(sum(c * c for c in tip.force) ** 0.5 for tip in report().tips)
 
     yield from robot.until(lambda: report().states > 10, "the emulated device answers", 60)
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.dimple.play("INVOKE_DEFAULT")
 
     def presses() -> bool:

@@ -63,7 +63,7 @@ def choose(form: str) -> robot.Waits:
 
 
 def _open(ask: Callable[[], object]) -> robot.Waits:
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         ask()
     yield from robot.until(lambda: browser() is not None, "the file browser opens", 60)
     yield from robot.looks(20)

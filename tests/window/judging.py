@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import bpy
+import clicking
 import device
 import numpy as np
 import robot
@@ -23,7 +24,6 @@ PLAN = {
 }  # fmt: skip
 STATUS_BAR = 24  # [px]
 FAR = (0.0, 0.0, 50.0)  # [scene units] where no fingertip of the device is seen
-CONTINUE = "bpy.ops.dimple.continue_experiment()"
 
 
 def judge(body: str, out: Path, check: Callable[..., None]) -> robot.Waits:
@@ -58,10 +58,11 @@ def judge(body: str, out: Path, check: Callable[..., None]) -> robot.Waits:
         if pictures:
             bpy.ops.dimple.continue_experiment()  # it takes minutes to find a button
         else:
-            yield from press(CONTINUE)
+            yield from robot.click(*(yield from clicking.button("continue_experiment")))
+            yield from robot.redrawn()
         check(f"{code} agrees", experiments[0].agreed)
         for interval in (1, 2):
-            with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+            with robot.inside():
                 bpy.ops.dimple.continue_experiment("INVOKE_DEFAULT")
             stiffness.append(float(sessions.get(obj).session.model.materials[0].K1))
             pictures.append((yield from looked(out / f"16-{code}-{interval}.png")))
@@ -102,12 +103,3 @@ def looked(path: Path) -> robot.Waits:
 def different(one: np.ndarray, other: np.ndarray) -> int:
     """Count the pixels of the screen that differ by more than 6 of 255."""
     return int((np.abs(one.astype(np.int16) - other.astype(np.int16)).max(axis=2) > 6).sum())
-
-
-def press(command: str) -> robot.Waits:
-    """Click the button of a command in the sidebar."""
-    buttons = yield from robot.find_buttons(command)
-    if command not in buttons:
-        raise robot.NotReached(f"no button of the sidebar calls {command}; there are {sorted(buttons)}")
-    yield from robot.click(*buttons[command])
-    yield from robot.redrawn()

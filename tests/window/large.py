@@ -18,7 +18,7 @@ DRAWN = 3  # pictures at least while it gets ready; how far apart they are depen
 def press_large(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Poke a large ball: stopped by Esc, then ready and pressed; the scene is put back."""
     others = list(bpy.context.selected_objects)
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.object.select_all(action="DESELECT")
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=SUBDIVISIONS, radius=1.0, location=(0.0, 0.0, 0.0))
     large = bpy.context.object
@@ -61,5 +61,5 @@ def press_large(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 
 
 def _poke() -> None:
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.dimple.poke("INVOKE_DEFAULT")

@@ -39,12 +39,7 @@ class Hand:
 
     def button(self, name: str) -> robot.Waits:
         """Click the button of an operator in the sidebar."""
-        wanted = f"bpy.ops.dimple.{name}("
-        found = yield from robot.find_buttons(wanted)
-        place = next((at for command, at in found.items() if command.startswith(wanted)), None)
-        if place is None:
-            raise robot.NotReached(f"no button of the sidebar calls dimple.{name}; there are {sorted(found)}")
-        yield from self.click(place)
+        yield from self.click((yield from clicking.button(name)))
 
     def drag(self, at: Place, by: Place) -> robot.Waits:
         """Press on the body until the fingertip is deep, slide, let go."""

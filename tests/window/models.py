@@ -90,7 +90,7 @@ def _subdivide(obj: bpy.types.Object, shown: int, rendered: int) -> None:
 def model(name: str, out: Path, check: Check) -> robot.Waits:
     """Press a model by four actions of the hand, keep the dent by Enter, and render it."""
     yield from opening.new_file()
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         at = robot.on_screen(MODELS[name]())
         bpy.ops.view3d.camera_to_view()
     robot.area().spaces.active.region_3d.view_perspective = "PERSP"
@@ -117,8 +117,7 @@ def model(name: str, out: Path, check: Check) -> robot.Waits:
 def press(at: Place, rest: np.ndarray, name: str, out: Path, check: Check) -> robot.Waits:
     """Open the tab, click Make Soft, drag: the dent is seen."""
     yield from clicking.open_tab("Dimple", at)
-    buttons = yield from robot.find_buttons("bpy.ops.dimple.make_soft(")
-    yield from robot.click(*buttons["bpy.ops.dimple.make_soft()"])
+    yield from robot.click(*(yield from clicking.button("make_soft")))
     yield from robot.until(lambda: bpy.context.object.dimple.enabled, "it is soft", 60)
     robot.area().spaces.active.show_region_ui = False
     yield from robot.move(*at)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-import time
 from collections.abc import Callable, Generator
 from pathlib import Path
 
 import bpy
+import clicking
 import numpy as np
 import robot
 from mathutils import Vector
@@ -19,18 +19,15 @@ OTHER = "Animation"  # a workspace in Object Mode too
 ALIKE = 30  # [px] of it that may differ between two pictures of the same text
 EDIT = 62, 790  # [px] where the Edit menu is, with the default theme and scale
 BELOW = 60  # [px] under a body, where nothing is drawn
-FINE = 41  # cells along an edge of a cube: 10,088 vertices
 
 
-def open_samples(out: Path, check: Check, measured: dict) -> robot.Waits:
+def open_samples(out: Path, check: Check) -> robot.Waits:
     """Open the samples as an artist does and press each at once; then go back to the default scene."""
     for name in SAMPLES:
         yield from open_sample(name, out, check)
     yield from new_file()
-    yield from ready_in(out, check, measured)
-    yield from new_file()
     bpy.data.objects["Cube"].data.materials.clear()  # else it keeps its own, which was measured nowhere
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.dimple.make_soft()
     yield from robot.redrawn()
     yield from status_bar(out, check)
@@ -89,34 +86,6 @@ def open_sample(name: str, out: Path, check: Check) -> robot.Waits:
     yield from leave(at)
 
 
-def ready_in(out: Path, check: Check, measured: dict) -> robot.Waits:
-    """Make a bare mesh of 10,000 vertices soft, and see how long that takes; a time is no check."""
-    cube = bpy.data.objects["Cube"]
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        cube.data.materials.clear()
-        bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.mesh.subdivide(number_cuts=FINE - 1)
-        bpy.ops.object.mode_set(mode="OBJECT")
-    yield from robot.redrawn()
-    begun, cpu = time.perf_counter(), time.process_time()
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.dimple.make_soft("INVOKE_DEFAULT")
-        seconds, cpu = time.perf_counter() - begun, time.process_time() - cpu
-    yield from robot.redrawn(1)
-    words = f"{seconds:.2f} s, {cpu:.2f} s of processor, {time.perf_counter() - begun:.2f} s until it is drawn"
-    measured["make_soft"] = {"vertices": len(cube.data.vertices), "seconds": round(seconds, 3)}
-    check("10,000 vertices are soft by one click", cube.dimple.enabled and bool(cube.dimple.plan_reason), words)
-    at = robot.on_screen((0.0, 0.0, 1.0))
-    yield from robot.move(*at)
-    begun = time.perf_counter()
-    yield from robot.button(*at, "PRESS")
-    yield from robot.until(lambda: body() is not None and body().frame.depths.any(), "the click presses", 120)
-    measured["make_soft"]["first_press_s"] = round(time.perf_counter() - begun, 3)
-    yield from robot.redrawn()
-    robot.screenshot(out / "00-ten-thousand.png")
-    yield from leave(at)
-
-
 def status(path: Path) -> robot.Differs:
     """Return the pixels of the status bar, with the mouse where its text is that of the window."""
     yield from robot.redrawn(3)
@@ -134,7 +103,7 @@ def status_bar(out: Path, check: Check) -> Generator[float, None, None]:
     bpy.ops.ed.undo_push(message="Radius")
     yield from robot.move(*at)
     before = yield from status(out / "00-status-before.png")
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.dimple.poke("INVOKE_DEFAULT")
     yield from robot.until(lambda: body() is not None, "the poke runs", 60)
     keys = yield from status(out / "00-status-keys.png")
@@ -179,22 +148,6 @@ def status_bar(out: Path, check: Check) -> Generator[float, None, None]:
     check("and the keys are gone from both when it has ended", min(differ(there, keys), differ(here, keys)) > 300, gone)
 
 
-def places(area: bpy.types.Area) -> Generator[float, None, dict[str, tuple[int, int]]]:
-    """Return where our fields of a properties editor are, found by hovering."""
-    region = next(each for each in area.regions if each.type == "WINDOW")
-    found: dict[str, tuple[int, int]] = {}
-    for y in range(region.y + region.height - 4, region.y, -10):
-        x = region.x + round(0.7 * region.width)
-        yield from robot.move(x, y)
-        with bpy.context.temp_override(window=robot.window(), area=area, region=region):
-            if bpy.ops.ui.copy_data_path_button.poll():
-                bpy.ops.ui.copy_data_path_button(full_path=True)
-                path = bpy.context.window_manager.clipboard
-                if ".dimple." in path:
-                    found.setdefault(path.rpartition(".")[2], (x, y))
-    return found
-
-
 def fields(out: Path, check: Check) -> robot.Waits:
     """Edit the first constant of a measured material: no field may move away under the mouse."""
     area = robot.area()
@@ -202,13 +155,14 @@ def fields(out: Path, check: Check) -> robot.Waits:
     area.type = "PROPERTIES"
     area.spaces.active.context = "MATERIAL"
     yield from robot.looks(30)
-    before = yield from places(area)
+    region = next(each for each in area.regions if each.type == "WINDOW")
+    before = yield from clicking.fields(area, region)
     robot.screenshot(out / "00-fields.png")
     material = bpy.data.objects["Cube"].active_material.dimple
     material.K1 = 2 * material.K1
     check("a measured material is marked as edited", material.edited)
     yield from robot.looks(30)
-    after = yield from places(area)
+    after = yield from clicking.fields(area, region)
     robot.screenshot(out / "00-fields-edited.png")
     moved = [name for name in before if after.get(name) != before[name]]
     check("no field moves at the first edit", len(before) >= 8 and not moved, f"{sorted(before)}; moved: {moved}")
@@ -224,13 +178,13 @@ def menus(out: Path, check: Check) -> robot.Waits:
     for language in ("en_US", "ja_JP"):
         view.language = language
         yield from robot.redrawn(3)
-        with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        with robot.inside():
             bpy.ops.wm.call_menu(name="DIMPLE_MT_object")
         yield from robot.looks(15)
         robot.screenshot(out / f"00-menu-{language[:2]}.png")
         yield from robot.key("ESC", *at)
     yield from panels(out)
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.mesh.primitive_uv_sphere_add(radius=0.3, location=(0.0, 0.0, 3.0))
         bpy.ops.wm.call_menu(name="DIMPLE_MT_object")
     yield from robot.looks(15)

@@ -90,6 +90,11 @@ def region(kind: str = "WINDOW") -> bpy.types.Region:
     return next(candidate for candidate in area().regions if candidate.type == kind)
 
 
+def inside() -> object:
+    """Return a context in which an operator runs as one called in the largest viewport."""
+    return bpy.context.temp_override(window=window(), area=area(), region=region())
+
+
 def until(happened: Callable[[], bool], what: str, limit_s: float = 60.0) -> Waits:
     """Wait for a condition.
 
@@ -223,7 +228,7 @@ def positions(name: str) -> np.ndarray:
 
 def free_room() -> tuple[float, float, float, float]:
     """Return the left, lower, right and upper end of what is free of the viewport for numbers [px]."""
-    with bpy.context.temp_override(window=window(), area=area(), region=region()):
+    with inside():
         return extension("addon.viewport_room").free_room(bpy.context, bpy.context.preferences.system.ui_scale)
 
 

@@ -1,4 +1,4 @@
-"""What is seen while one tunes: colours, profile, shape at rest; x0 painted; two materials; a weight."""
+"""What is seen while one tunes: colours, profile, shape at rest; x0 painted; two materials."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import bpy
 import clicking
 import device
 import numpy as np
+import opening
 import robot
 import tuning
 from mathutils import Euler, Vector
@@ -96,7 +97,7 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     material = cube.active_material.dimple
     x0 = 2 * PAINTED * material.x0
     wanted = x0 + (FORCE_N - material.K1 * x0) / material.K2
-    depth = 1e3 * float(tuning.body().frame.depths[0])
+    depth = 1e3 * float(opening.body().frame.depths[0])
     words = f"{depth:.2f} mm for {wanted:.2f} mm, {100 * (depth / wanted - 1):+.1f} %"
     check("the press stops within 5 % of where x0 is painted", abs(depth / wanted - 1) < 0.05, words)
     yield from robot.redrawn(3)
@@ -133,9 +134,9 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
         tips.append(bpy.context.object)
     for each in (cube, other):
         each.select_set(True)
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.dimple.play("INVOKE_DEFAULT")
-    yield from robot.until(lambda: tuning.body() is not None and tuning.body().frame.time > 0, "both play", 60)
+    yield from robot.until(lambda: opening.body() is not None and opening.body().frame.time > 0, "both play", 60)
     bodies = robot.extension("operators.press.sessions").sessions
     readout = robot.extension("addon.readout")
     rate, readout.rate_hz = readout.rate_hz, lambda _frame: 0.0  # how slow this machine is belongs in no picture
@@ -146,8 +147,8 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     for number in range(LOOP):  # `run.py` makes a looping picture of it
         for tip in tips:
             tip.location.z = up - DEEPEST * (0.5 - 0.5 * np.cos(2 * np.pi * number / LOOP))
-        begun = tuning.body().frame.time
-        yield from robot.until(lambda begun=begun: tuning.body().frame.time > begun + SWELL_S / LOOP, "it goes on", 60)
+        begun = opening.body().frame.time
+        yield from robot.until(lambda begun=begun: opening.body().frame.time > begun + SWELL_S / LOOP, "it goes on", 60)
         yield from robot.redrawn(1)
         robot.screenshot(out / f"loop-{number:02}.png")
         if number == LOOP // 2:
@@ -161,31 +162,4 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     robot.area().spaces.active.show_region_ui = True
     for each in (other, *tips):
         bpy.data.objects.remove(each)
-    yield from robot.redrawn()
-
-
-def weight(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
-    """Let a weight of 1 kg fall on the cube while that plays."""
-    as_measured()
-    cube = bpy.data.objects["Cube"]
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.mesh.primitive_cylinder_add(radius=0.4, depth=0.3, location=(0.0, 0.0, 1.25))
-    prop = bpy.context.object
-    prop.dimple.collider = prop.dimple.is_prop = True
-    start = prop.matrix_basis.copy()
-    prop.select_set(False)
-    cube.select_set(True)
-    bpy.context.view_layer.objects.active = cube
-    bpy.context.scene.dimple.show_field = "PRESSURE"
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.dimple.play("INVOKE_DEFAULT")
-    yield from robot.until(lambda: tuning.body() is not None and tuning.body().frame.time > 0.8, "it falls", 300)
-    sunk = 1.0 - (prop.matrix_world.translation.z - 0.15)
-    check("a weight of 1 kg rests in the cube", 0.0 < sunk < 0.5, f"{sunk * 82.5:.2f} mm deep")
-    yield from robot.redrawn(3)
-    robot.screenshot(out / "0-weight.png")
-    yield from tuning.leave(at)
-    check("and is put back when that ends", prop.matrix_basis == start)
-    bpy.context.scene.dimple.show_field = "NONE"
-    bpy.data.objects.remove(prop)
     yield from robot.redrawn()

@@ -133,7 +133,7 @@ def animate(rig: bpy.types.Object) -> None:
 def sway(out: Path, check: Check, measured: dict) -> robot.Waits:
     """Make the character soft, of flesh, and play it; look at it while it hops and comes to rest."""
     yield from opening.new_file()
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         skin = character()
     view = robot.area().spaces.active
     view.region_3d.view_location, view.region_3d.view_distance = (0.0, 0.0, 1.25), 5.0

@@ -1,4 +1,4 @@
-"""From the bare cube of the default scene: Make Soft, press by force, tune K1 while the fingertip rests, undo, F3."""
+"""From the bare cube of the default scene: Make Soft, press by force, tune K1 while the fingertip rests, undo."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ import brushing
 import clicking
 import large
 import opening
-import playing
 import robot
 import seeing
 
@@ -44,7 +43,7 @@ def by_hand(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 
 def at_once() -> robot.Waits:
     """Leave the cube as `by_hand` leaves it, by operators."""
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.dimple.make_soft()
         settings = bpy.context.scene.dimple
         settings.press_by, settings.press_force_n = "FORCE", FORCE_N
@@ -57,7 +56,7 @@ def put_away() -> robot.Waits:
     """Go back to pressing by depth, with Blender's own tool."""
     settings = bpy.context.scene.dimple  # the steps that were undone since have replaced an earlier one
     settings.press_by, settings.finger_radius_mm, settings.active_finger = "DEPTH", 10.0, 1
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.wm.tool_set_by_id(name="builtin.select_box")
     yield from robot.redrawn()
 
@@ -95,14 +94,9 @@ def slope() -> float:
     return round(bpy.data.objects["Cube"].active_material.dimple.K1, 3)
 
 
-def body() -> object:
-    sessions = robot.extension("operators.press.sessions").sessions
-    return next(iter(sessions.values()), None)
-
-
 def push() -> float:
     """Return the force [N] with which the body answers along the press."""
-    frame, finger = body().frame, next(iter(body().session.fingers), None)
+    frame, finger = opening.body().frame, next(iter(opening.body().session.fingers), None)
     if finger is None or not len(frame.finger_forces):
         return 0.0
     return -sum(float(f) * d for f, d in zip(frame.finger_forces[0], finger.inward, strict=True))
@@ -126,7 +120,7 @@ _last = {"depth": -1.0, "since": -1.0}
 
 def settled() -> bool:
     """Tell whether the fingertip has rested for a while at one depth."""
-    frame = body().frame
+    frame = opening.body().frame
     depth = float(frame.depths[0]) if len(frame.depths) else 0.0
     moves = abs(depth - _last["depth"]) >= 2e-3 * depth or frame.time < _last["since"]
     if moves or not resting():
@@ -138,7 +132,7 @@ def settle(what: str, also: Callable[[], bool] = lambda: True) -> robot.Waits:
     """Wait until the fingertip rests, with the viewport put aside: to draw it takes many times what stepping does."""
     place = robot.area()
     place.type = "TEXT_EDITOR"
-    yield from robot.until(lambda: body() is not None and also() and settled(), what, 400)
+    yield from robot.until(lambda: opening.body() is not None and also() and settled(), what, 400)
     place.type = "VIEW_3D"
     yield from robot.redrawn()
 
@@ -152,11 +146,11 @@ def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Press with the tool, and harden the material while the fingertip rests: drag K1, then type the rest."""
     yield from leave_resting(at)
     yield from settle("the fingertip rests")
-    soft = float(body().frame.depths[0])
+    soft = float(opening.body().frame.depths[0])
     yield from robot.redrawn()
     field = yield from clicking.constant("K1")
     robot.screenshot(out / "0-force-soft.png")
-    session, seen, drawn, began = body().session, [], robot.drawn(), time.monotonic()
+    session, seen, drawn, began = opening.body().session, [], robot.drawn(), time.monotonic()
     finish = session.finish
 
     def noted(*given: object, **named: object) -> object:
@@ -180,7 +174,7 @@ def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     depth, after = next((depth, t - begun) for _, _, depth, t in seen[first + 1 :] if t >= begun + ACTS_S)
     words = f"{1e3 * soft:.4f} and {depth:.4f} mm after {1e3 * after:.0f} ms"
     check("and acts by it within a tenth of a second", depth < 1e3 * soft - LESS_MM, words)
-    hard, rate = float(body().frame.depths[0]), (robot.drawn() - drawn) / (time.monotonic() - began)
+    hard, rate = float(opening.body().frame.depths[0]), (robot.drawn() - drawn) / (time.monotonic() - began)
     check("a harder material is pressed less deep", hard < 0.7 * soft, f"{1e3 * soft:.2f} and {1e3 * hard:.2f} mm")
     check("and that is seen, however slow the machine is", rate > 0, f"{rate:.1f} frames a second")
     check("by the same force", resting(), f"{push():.3f} N")
@@ -201,10 +195,11 @@ def take_it_back(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
         yield from robot.key("Z", *at, ctrl=True)
         yield from robot.until(lambda before=before: slope() != before, "Ctrl-Z takes K1 back", 30)
     check("Ctrl-Z takes back first what was typed, then what was dragged", slope() == SOFT, f"{slope()} N/mm")
-    yield from robot.until(lambda: body().session.model.materials[0].K1 == 1e3 * SOFT, "and the body follows", 30)
+    session = opening.body().session
+    yield from robot.until(lambda: session.model.materials[0].K1 == 1e3 * SOFT, "and the body follows", 30)
     yield from robot.key("Z", *at, ctrl=True)
     yield from robot.looks(10)
-    check("Ctrl-Z takes back what was tuned, and only that", slope() == SOFT and body() is not None)
+    check("Ctrl-Z takes back what was tuned, and only that", slope() == SOFT and opening.body() is not None)
     yield from robot.redrawn()
     robot.screenshot(out / "0-undone.png")
     yield from leave(at)
@@ -215,23 +210,14 @@ def leave(at: tuple[int, int]) -> robot.Waits:
     yield from robot.move(*at)
     yield from robot.key("ONE", *at)
     yield from robot.key("ESC", *at)
-    yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
-
-
-def search(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
-    """Look for the poke with F3."""
-    yield from clicking.search("poke", at)
-    robot.screenshot(out / "0-search.png")
-    yield from robot.until(lambda: "DIMPLE_OT_poke" in robot.modal_operators(), "F3 poke starts the poke", 30)
-    check("F3 finds the poke", True)
-    yield from leave(at)
+    yield from robot.until(lambda: opening.body() is None, "ESC ends the poke", 30)
 
 
 def leave_resting(at: tuple[int, int]) -> robot.Waits:
     """Press with the tool and choose the next finger, so that the first stays where it is."""
     yield from robot.move(*at)
     yield from robot.button(*at, "PRESS")
-    yield from robot.until(lambda: body() is not None and resting(), "it rests", 120)
+    yield from robot.until(lambda: opening.body() is not None and resting(), "it rests", 120)
     yield from robot.key("TWO", *at)
     yield from robot.button(*at, "RELEASE")
     yield from robot.looks(10)
@@ -239,46 +225,11 @@ def leave_resting(at: tuple[int, int]) -> robot.Waits:
 
 def finer() -> bpy.types.Object:
     """Subdivide the cube: weights are painted on vertices of its own."""
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.subdivide(number_cuts=CUTS)
         bpy.ops.object.mode_set(mode="OBJECT")
     return bpy.data.objects["Cube"]
-
-
-def paint(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
-    """Paint softness where the fingertip rests: it sinks in deeper."""
-    cube = finer()
-    group = cube.vertex_groups.new(name="Soft")
-    group.add(range(len(cube.data.vertices)), 0.5, "REPLACE")
-    cube.dimple.softness_group = "Soft"
-    bpy.context.scene.dimple.press_force_n = GENTLE_N
-    yield from leave_resting(at)
-    yield from settle("it rests")
-    before = float(body().frame.depths[0])
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-    paint = bpy.context.tool_settings.weight_paint
-    paint.unified_paint_settings.weight, paint.unified_paint_settings.size = 1.0, 80
-    paint.brush.weight, paint.brush.strength = 1.0, 1.0
-    yield from robot.redrawn()
-    beside = at[0] + 45, at[1]
-    yield from robot.move(*beside)
-    yield from robot.button(*beside, "PRESS")
-    for share in range(12):
-        yield from robot.move(beside[0] - 8 * share, beside[1] - 2 * (share % 3))
-    yield from robot.button(beside[0] - 88, beside[1], "RELEASE")
-    yield from robot.until(
-        lambda: body() is None or float(body().frame.depths[0]) > 1.1 * before, "the painted place is softer", 60
-    )
-    running = body() is not None
-    now = float(body().frame.depths[0]) if running else 0.0
-    check("softness is painted while the fingertip rests, and it sinks in", running, f"{1e3 * (now - before):+.2f} mm")
-    yield from robot.redrawn()
-    robot.screenshot(out / "0-painted.png")
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.object.mode_set(mode="OBJECT")
-    yield from leave(at)
 
 
 def looks(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
@@ -289,11 +240,11 @@ def looks(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     bpy.ops.script.execute_preset(filepath=str(light), menu_idname="USERPREF_MT_interface_theme_presets")
     yield from robot.redrawn()
     robot.screenshot(out / "0-light.png")
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.screen.region_quadview()
     yield from robot.redrawn()
     robot.screenshot(out / "0-four-views.png")
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+    with robot.inside():
         bpy.ops.screen.region_quadview()
     view.ui_scale = 2.0
     yield from robot.redrawn()
@@ -303,7 +254,7 @@ def looks(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     with bpy.context.temp_override(window=robot.window()):
         bpy.ops.preferences.reset_default_theme()
     yield from robot.redrawn()
-    check("the overlay goes on in every look", body() is not None)
+    check("the overlay goes on in every look", opening.body() is not None)
     yield from leave(at)
 
 
@@ -316,7 +267,8 @@ def record(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     before = robot.screenshot(out / "0-recording.png")
     button = yield from clicking.button_in_header("bpy.ops.dimple.record(")
     yield from robot.click(*button)
-    yield from robot.until(lambda: (body().recorder or None) and body().recorder.frames > 2, "it records", 60)
+    pressed = opening.body()
+    yield from robot.until(lambda: pressed.recorder is not None and pressed.recorder.frames > 2, "it records", 60)
     yield from robot.redrawn()
     pictures = before, robot.screenshot(out / "0-recording.png")
     red = [int(((each[..., 0] > 150) & (each[..., 1:] < 100).all(axis=2))[300:, 60:360].sum()) for each in pictures]
@@ -337,14 +289,10 @@ SCENES: dict[str, Scene] = {
     "making": by_hand,
     "tuning": press_and_undo,
     "brushing": brushing.brush,
-    "keyframing": playing.keyframes,
-    "search": search,
     "recording": record,
-    "painting": paint,
     "colors": seeing.colours,
     "knee": seeing.paint_knee,
     "twins": seeing.two_materials,
-    "weight": seeing.weight,
     "looks": looks,
     "large": large.press_large,
 }

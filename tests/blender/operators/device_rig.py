@@ -109,6 +109,14 @@ def softened(bpy: ModuleType, body: Any) -> Any:
     return material.dimple
 
 
+def felt(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> Any:
+    """Start a session on a soft body under the fingertips of the device at a port."""
+    body = add()
+    softened(bpy, body)
+    connect(bpy, port.path)
+    return run(bpy, body)
+
+
 def gone(pid: int) -> bool:
     for _ in range(300):
         status = Path(f"/proc/{pid}/stat")

@@ -1,6 +1,7 @@
 """Bad input gets a plain sentence and harms nothing."""
 
 from collections.abc import Callable
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -142,16 +143,6 @@ def test_pins_that_hold_nothing_are_refused(add: Callable[..., Any], refused: Re
     obj.vertex_groups.new(name="Neck").add([0, 1], 0.4, "ADD")
     obj.dimple.pin_group = "Neck"
     refused(obj, "weight of 0.5")
-
-
-def test_what_is_not_a_mesh_is_refused_with_what_to_do(bpy: ModuleType, add: Callable[..., Any]) -> None:
-    from bl_ext.user_default.dimple.operators.press import sessions
-
-    add().select_set(False)
-    bpy.ops.object.text_add()
-    with pytest.raises(RuntimeError, match='"Text" is not a mesh.*Make Soft converts'):
-        bpy.ops.dimple.poke(**QUICK)
-    assert not sessions.sessions
 
 
 NOT_MESHES: dict[str, tuple[str, dict[str, Any]]] = {
@@ -307,3 +298,16 @@ def test_a_preset_for_what_is_linked_is_refused_for_it_would_be_lost(
     own.active_material = bpy.data.materials["Linked"]
     with pytest.raises(RuntimeError, match="The material is linked from another file"):
         bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+
+
+def test_a_library_override_is_called_so(bpy: ModuleType, add: Any, tmp_path: Path) -> None:
+    obj, path = add(), str(tmp_path / "library.blend")
+    bpy.data.libraries.write(path, {obj})
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.objects = ["Body"]
+    own = bpy.data.objects["Body"].override_create()
+    bpy.context.collection.objects.link(own)
+    bpy.context.view_layer.objects.active = own
+    with pytest.raises(RuntimeError, match="Settings of a library override would not be saved"):
+        bpy.ops.dimple.make_soft()

@@ -42,13 +42,10 @@ def test_a_press_dents_the_body_where_and_as_deep_as_it_is_told(ball: Add, dent:
 @pytest.mark.parametrize(
     "place",
     [
-        {"scale": (0.5, 0.5, 0.5)},
         {"scale": (-1, 1, 1)},
-        {"location": (100, -50, 3)},
-        {"rotation_euler": (0, 0, 1)},
-        {"scale": (30, 30, 30), "location": (0, 0, 7), "rotation_euler": (0, 0, -2)},
+        {"scale": (30, 30, 30), "location": (100, -50, 7), "rotation_euler": (0, 0, -2)},
     ],
-    ids=["small", "mirrored", "far off", "turned", "all at once"],
+    ids=["mirrored", "all at once"],
 )
 def test_scale_place_and_turn_do_not_change_the_press(
     ball: Add, dent: Callable[..., Any], place: dict[str, Any]
@@ -84,14 +81,6 @@ def test_a_parent_and_its_scale_are_seen_through(bpy: ModuleType, ball: Add, den
     assert -moves[:, 2].min() == pytest.approx(16.5, abs=1.5)
 
 
-def test_a_modifier_after_the_mesh_follows_the_press(ball: Add, dent: Callable[..., Any]) -> None:
-    obj = ball()
-    obj.modifiers.new("Smooth", "SUBSURF").levels = 1
-    moves = dent(obj)
-    assert len(moves) > len(obj.data.vertices)
-    assert -moves[:, 2].min() > 8
-
-
 def test_the_press_of_a_body_as_modelled_is_in_metres_of_the_scene(
     bpy: ModuleType, ball: Add, dent: Callable[..., Any]
 ) -> None:
@@ -113,21 +102,6 @@ def test_linked_duplicates_keep_their_mesh_while_one_is_pressed(
     bpy.ops.dimple.poke(**{**PRESS, "keep": keep})
     assert twin.data == obj.data == mesh and coordinates(obj) == before == shown(twin).tobytes()
     assert (shown(obj).tobytes() != before) == keep
-
-
-def test_linked_duplicates_pressed_together_are_put_back_together(
-    bpy: ModuleType, ball: Add, coordinates: Bits, shown: Any
-) -> None:
-    obj = ball()
-    twin = obj.copy()
-    twin.location.x = 5
-    bpy.context.collection.objects.link(twin)
-    twin.select_set(True)
-    before, mesh, meshes = coordinates(obj), obj.data, len(bpy.data.meshes)
-    assert bpy.ops.dimple.play(seconds=0.05) == {"FINISHED"}
-    assert obj.data == twin.data == mesh
-    bpy.ops.dimple.reset()
-    assert obj.data == twin.data == mesh and coordinates(obj) == before and len(bpy.data.meshes) == meshes
 
 
 @pytest.fixture
@@ -155,12 +129,6 @@ def key_bits(obj: Any) -> dict[str, bytes]:
     return bits
 
 
-def test_the_mix_of_shape_keys_is_what_blender_shows(bpy: ModuleType, keyed: Any, shown: Shown) -> None:
-    from bl_ext.user_default.dimple.operators.bridge import final_mesh
-
-    assert np.array_equal(final_mesh.read(bpy.context, keyed).points, shown(keyed)) and not keyed.modifiers
-
-
 def test_shape_keys_are_pressed_as_they_are_mixed_and_put_back(
     bpy: ModuleType, keyed: Any, coordinates: Bits, shown: Shown
 ) -> None:
@@ -181,17 +149,6 @@ def test_a_kept_press_leaves_shape_keys_as_they_are(
     assert np.array_equal(shown(keyed), seen)
 
 
-def test_the_session_on_shape_keys_shows_where_it_says(bpy: ModuleType, keyed: Any, shown: Shown) -> None:
-    from bl_ext.user_default.dimple.operators.press import sessions
-
-    bpy.context.scene.dimple.use_gravity = True
-    bpy.ops.dimple.play(seconds=0.1)
-    body = sessions.get(keyed)
-    positions = np.array([body.to_world(point) for point in body.session.positions()])
-    assert np.abs(world(keyed, shown(keyed)) - positions).max() < 2e-6
-    bpy.ops.dimple.reset()
-
-
 def test_several_selected_objects_run_at_once(bpy: ModuleType, ball: Add, coordinates: Bits, shown: Any) -> None:
     bodies = []
     for i in range(3):
@@ -208,20 +165,6 @@ def test_several_selected_objects_run_at_once(bpy: ModuleType, ball: Add, coordi
     assert heights[0] < -0.4
     bpy.ops.dimple.reset()
     assert [coordinates(obj) for obj in bodies] == before
-
-
-def test_pins_follow_a_body_that_is_moved(bpy: ModuleType, ball: Add, shown: Shown) -> None:
-    obj = ball()
-    bpy.ops.dimple.play(seconds=0.02)
-    lowest = int(shown(obj)[:, 2].argmin())
-    for i in range(1, 21):
-        obj.location.x = 0.05 * i
-        bpy.context.view_layer.update()
-        bpy.ops.dimple.play(seconds=1 / 24)
-    now = world(obj, shown(obj))
-    assert now[lowest] == pytest.approx((1.0, 0.0, -1.0), abs=1e-3)  # a part of a tick is left over
-    assert np.abs(now.mean(axis=0) - (1, 0, 0)).max() < 0.1
-    bpy.ops.dimple.reset()
 
 
 def test_materials_of_several_slots_press_differently(bpy: ModuleType, ball: Add, dent: Callable[..., Any]) -> None:
@@ -249,20 +192,6 @@ def test_a_press_along_a_direction_meets_the_side_it_is_aimed_at(
     assert moves[:, 1].max() == pytest.approx(16.5, abs=2)
 
 
-def test_a_fingertip_is_added_above_the_body_in_its_own_size(bpy: ModuleType, ball: Add) -> None:
-    obj = ball()
-    obj.location = (1, 2, 3)
-    for number in (1, 2, 3):
-        bpy.context.view_layer.objects.active = obj
-        bpy.ops.dimple.add_fingertip()
-        tip = getattr(bpy.context.scene.dimple, f"finger_{number}")
-        radius = 0.010 / 0.165 * 2
-        assert tip.empty_display_size == pytest.approx(radius, rel=1e-4)
-        assert tuple(tip.location) == pytest.approx((1, 2, 4 + radius), abs=1e-4)
-    with pytest.raises(RuntimeError, match="three fingertips are in use"):
-        bpy.ops.dimple.add_fingertip()
-
-
 def test_a_preset_sets_constants_size_and_source(bpy: ModuleType, ball: Add) -> None:
     from bl_ext.user_default.dimple.core.material import PRESETS, Material
 
@@ -275,45 +204,3 @@ def test_a_preset_sets_constants_size_and_source(bpy: ModuleType, ball: Add) -> 
         assert math.isclose(obj.dimple.to_params()["size"], preset.size)
     with pytest.raises(RuntimeError, match="object_1_nylon_air"):
         bpy.ops.dimple.apply_preset(preset="marble")
-
-
-def test_a_scripted_press_goes_straight_in_from_outside_wherever_it_is_put(bpy: ModuleType, add: Callable) -> None:
-    """At every face centre of a divided cube, from the surface itself; and by default in the middle of its top."""
-    import bmesh
-    from bl_ext.user_default.dimple import Body
-    from bl_ext.user_default.dimple.operators.press import scripted_press
-
-    obj = add()
-    cube = bmesh.new()
-    bmesh.ops.create_cube(cube, size=2.0)
-    bmesh.ops.subdivide_edges(cube, edges=cube.edges[:], cuts=4, use_grid_fill=True)
-    cube.to_mesh(obj.data)
-    centres = [(tuple(face.calc_center_median()), tuple(face.normal)) for face in cube.faces]
-    cube.free()
-    assert len(centres) == 150
-    body = Body.from_object(obj)
-    for place, normal in centres:
-        hit = scripted_press.aimed({body.link.uid: body}, place, (0.0, 0.0, 0.0)).hit
-        assert hit.normal == pytest.approx(normal, abs=1e-6), place
-        assert body.to_world(hit.point) == pytest.approx(place, abs=1e-6)
-    hit = scripted_press.aimed({body.link.uid: body}, None, (0.0, 0.0, 0.0)).hit
-    assert body.to_world(hit.point) == pytest.approx((0.0, 0.0, 1.0), abs=1e-6)
-
-
-def test_a_scripted_press_by_force_is_deeper_on_a_softer_body(bpy: ModuleType, ball: Add, shown: Any) -> None:
-    soft, hard = ball("Soft"), ball("Hard")
-    for obj, factor in ((soft, 1), (hard, 4)):
-        obj.active_material = bpy.data.materials.new(obj.name)
-        for name in ("K1", "K2", "k"):
-            constant = factor * getattr(obj.active_material.dimple, name)
-            setattr(obj.active_material.dimple, name, constant)
-    by_force = {**PRESS, "force_n": 5.0, "hold_s": 0.3}
-    depths = []
-    for obj in (soft, hard):
-        bpy.context.view_layer.objects.active = obj
-        soft.select_set(obj == soft)
-        hard.select_set(obj == hard)
-        top = shown(obj)[:, 2].max()
-        bpy.ops.dimple.poke(**by_force)
-        depths.append(top - shown(obj)[:, 2].max())
-    assert depths[0] > 2 * depths[1] > 0

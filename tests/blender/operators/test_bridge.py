@@ -84,19 +84,3 @@ def test_of_several_pressures_the_one_on_the_most_area_acts_and_a_note_says_so(b
     model = read(bpy, obj)
     assert model.pressure.rest_pressure == 7500
     assert "Its materials differ in fill or pressure: air, 7.5 kPa acts, on the most area." in model.notes
-
-
-def test_triangles_of_faces_of_any_size_have_the_material_of_their_face(bpy: ModuleType, add: Add) -> None:
-    from bl_ext.user_default.dimple.operators.bridge import final_mesh
-
-    points = [(0, 0, 0), (1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (3, 0, 0), (3, 2, 0)]
-    mesh = add(points, [(0, 1, 2, 3, 4), (1, 5, 2), (2, 5, 6, 3)]).data
-    for index, slot in enumerate((2, 0, 1)):
-        mesh.polygons[index].material_index = slot
-    triangles, slots = final_mesh.triangles_of(mesh)
-    expected = [
-        (tuple(each.vertices), mesh.polygons[each.polygon_index].material_index) for each in mesh.loop_triangles
-    ]
-    assert list(zip(map(tuple, triangles.tolist()), slots.tolist(), strict=True)) == expected
-    mesh.attributes.remove(mesh.attributes["material_index"])
-    assert not final_mesh.triangles_of(mesh)[1].any()

@@ -198,16 +198,6 @@ def test_the_dialog_asks_until_nothing_is_open(
     assert record_of(scene)["K2"] == pytest.approx(7, rel=1e-3)
 
 
-def test_warnings_speak_of_what_the_interface_has(
-    bpy: ModuleType, write: Write, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = write("drift.csv", "Depth (mm),Force (N)", lambda x, f: f"{x:.4f},{max(f - 3, 0) - x / 40 + x % 0.01:.4f}")
-    asked = Asked(bpy, monkeypatch, path)
-    assert asked.answer() == {"FINISHED"}
-    warnings = [text for level, text in asked.reports if level == "WARNING"]
-    assert warnings and not any("--" in text for text in warnings)
-
-
 def test_the_likeliest_answer_is_chosen_when_the_dialog_opens(
     bpy: ModuleType, write: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:

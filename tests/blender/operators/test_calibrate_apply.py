@@ -78,7 +78,7 @@ def test_constants_that_are_no_material_cannot_be_applied(bpy: ModuleType, add: 
     assert not bpy.ops.dimple.apply_calibration.poll()
 
 
-def test_a_preset_keeps_the_calibration_with_its_source(
+def test_a_preset_keeps_the_calibration_with_its_source_and_that_it_was_edited(
     bpy: ModuleType, add: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Blender gives the popover the name of the preset that was chosen last
@@ -87,16 +87,18 @@ def test_a_preset_keeps_the_calibration_with_its_source(
     bpy.ops.dimple.calibrate(filepath=str(SAMPLE))
     bpy.ops.dimple.apply_calibration()
     settings = bpy.context.object.active_material.dimple
-    before = {name: getattr(settings, name) for name in ("K1", "K2", "x0", "tip", "calibration", "provenance")}
+    settings.K2 = 9.5  # by hand, so the preset is of an edited material
+    kept = ("K1", "K2", "x0", "tip", "calibration", "provenance", "edited")
+    before = {name: getattr(settings, name) for name in kept}
     bpy.ops.dimple.material_preset_add(name="My Cushion")
-    settings.K1, settings.calibration, settings.tip = 1.0, "", "SPHERE"
+    settings.K1, settings.calibration, settings.tip, settings.provenance = 1.0, "", "SPHERE", ""
     folder = Path(bpy.utils.user_resource("SCRIPTS", path="presets/dimple/material"))
     (path,) = folder.glob("My_Cushion*.py")
     try:
         bpy.ops.script.execute_preset(filepath=str(path), menu_idname="DIMPLE_PT_material_presets")
     finally:
         path.unlink()
-    assert {name: getattr(settings, name) for name in before} == before
+    assert {name: getattr(settings, name) for name in before} == before and settings.edited
 
 
 def test_a_measured_object_of_the_paper_takes_the_place_of_a_calibration(

@@ -11,9 +11,8 @@ BESIDE = (0.15, -0.27, 1.0)  # where a hand may click: not on the very middle, w
 MIDDLE = (0.0, 0.0, 1.0)
 DOWN = (0.0, 0.0, -1.0)
 CLICKS: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("cube", {}), ("cube", {"location": MIDDLE}), ("plane", {}), ("plane", {"location": MIDDLE}), ("cylinder", {}),
-    ("uv_sphere", {}), ("uv_sphere", {"location": MIDDLE, "direction": DOWN}), ("torus", {"location": (1.0, 0.17, 0.25),
-    "direction": DOWN}), ("cone", {"location": (0.3, -0.4, 0.0)}),
+    ("cube", {}), ("plane", {"location": MIDDLE}), ("uv_sphere", {"location": MIDDLE, "direction": DOWN}),
+    ("torus", {"location": (1.0, 0.17, 0.25), "direction": DOWN}),
     ("cone", {"location": (0.5, 0.0, 0.0), "direction": (-1.0, 0.0, -0.5)}),
     ("cylinder", {"location": (1.0, 0.0, 0.2), "direction": (-1.0, 0.0, 0.0)}),
 )  # fmt: skip
@@ -67,21 +66,19 @@ def test_a_click_on_a_bare_primitive_answers_the_law(
         assert frame.volume == pytest.approx(frame.rest_volume, rel=0.004)
 
 
-@pytest.mark.parametrize("simulated", ["AUTO", "MESH"])
 def test_the_force_does_not_depend_on_what_is_simulated(
-    bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any], simulated: str
+    bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any]
 ) -> None:
-    bare("cube").dimple.simulated = simulated
+    bare("cube").dimple.simulated = "MESH"
     assert bpy.ops.dimple.poke(**PRESS) == {"FINISHED"}
     assert_by_law(frames[0])
 
 
-@pytest.mark.parametrize("name", ["cube", *(pytest.param(n, marks=pytest.mark.once) for n in ("cone", "cylinder"))])
 def test_a_liquid_keeps_its_volume_in_a_primitive_of_few_vertices(
-    bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any], name: str
+    bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any]
 ) -> None:
     """A cone of 34 vertices pressed as it is cannot: 30 percent of its volume lie under the one that is pressed."""
-    assert len(bare(name).data.vertices) < 200
+    assert len(bare("cone").data.vertices) < 200
     bpy.ops.dimple.apply_preset(preset="object_3_vinyl_water")
     assert bpy.ops.dimple.poke(**(PRESS | {"location": (0.0, 0.0, 1.0), "direction": (0.0, 0.0, -1.0)})) == {"FINISHED"}
     assert frames[0].session.model.pressure.fill == "liquid"

@@ -177,29 +177,6 @@ def test_a_hand_that_its_bones_close_squeezes_a_ball(
     assert np.array_equal(read_point_cache(path)[2][-1], live), "the bake equals the live play"
 
 
-def test_undo_amid_contact_goes_on_and_resets_to_the_last_bit(
-    bpy: ModuleType, sessions: Any, scene: Any, hand_and_ball: tuple[Any, Any], shown: Shown,
-    coordinates: Callable[[Any], bytes],
-) -> None:  # fmt: skip
-    before = coordinates(hand_and_ball[0])
-    bpy.ops.ed.undo_push(message="Before")
-    bpy.data.objects.new("Lamp", None)
-    bpy.ops.ed.undo_push(message="A lamp")
-    bpy.ops.dimple.play(frames=4)
-    bpy.ops.ed.undo_push(message="Amid the squeeze")
-    bpy.ops.ed.undo()
-    bpy.ops.ed.undo()
-    assert len(sessions.sessions) == 1
-    obj = bpy.data.objects["Ball"]
-    assert sessions.get(obj).frame.finite and shown(obj).tobytes() != before == coordinates(obj)
-    bpy.ops.dimple.play(seconds=0.05)
-    bpy.ops.ed.redo()
-    bpy.ops.dimple.play(seconds=0.05)
-    bpy.ops.dimple.reset()
-    obj = bpy.data.objects["Ball"]
-    assert coordinates(obj) == before == shown(obj).tobytes() and not obj.modifiers and not bpy.data.node_groups
-
-
 def test_what_sleeps_on_a_collider_falls_once_that_is_taken_away(
     bpy: ModuleType, sessions: Any, scene: Any, cube: Any, add: Add
 ) -> None:

@@ -17,6 +17,7 @@ from tests.blender.operators.device_rig import (
     PATIENCE,
     connect,
     connection,
+    felt,
     gone,
     run,
     softened,
@@ -31,10 +32,7 @@ pytestmark = NEEDS_PTY
 def test_three_fingertips_press_the_session_and_get_its_force(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
-    body = add()
-    softened(bpy, body)
-    connect(bpy, port.path)
-    entry = run(bpy, body)
+    entry = felt(bpy, port, add)
     assert bpy.ops.dimple.arm_device(hold_s=60.0) == {"FINISHED"}
 
     def pressed(report: Any) -> bool:
@@ -60,10 +58,7 @@ def test_a_killed_process_takes_the_force_and_not_the_session(
 ) -> None:
     from bl_ext.user_default.dimple.operators.press import live_step, sessions
 
-    body = add()
-    softened(bpy, body)
-    connect(bpy, port.path)
-    run(bpy, body)
+    entry = felt(bpy, port, add)
     bpy.ops.dimple.arm_device(hold_s=60.0)
     wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
     servo = connection().device.process
@@ -75,9 +70,9 @@ def test_a_killed_process_takes_the_force_and_not_the_session(
         time.sleep(1 / 60)
     assert "onnect" in notes[0]
     assert gone(servo.pid)
-    before = sessions.get(body).frame.time
+    before = entry.frame.time
     assert live_step.advance(bpy.context, 1 / 60) == []
-    assert sessions.get(body).frame.time > before
+    assert sessions.get(entry.obj) is entry and entry.frame.time > before
     assert not bpy.ops.dimple.arm_device.poll()
 
 
@@ -163,9 +158,8 @@ def test_a_device_that_is_lost_while_play_is_paused_is_said_when_it_goes_on(
 ) -> None:
     from bl_ext.user_default.dimple.operators.press import haptic_fingertips, live_step
 
-    body = add()
     connect(bpy, port.path)
-    run(bpy, body)
+    run(bpy, add())
     live_step.advance(bpy.context, 1 / 60)
     connection().device.process.kill()
     until = time.perf_counter() + PATIENCE

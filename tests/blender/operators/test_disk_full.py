@@ -53,24 +53,6 @@ def test_a_disk_that_fills_while_recording_ends_the_recording_and_not_the_sessio
     assert coordinates(obj) == rest, "no dent was taken for the rest shape"
 
 
-def test_a_disk_that_refuses_the_end_of_a_recording_leaves_the_mesh_at_rest(
-    bpy: ModuleType, sessions: Any, scene: Any, playing: Any, coordinates: Bits, rest: bytes, monkeypatch: Any
-) -> None:
-    from bl_ext.user_default.dimple.core.recording import point_cache as recording
-
-    obj = playing()
-    bpy.ops.dimple.record()
-
-    def refused(_: int) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(recording.os, "fsync", refused)
-    said = sessions.stop_all()
-    monkeypatch.undo()
-    assert len(said) == 1 and "No space left on device" in said[0]
-    assert coordinates(obj) == rest and is_clean(obj) and not sessions.sessions
-
-
 def test_a_recording_that_cannot_begin_leaves_no_file_and_records_nothing(
     bpy: ModuleType, sessions: Any, scene: Any, playing: Any, ball: Add
 ) -> None:

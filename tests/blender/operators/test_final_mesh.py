@@ -189,23 +189,6 @@ def test_a_modifier_that_must_be_first_is_pressed_as_any(
     assert shown(obj)[:, 2].max() < high - 0.02 and [each.name for each in obj.modifiers] == ["First", "Pressed"]
 
 
-def test_what_shows_a_press_is_no_object_of_the_artist_after_copy_paste_and_a_full_scene_copy(
-    bpy: ModuleType, scene: Any, ball: Callable[..., Any], tmp_path: Any
-) -> None:
-    from bl_ext.user_default.dimple.operators.press import sessions
-
-    ball()
-    bpy.ops.dimple.play(seconds=0.02)
-    bpy.ops.view3d.copybuffer()
-    bpy.ops.view3d.pastebuffer()
-    bpy.ops.scene.new(type="FULL_COPY")
-    sessions.stop_all()
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "copied.blend"))
-    for kind in (bpy.data.objects, bpy.data.meshes, bpy.data.node_groups):
-        assert not any(each.name.startswith(".Dimple") for each in kind)
-    assert not any(obj.modifiers for obj in bpy.data.objects)
-
-
 def test_a_kept_press_is_appended_whole_and_brings_no_object(
     bpy: ModuleType, scene: Any, ball: Callable[..., Any], shown: Callable[[Any], np.ndarray], tmp_path: Any
 ) -> None:
@@ -217,3 +200,16 @@ def test_a_kept_press_is_appended_whole_and_brings_no_object(
     bpy.ops.wm.append(filepath=f"{path}/Object/Ball", directory=f"{path}/Object/", filename="Ball")
     assert np.array_equal(shown(bpy.data.objects["Ball"]), seen)
     assert [each.name for each in bpy.context.scene.objects] == ["Ball"]
+
+
+def test_a_surface_that_a_modifier_makes_alone_is_pressed(
+    bpy: ModuleType, add: Any, shown: Callable[[Any], Any]
+) -> None:
+    obj = add(faces=[])
+    group = bpy.data.node_groups.new("Cube", "GeometryNodeTree")
+    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    cube, result = group.nodes.new("GeometryNodeMeshCube"), group.nodes.new("NodeGroupOutput")
+    group.links.new(cube.outputs[0], result.inputs[0])
+    obj.modifiers.new("Nodes", "NODES").node_group = group
+    bpy.ops.dimple.poke(depth_mm=10.0, press_s=0.1, hold_s=0.1, release_s=0.0, keep=True)
+    assert shown(obj)[:, 2].min() == -0.5 and not len(obj.data.polygons)

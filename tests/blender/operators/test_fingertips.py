@@ -40,6 +40,9 @@ def test_a_fingertip_is_added_on_the_top_and_selected_alone(bpy: ModuleType, sce
     assert tuple(tip.location) == pytest.approx((0, 0, 1 + 0.01 * M), abs=1e-5)
     assert bpy.ops.dimple.add_fingertip() == {"FINISHED"}, "another on the same body, from the first"
     assert scene.dimple.finger_2.dimple.presses == soft
+    bpy.ops.dimple.add_fingertip()
+    with pytest.raises(RuntimeError, match="three fingertips are in use"):
+        bpy.ops.dimple.add_fingertip()
 
 
 def test_a_fingertip_is_added_at_the_cursor_straight_out_of_the_surface(

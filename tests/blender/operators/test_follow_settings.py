@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-Bits = Callable[[Any], bytes]
 FRAME_S = 1 / 60
 
 
@@ -323,35 +322,6 @@ def test_softness_is_painted_while_the_fingertip_rests(bpy: ModuleType, entry: A
     assert step(bpy) == []
 
 
-def vinyl_law(depth: float, deeper: float = 1.0) -> float:
-    from bl_ext.user_default.dimple.core.material import law_force
-
-    return law_force(depth, 610.0, 7230.0, deeper * 0.0163)
-
-
-def test_x0_is_painted_while_a_force_rests_and_the_press_stops_there(bpy: ModuleType, entry: Any, cube: Any) -> None:
-    from bl_ext.user_default.dimple.core.session import Finger
-
-    finger = Finger((0.0, 0.0, 0.0825 + 0.01), 0.01, 15.0)
-    for seconds in (0.1, 0.5):
-        step(bpy, seconds, finger)
-    deep = float(entry.frame.depths[0])
-    assert vinyl_law(deep) == pytest.approx(15.0, rel=0.01)
-    everywhere = list(range(len(cube.data.vertices)))
-    cube.vertex_groups.new(name="Reach").add(everywhere, 0.5, "REPLACE")
-    cube.dimple.knee_group = "Reach"
-    step(bpy, 0.5, finger)
-    assert entry.frame.depths[0] == pytest.approx(deep, rel=1e-3), "0.5 is as measured"
-    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-    try:
-        cube.vertex_groups["Reach"].add(everywhere, 0.25, "REPLACE")
-        step(bpy, 0.25, finger)
-        step(bpy, 1.0, finger)
-        assert vinyl_law(float(entry.frame.depths[0]), 0.5) == pytest.approx(15.0, rel=0.01), "half of x0"
-    finally:
-        bpy.ops.object.mode_set(mode="OBJECT")
-
-
 def test_a_map_may_be_an_attribute(bpy: ModuleType, entry: Any, cube: Any) -> None:
     values = cube.data.attributes.new("soft", "FLOAT", "POINT")
     cube.dimple.softness_group = "soft"
@@ -386,3 +356,14 @@ def test_what_plays_follows_a_keyframe_when_the_frame_changes(bpy: ModuleType, e
     bpy.context.scene.frame_set(1)
     step(bpy)
     assert entry.session.model.materials[0].K1 == 610
+
+
+def test_a_material_that_is_deleted_while_it_acts_is_said(
+    bpy: ModuleType, vinyl: Any, cube: Any, capfd: pytest.CaptureFixture[str]
+) -> None:
+    vinyl.K1 = 2.0
+    bpy.ops.dimple.play(seconds=0.01)
+    bpy.data.materials.remove(cube.active_material)
+    bpy.ops.dimple.play(seconds=0.01)
+    assert "a material is gone: the constants of a new one act in its place" in capfd.readouterr().out
+    bpy.ops.dimple.reset()

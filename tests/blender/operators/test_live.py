@@ -85,27 +85,6 @@ def test_a_poke_takes_over_from_play(bpy: ModuleType, hand: Any, body: Any) -> N
     poke.send("ESC")
 
 
-def test_bodies_that_do_not_meet_are_stepped_together_in_the_time_there_is(
-    bpy: ModuleType, ball: Callable[..., Any], body: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from bl_ext.user_default.dimple.operators.press import live_step, sessions
-
-    for obj in (body, ball("Other")):
-        sessions.start(obj, bpy.context)
-    given, step_all = [], live_step.step_all
-
-    def watched(bodies: Any, seconds: Any, *, budget: float) -> Any:
-        given.append((len(bodies), budget))
-        return step_all(bodies, seconds)
-
-    monkeypatch.setattr(live_step, "step_all", watched)
-    try:
-        live_step.advance(bpy.context, 0.002, budget=0.5)
-    finally:
-        sessions.stop_all()
-    assert given == [(2, 0.5)]
-
-
 def test_a_body_that_sleeps_is_not_shown_anew(
     bpy: ModuleType, ball: Callable[..., Any], body: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

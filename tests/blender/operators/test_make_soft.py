@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 Bits = Callable[[Any], bytes]
-TIP, FORCE = 0.01, 15.0  # [m], [N]
 PRESS: dict[str, Any] = {"force_n": 4.0, "press_s": 0.1, "hold_s": 0.2, "release_s": 0.0, "keep": True}
 
 
@@ -34,29 +33,6 @@ def test_a_bare_cube_is_ready_for_its_first_press_and_keeps_its_mesh(
     assert coordinates(bare) == before
 
 
-@pytest.mark.once
-@pytest.mark.parametrize("K1", [pytest.param(0.3, marks=pytest.mark.slow), 3.0])
-def test_a_press_by_force_is_as_deep_as_the_law_says_on_a_vertex_and_beside_it(
-    bpy: ModuleType, bare: Any, sessions: Any, K1: float
-) -> None:
-    from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators.press import live_step
-
-    bpy.ops.dimple.make_soft()
-    body, _ = sessions.start(bare, bpy.context)
-    bare.active_material.dimple.K1 = K1
-    live_step.advance(bpy.context, 1e-3)
-    law, mesh = body.session.model.materials[0].law, body.session.model.mesh
-    edge = float(np.median(mesh.rest_lengths))
-    for aside in ((0.0, 0.0), (0.5, 0.0), (0.5, 0.5)):  # of an edge: on a vertex, an edge and a face
-        at = (edge * aside[0], edge * aside[1], mesh.size / 2 + TIP)
-        for force, seconds in ((0.0, 0.3), (FORCE, 1.0)):
-            body.session.set_fingers([Finger(at, TIP, force)])
-            body.session.step(seconds)
-        assert law(0.95 * body.frame.depths[0]) < FORCE < law(1.05 * body.frame.depths[0]), (aside, body.frame)
-    sessions.stop_all()
-
-
 def test_a_metaball_becomes_a_body_under_its_own_name(bpy: ModuleType, empty_file: ModuleType) -> None:
     bpy.ops.object.metaball_add()
     name = bpy.context.object.name
@@ -70,15 +46,6 @@ def test_a_text_without_characters_is_refused_and_stays_flat(bpy: ModuleType, em
     with pytest.raises(RuntimeError, match="has no faces"):
         bpy.ops.dimple.make_soft()
     assert bpy.context.object.type == "FONT" and bpy.context.object.data.extrude == 0.0
-
-
-def test_what_the_artist_has_set_is_left_as_it_is(bpy: ModuleType, ball: Any) -> None:
-    obj = ball(subdivisions=4)
-    obj.active_material = bpy.data.materials.new("Own")
-    obj.active_material.dimple.K1 = 2.0
-    obj.dimple.enabled, obj.dimple.size_mm = True, 90.0
-    bpy.ops.dimple.make_soft()
-    assert obj.active_material.name == "Own" and obj.active_material.dimple.K1 == 2.0 and obj.dimple.size_mm == 90.0
 
 
 def test_what_cannot_be_pressed_is_said(bpy: ModuleType, add: Any) -> None:
@@ -129,13 +96,6 @@ def test_make_soft_takes_a_vertex_group_named_pin_unless_another_is_chosen(
     assert bare.dimple.pinned and bare.dimple.pin_group == taken
 
 
-def test_a_preset_is_chosen_by_its_name(bpy: ModuleType, bare: Any) -> None:
-    choices = bpy.ops.dimple.make_soft.get_rna_type().properties["preset"]
-    assert choices.type == "ENUM"
-    bpy.ops.dimple.make_soft(preset="object_3_vinyl_water")
-    assert bare.active_material.dimple.fill == "LIQUID"
-
-
 def test_undo_takes_all_of_it_back(bpy: ModuleType, bare: Any, coordinates: Bits) -> None:
     before = coordinates(bare)
     bpy.ops.ed.undo_push(message="Before")
@@ -144,3 +104,15 @@ def test_undo_takes_all_of_it_back(bpy: ModuleType, bare: Any, coordinates: Bits
     bpy.ops.ed.undo()
     cube = bpy.data.objects["Cube"]
     assert coordinates(cube) == before and cube.active_material is None and not cube.dimple.enabled
+
+
+def test_the_material_that_is_chosen_replaces_the_constants_of_the_one_that_is_there(
+    bpy: ModuleType, ball: Any
+) -> None:
+    obj = ball(subdivisions=4)
+    obj.active_material = bpy.data.materials.new("Own")
+    bpy.ops.dimple.make_soft(preset="object_3_vinyl_water")
+    assert obj.active_material.name == "Own" and obj.active_material.dimple.fill == "LIQUID"
+    obj.active_material.dimple.K1 = 2.0
+    bpy.ops.dimple.make_soft()
+    assert obj.active_material.dimple.K1 == 2.0, "who chooses nothing keeps what there is"

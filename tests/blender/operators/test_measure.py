@@ -86,12 +86,3 @@ def test_a_measurement_without_a_path_is_refused_and_writes_nothing(
     with pytest.raises(RuntimeError, match="give it a path"):
         bpy.ops.dimple.measure(depth_mm=5)
     assert not list(tmp_path.iterdir())
-
-
-def test_without_a_file_nothing_is_measured_and_the_sentence_says_so(
-    bpy: ModuleType, vinyl: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(RuntimeError, match="Say where the file goes"):
-        bpy.ops.dimple.measure()
-    assert not list(tmp_path.iterdir())

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -119,21 +119,6 @@ def test_keys_do_what_the_status_bar_says(bpy: ModuleType, hand: Any, rest: byte
     assert cache_of(ball_of(bpy)).filepath.endswith("Ball_take_001.pc2")
 
 
-def test_the_keys_come_back_after_something_else_has_cleared_the_status_bar(
-    bpy: ModuleType, hand: Any, rest: bytes, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from bl_ext.user_default.dimple.operators.press import modal_runs
-
-    poke = hand("poke")
-    monkeypatch.setattr(modal_runs, "time", SimpleNamespace(monotonic=lambda: poke.time))
-    poke.invoke()
-    poke.ticks(1)
-    poke.context.workspace.status_text_set(None)  # as a field that is typed into does, or a stroke of a brush
-    poke.ticks(60)
-    assert poke.context.said.startswith("Left drag")
-    poke.send("ESC")
-
-
 def test_a_pen_presses_as_deep_as_it_is_pressed(bpy: ModuleType, hand: Any, rest: bytes) -> None:
     from bl_ext.user_default.dimple.operators.press import sessions
 
@@ -143,31 +128,6 @@ def test_a_pen_presses_as_deep_as_it_is_pressed(bpy: ModuleType, hand: Any, rest
     poke.ticks(20)
     assert sessions.get(ball_of(bpy)).frame.depths[0] == pytest.approx(0.4 * 0.015, abs=1e-3)
     poke.send("RIGHTMOUSE")
-
-
-def test_a_press_by_force_sinks_in_until_the_body_answers_with_it(bpy: ModuleType, hand: Any, rest: bytes) -> None:
-    from bl_ext.user_default.dimple.operators.press import sessions
-
-    bpy.context.scene.dimple.press_by, bpy.context.scene.dimple.press_force_n = "FORCE", 4.0
-    material = bpy.data.materials.new("Tuned")
-    ball_of(bpy).active_material = material
-    poke, depths = hand("poke"), []
-    poke.invoke()
-    poke.send("LEFTMOUSE", at=(560, 540))
-    for k1 in (0.61, 0.3):
-        material.dimple.K1 = k1
-        poke.ticks(60)
-        body = sessions.get(ball_of(bpy))
-        inward = np.array(body.session.fingers[0].inward)
-        assert -body.frame.finger_forces[0] @ inward == pytest.approx(4.0, rel=0.01)
-        depths.append(body.frame.depths[0])
-    centre = body.session.placed[0].position
-    assert body.fingers[0].position == centre, "it is drawn where it is"
-    assert depths == pytest.approx([4.0 / 610, 4.0 / 300], rel=0.01), "as deep as was measured"
-    poke.send("LEFTMOUSE", "RELEASE")
-    poke.ticks(40)
-    assert not body.frame.depths.any()
-    poke.send("ESC")
 
 
 def test_undo_takes_a_constant_back_while_poking_but_nothing_from_before(
@@ -251,14 +211,6 @@ def test_a_click_beside_the_ball_is_blenders_which_selects(
         assert poke.send("LEFTMOUSE", value, at=beside) == {"PASS_THROUGH"}, value
     poke.ticks(5)
     assert coordinates(ball_of(bpy)) == rest
-    poke.send("ESC")
-
-
-def test_the_tool_presses_with_the_click_that_starts_it(bpy: ModuleType, hand: Any, rest: bytes) -> None:
-    poke = hand("poke")
-    poke.invoke("LEFTMOUSE", "PRESS", (500, 500))
-    assert poke.operator._state.pressing
-    poke.ticks(5)
     poke.send("ESC")
 
 
@@ -363,11 +315,4 @@ def test_a_soft_body_that_was_not_selected_joins_when_it_is_pressed(
     poke.send("LEFTMOUSE", at=beside)
     poke.ticks(20)
     assert sessions.get(other).frame.depths[0] > 0.01
-    poke.send("ESC")
-
-
-def test_the_file_can_be_saved_while_poking(bpy: ModuleType, hand: Any) -> None:
-    poke = hand("poke")
-    poke.invoke()
-    assert poke.send("S", ctrl=True) == {"PASS_THROUGH"} and poke.send("S") == {"RUNNING_MODAL"}
     poke.send("ESC")

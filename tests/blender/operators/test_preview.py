@@ -66,18 +66,6 @@ def test_live_recorded_and_simulated_again_are_the_same_bits(
     assert path.with_suffix(".csv").read_text() == forces
 
 
-def test_the_same_bake_twice_is_the_same_bytes(
-    bpy: ModuleType, scene: Any, swinging: Callable[[float], Any]
-) -> None:
-    obj = swinging(24)
-    bytes_of = []
-    for _ in range(2):
-        bpy.ops.dimple.bake(frame_start=1, frame_end=9)
-        path = Path(cache_of(obj).filepath)
-        bytes_of.append((path.read_bytes(), path.with_suffix(".csv").read_bytes()))
-    assert bytes_of[0] == bytes_of[1]
-
-
 def test_play_follows_the_timeline_and_begins_anew_where_it_is_wound_back(
     bpy: ModuleType, scene: Any, swinging: Callable[[float], Any], hand: Any, monkeypatch: Any, simulated: Any
 ) -> None:

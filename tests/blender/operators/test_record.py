@@ -91,15 +91,6 @@ def test_a_second_file_without_a_name_leaves_the_first_ones_caches_alone(
     assert len(files(folder)) == 4 and all((folder / name).read_bytes() == data for name, data in first.items())
 
 
-def test_a_second_bake_of_an_object_in_a_file_without_a_name_takes_the_place_of_its_first(
-    bpy: ModuleType, scene: Any, ball: Add, tmp_path: Path
-) -> None:
-    ball()
-    for _ in range(2):
-        bpy.ops.dimple.bake(frame_start=1, frame_end=3)
-    assert files(tmp_path / "caches") == ["untitled_Ball_bake_001.csv", "untitled_Ball_bake_001.pc2"]
-
-
 def test_caches_of_a_file_without_a_name_outlive_the_extension(bpy: ModuleType, scene: Any, ball: Add) -> None:
     scene.dimple.cache_dir = ""
     obj = ball()

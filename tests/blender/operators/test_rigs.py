@@ -184,34 +184,6 @@ def test_the_bake_of_a_walking_rig_equals_its_live_play_bit_for_bit(
     bpy.ops.dimple.reset()
 
 
-@pytest.mark.slow
-def test_a_walking_rig_of_ten_thousand_vertices_is_pressed_and_baked_as_a_small_one_is(
-    bpy: ModuleType, sessions: Any, scene: Any, add: Add, shown: Shown
-) -> None:
-    obj = walker(bpy, add, rings=100, around=100, name="Fine Walker")
-    vertex = 27 * 100
-    place = skin(bpy, obj, vertex)
-    fingertip(bpy, scene, {frame: place(frame, 0.15 * min(max(frame - 2, 0), 2) / 2) for frame in range(1, 7)})
-    scene.frame_set(1)
-    before, live = bits(obj), []
-    assert len(obj.data.vertices) == 10_002
-    for frame in range(1, 6):
-        bpy.ops.dimple.play(frames=1)
-        live.append((frame + 1, shown(obj)))
-    assert 0.05 < dent(obj, live[-1][1], vertex) < 0.25, "the press is where the skin has gone"
-    away = np.linalg.norm(live[-1][1] - sessions.get(obj).rest, axis=1)
-    assert np.median(away) < 0.03, "and the rest of the leg is where its rig has put it"
-    assert bits(obj) == before, "while it is pressed"
-    bpy.ops.dimple.reset()
-    assert bits(obj) == before
-    scene.frame_set(1)
-    bpy.ops.dimple.bake(frame_start=1, frame_end=6)
-    assert bits(obj) == before
-    for frame, seen in live:
-        scene.frame_set(frame)
-        assert np.abs(shown(obj) - seen).max() < 1e-6, "what is seen differs by the rounding of an offset"
-
-
 def test_a_rig_that_an_artist_moves_by_hand_takes_a_pressed_body_along(
     bpy: ModuleType, sessions: Any, scene: Any, add: Add, shown: Shown
 ) -> None:
@@ -286,18 +258,6 @@ def test_undo_amid_a_pressed_rig_goes_on_and_leaves_no_trace(
         assert not bpy.data.node_groups
 
 
-def test_a_file_saved_while_a_rig_is_pressed_holds_no_press(
-    bpy: ModuleType, sessions: Any, scene: Any, walking: Any, tmp_path: Any
-) -> None:
-    before = bits(walking)
-    bpy.ops.dimple.play(frames=4)
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "walking.blend"))
-    assert sessions.sessions and walking.modifiers["Dimple Press"], "the session goes on"
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "walking.blend"))
-    obj = bpy.data.objects["Walker"]
-    assert bits(obj) == before and [each.name for each in obj.modifiers] == ["Armature"] and not bpy.data.node_groups
-
-
 def test_a_local_object_with_a_mesh_of_another_file_is_pressed(
     bpy: ModuleType, sessions: Any, scene: Any, ball: Add, shown: Shown, tmp_path: Any
 ) -> None:
@@ -318,24 +278,6 @@ def test_a_local_object_with_a_mesh_of_another_file_is_pressed(
     assert np.abs(shown(obj) - rest).max() > 1e-4 and bits(obj) == before
     bpy.ops.dimple.reset()
     assert np.array_equal(shown(obj), rest)
-
-
-def test_what_a_mesh_holds_is_all_in_its_checksum(bpy: ModuleType, scene: Any, add: Add) -> None:
-    obj = walker(bpy, add)
-    obj.data.shape_keys.animation_data_clear()
-    obj.data.uv_layers.new(name="UV")
-    seen = {bits(obj)}
-    for change in (
-        lambda: setattr(obj.data.vertices[3].co, "x", 0.7),
-        lambda: setattr(obj.data.uv_layers[0].uv[5].vector, "x", 0.123),
-        lambda: obj.vertex_groups["Calf"].add([7], 0.25, "REPLACE"),
-        lambda: setattr(obj.data.shape_keys.key_blocks["Calf"], "value", 0.111),
-        lambda: setattr(obj.data.polygons[2], "use_smooth", True),
-        lambda: obj.data.flip_normals(),
-    ):
-        change()
-        assert bits(obj) == bits(obj) not in seen
-        seen.add(bits(obj))
 
 
 def test_a_rigged_body_is_stopped_by_a_collider_and_the_bake_equals_the_play(

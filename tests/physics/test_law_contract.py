@@ -19,7 +19,7 @@ from studies.reference import energy, paper
 from studies.reference.contact import Touch
 from studies.reference.laws import matching_force, spring_force
 from studies.reference.paper import spring_energy
-from tests.bodies import ball, sheet
+from tests.bodies import ball
 from tests.physics.disturbed import SHAPES, difference, disturbed, turn
 
 
@@ -214,9 +214,3 @@ def test_air_follows_the_adiabatic_law_and_liquid_its_bulk_modulus() -> None:
     assert (101_325 + pressure.pressure_at(air, 0.5 * v0)) == pytest.approx(101_325 * 2**1.4)
     assert pressure.pressure_at(liquid, 0.999 * v0) == pytest.approx(2e6 * 0.001)
     assert pressure.pressure_at(air, -v0) == pressure.pressure_at(air, 0.0) < np.inf
-
-
-def test_a_sheet_has_no_fill() -> None:
-    mesh = mesh_from_triangles(*sheet())
-    law = pressure.build_pressure(mesh, "air")
-    assert law.fill == "none" and not pressure.force(law, 1.1 * mesh.rest_positions.T).any()

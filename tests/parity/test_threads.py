@@ -105,18 +105,6 @@ assert threads() == before + 2
     assert done.returncode == 0, done.stderr[-2000:]
 
 
-@pytest.mark.parametrize("workers", [1, 2, 5, 20])
-def test_any_number_of_threads_gives_the_bits_of_each_body_alone(workers: int) -> None:
-    alone, motions = bodies()
-    expected = [body.step(motion) for body, motion in zip(alone, motions, strict=True)]
-    together, motions = bodies()
-    native.library().dm_set_workers(workers)
-    assert step_many(together, motions) == expected
-    for body, other in zip(together, alone, strict=True):
-        assert np.array_equal(body.positions(), other.positions())
-        assert np.array_equal(body.velocities(), other.velocities())
-
-
 def crowd(count: int) -> tuple[list[Body], list[Motion]]:
     """Return bodies of which a thread leaves one for another: a few as dear, one asleep, one that blows up."""
     model, velocities, motion = build(CASES["liquid"])
@@ -129,10 +117,13 @@ def crowd(count: int) -> tuple[list[Body], list[Motion]]:
     return made, [*motions[:-1], Motion(0, 1, 1e-3, (None,) * 3)]
 
 
-@pytest.mark.parametrize("count", [3, 5, 9])
-def test_a_body_that_goes_from_thread_to_thread_keeps_its_bits(count: int) -> None:
+@pytest.mark.parametrize(("workers", "count"), [(1, 3), (2, 3), (2, 9), (5, 5), (20, 9)])
+def test_any_number_of_threads_gives_the_bits_of_each_body_alone_also_where_one_is_left_to_another(
+    workers: int, count: int
+) -> None:
     alone, motions = crowd(count)
     together, _ = crowd(count)
+    native.library().dm_set_workers(workers)
     for _ in range(20):
         expected = [body.step(motion) for body, motion in zip(alone, motions, strict=True)]
         assert repr(step_many(together, motions)) == repr(expected)

@@ -1,7 +1,6 @@
-"""A proxy of a fine mesh takes a while to make: progress is shown meanwhile, and Esc heard."""
+"""What takes a while shows how far it is, hears Esc meanwhile, and leaves nothing half done."""
 
 import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -14,6 +13,89 @@ from tests.point_cache import cache_of
 
 LAST = 10  # frames
 LONGEST_S = 20.0  # before a proxy is made all the same: who waits for it so long has not gone on beside it
+Bits = Callable[[Any], bytes]
+
+
+@pytest.fixture
+def body(ball: Callable[..., Any]) -> Any:
+    """The ball that is there."""
+    return ball()
+
+
+def test_a_bake_shows_progress_and_can_be_cancelled(
+    bpy: ModuleType,
+    hand: Any,
+    body: Any,
+    rest: bytes,
+    coordinates: Bits,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from bl_ext.user_default.dimple.operators.press import progress
+
+    monkeypatch.setattr(progress, "SLICE_S", 0.0)
+    bpy.context.scene.dimple.cache_dir = str(tmp_path)
+    run = hand("bake")
+    run.operator.frame_end, run.given = 9, {"frame_start", "frame_end"}
+    assert run.invoke() == {"RUNNING_MODAL"}
+    while "left" not in run.context.said:
+        assert run.ticks(1) == {"RUNNING_MODAL"} and "%" in run.context.said
+    assert run.send("G") == {"RUNNING_MODAL"}
+    (folder,) = tmp_path.iterdir()
+    assert {path.suffix for path in folder.iterdir()} >= {".pc2", ".csv"}, "in a folder of their own so far"
+    assert run.send("ESC") == {"CANCELLED"}
+    assert not list(tmp_path.iterdir()) and not body.modifiers and coordinates(body) == rest
+    run = hand("bake")
+    run.operator.frame_end, run.given = 9, {"frame_start", "frame_end"}
+    run.invoke()
+    assert run.ticks(50) == {"FINISHED"}
+    assert len(list(tmp_path.iterdir())) == 2 and body.modifiers
+    assert [level for level, _ in run.reports][-2:] == ["WARNING"] * 2, "what is said last is what is seen"
+
+
+def test_a_bake_that_fails_on_its_way_leaves_nothing(
+    bpy: ModuleType, hand: Any, body: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators.press import progress
+
+    monkeypatch.setattr(progress, "SLICE_S", 0.0)
+    bpy.context.scene.dimple.cache_dir = str(tmp_path)
+    run = hand("bake")
+    run.invoke()
+    while "left" not in run.context.said:
+        run.ticks(1)
+    body.scale.x = 0
+    assert run.ticks(2) == {"CANCELLED"}
+    assert any("scale of 0" in text for _, text in run.reports)
+    assert not list(tmp_path.iterdir()) and not body.modifiers
+
+
+def test_a_large_mesh_gets_ready_between_events_with_progress_and_esc_leaves_nothing(
+    bpy: ModuleType, hand: Any, ball: Callable[..., Any], coordinates: Bits, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators.press import modal_runs, progress, sessions
+
+    monkeypatch.setattr(progress, "SLICE_S", 0.01)  # many slices, however fast this computer is
+    large = ball("Large", subdivisions=7)
+    assert len(large.data.vertices) > progress.LARGE
+    before = coordinates(large)
+    run = hand("start")
+    run.operator.then = "play"
+    assert progress.takes_long(run.context)
+    for ticks in (1, 3):
+        assert run.invoke() == {"RUNNING_MODAL"}
+        assert run.ticks(ticks) == {"RUNNING_MODAL"} and "Getting ready" in run.context.said
+        assert run.send("G") == {"RUNNING_MODAL"}, "nothing changes the scene meanwhile"
+        assert run.send("ESC") == {"CANCELLED"}
+        assert not sessions.sessions and not modal_runs.runs and not large.modifiers and coordinates(large) == before
+    run.operator._finished = lambda context: {"FINISHED"}
+    run.invoke()
+    slices = 0
+    while run.ticks(1) == {"RUNNING_MODAL"}:
+        slices += 1
+    assert sessions.get(large) and slices > 5
+    assert not progress.takes_long(run.context), "what runs already is ready"
+    sessions.stop_all()
 
 
 @pytest.fixture
@@ -91,25 +173,3 @@ def test_an_export_goes_on_while_its_proxy_is_made_and_once_stopped_leaves_nothi
     assert 0 < next(steps) < 0.05
     steps.close()
     assert not any(plan.folder.iterdir())
-
-
-def test_all_that_takes_long_at_a_start_is_done_beside_blenders_events(
-    bpy: ModuleType, empty_file: ModuleType, ball: Any
-) -> None:
-    from bl_ext.user_default.dimple.operators.press import live_step, sessions
-
-    ball("Fine", 7)
-    parts, sent, done, here = live_step.starting_all(bpy.context), None, [], 0.0
-    began = time.process_time()
-    while True:
-        last = time.process_time()
-        try:
-            _, call = parts.send(sent)
-        except StopIteration:
-            break
-        finally:
-            here += time.process_time() - last
-        sent = call()
-        done.append(getattr(call, "func", call).__name__)
-    assert done[-1] == "Session" and here < 0.3 * (time.process_time() - began)
-    sessions.stop_all()

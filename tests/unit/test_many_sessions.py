@@ -1,4 +1,4 @@
-"""Several sessions in one call: the bits of each alone, however many workers there are."""
+"""Several sessions in one call: the bits of each alone, and one budget for all."""
 
 from collections.abc import Sequence
 
@@ -28,10 +28,7 @@ def pressed() -> list[Session]:
     return found
 
 
-@pytest.mark.parametrize("workers", [1, 2, 7])
-def test_bodies_stepped_together_move_to_the_bits_of_each_alone(workers: int, request: pytest.FixtureRequest) -> None:
-    native.library().dm_set_workers(workers)
-    request.addfinalizer(native.use_cores)
+def test_sessions_stepped_together_move_to_the_bits_of_each_alone() -> None:
     alone, together = pressed(), pressed()
     expected = [session.step(dt) for session, dt in zip(alone, SECONDS, strict=True)]
     for frame, wanted, a, b in zip(step_all(together, SECONDS), expected, together, alone, strict=True):

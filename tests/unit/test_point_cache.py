@@ -11,7 +11,6 @@ import pytest
 
 from core.base import DimpleError
 from core.recording import PointCache, open_point_cache
-from core.recording import point_cache as recording
 from tests.point_cache import read_point_cache
 from tools.environment import ROOT
 
@@ -44,12 +43,6 @@ def test_what_is_recorded_is_read_back(whole: Path) -> None:
     np.testing.assert_array_equal(samples, SAMPLES)
 
 
-def test_what_is_recorded_is_read_by_others(path: Path) -> None:
-    start, rate, samples = read_point_cache(path)
-    assert (start, rate) == (10.0, 0.5) and samples.dtype == np.float32
-    np.testing.assert_array_equal(samples, SAMPLES)
-
-
 def test_the_file_is_a_pc2_file_byte_by_byte(path: Path) -> None:
     data = path.read_bytes()
     assert data[:HEADER] == b"POINTCACHE2\0" + struct.pack("<iiffi", 1, 3, 10.0, 0.5, 4)
@@ -69,22 +62,6 @@ def test_a_file_cut_anywhere_gives_its_whole_samples_or_a_message(path: Path) ->
             samples = read_point_cache(path)[2]
             assert len(samples) == (length - HEADER) // SIZE
             np.testing.assert_array_equal(samples, SAMPLES[: len(samples)])
-
-
-def test_a_sample_torn_by_a_crash_is_not_counted(path: Path) -> None:
-    data = path.read_bytes()
-    path.write_bytes(data + SAMPLES[0].tobytes()[:17])
-    np.testing.assert_array_equal(read_point_cache(path)[2], SAMPLES)
-
-
-def test_every_sample_can_be_read_before_the_next(tmp_path: Path) -> None:
-    cache = PointCache(tmp_path / "press.pc2", 3)
-    assert read_point_cache(cache.path)[2].shape == (0, 3, 3)
-    for count, sample in enumerate(SAMPLES, start=1):
-        cache.append(sample)
-        np.testing.assert_array_equal(read_point_cache(cache.path)[2], SAMPLES[:count])
-    cache.close()
-    cache.close()
 
 
 @pytest.mark.parametrize("shape", [(2, 3), (4, 3), (3, 2), (9,), (), (1, 3, 3), (0, 3)])
@@ -147,20 +124,6 @@ def test_a_random_file_never_raises_anything_but_a_message(whole: Path) -> None:
 def test_a_missing_folder_is_said_by_name(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="nowhere"):
         PointCache(tmp_path / "nowhere" / "press.pc2", 3)
-
-
-def test_samples_are_flushed_and_the_disk_is_waited_for_once_at_the_end(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    waits = []
-    monkeypatch.setattr(recording.os, "fsync", waits.append)
-    cache = PointCache(tmp_path / "press.pc2", 3)
-    for sample in SAMPLES:
-        cache.append(sample)
-    assert waits == []
-    cache.close()
-    cache.close()
-    assert len(waits) == 1
 
 
 @pytest.mark.parametrize("size", [0, 16, HEADER, HEADER + SIZE - 1, HEADER + SIZE, HEADER + 2 * SIZE + 7])

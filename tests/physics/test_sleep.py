@@ -1,4 +1,4 @@
-"""Sleep leaves no trace: what slept goes on as what was kept awake, tick by tick, whatever wakes it.
+"""Bodies at rest are not stepped, and sleep leaves no trace: what slept goes on as what was kept awake, tick by tick.
 
 The one that is kept awake is given its own state again and again, so that it is never slow for long.
 """
@@ -13,11 +13,13 @@ from scipy.spatial.transform import Rotation
 from core.base import TICK, Floats
 from core.body.model import Model, build_model
 from core.mesh.surface import base_vertices, mesh_from_triangles
+from core.native.motion import FingertipMotion, Motion
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
 from core.session.clock import step_all
 from core.world import Collider, World
 from studies import scenes
+from studies.reference import create
 from studies.reference.constants import REST_SPEED, ROUNDING
 from tests.bodies import ball, sheet
 
@@ -64,12 +66,12 @@ def on_table(backend: str, slope: float = 0.0) -> Scene:
     return Scene([body], World([body], [Collider(turn.apply(table).T.copy(), squares, 0.4)]))
 
 
-def model(*, level: int = 2, height: float = 0.0, gravity: float = -9.81) -> Model:
-    """Return a ball, pinned at its base where it is not lifted."""
+def model(*, level: int = 2, height: float = 0.0, gravity: float = -9.81, free: bool = False) -> Model:
+    """Return a ball, pinned at its base where it is neither lifted nor free."""
     mesh = scenes.ball(level)
     if height:
         mesh = mesh_from_triangles(mesh.rest_positions + [0.003, 0.002, height], mesh.triangles)
-    pinned = None if height else base_vertices(mesh)
+    pinned = None if height or free else base_vertices(mesh)
     return build_model(mesh, [SOFT], pinned=pinned, gravity=(0.0, 0.0, gravity))
 
 
@@ -165,6 +167,7 @@ CAUSES: dict[str, tuple[Callable[[str], Scene], Callable[[Scene, float], None]]]
     "a changed constant": (alone, at_begin(lambda s: changed(s, k1=0.3 * SOFT.K1))),
     "gravity switched on": (lambda b: alone(b, gravity=0.0), at_begin(changed)),
     "gravity switched off": (alone, at_begin(lambda s: changed(s, gravity=0.0))),
+    "pins that are let go": (alone, at_begin(lambda s: s.change(model(free=True)))),
     "pins that are led": (alone, lambda scene, seconds: led(scene.bodies[0], seconds)),
     "a rig that bends it": (alone, lambda scene, seconds: bent(scene.bodies[0], seconds)),
     "a body that falls on it": (under_another, at_begin(changed)),
@@ -203,6 +206,50 @@ def test_it_goes_on_as_if_it_had_been_awake(cause: str, each: float, backend: st
     assert way[0] > 5e-5
     assert off[0] < 2 * ROUNDING * SIZE
     assert off[1] < 1.2 * REST_SPEED * SIZE
+
+
+@pytest.mark.parametrize("backend", EVERY)
+def test_a_body_at_rest_is_not_stepped_says_what_it_said_and_sleeps_on_while_it_is_led_nowhere(backend: str) -> None:
+    scene = alone(backend, gravity=0.0)
+    scene.settle(awake=False)
+    body = scene.bodies[0]
+    before, velocities, shown = body.body.positions(), body.body.velocities(), body.frame
+    pressed_to(scene, -0.0025)  # beside it
+    body.set_pins(body.model.mesh.rest_positions)
+    after = body.step(0.1)
+    assert not body.moved and after.steps == 100
+    assert np.array_equal(body.body.positions(), before) and np.array_equal(body.body.velocities(), velocities)
+    assert (after.pressure, after.volume) == (shown.pressure, shown.volume)
+
+
+@pytest.mark.parametrize("backend", EVERY)
+def test_what_falls_or_drifts_does_not_sleep(backend: str) -> None:
+    for gravity, speed in ((-1e-3, 0.0), (0.0, 1e-4)):  # [m/s2], [m/s]: slower than REST_SPEED for all of the time
+        free = build_model(scenes.ball(1), [scenes.BALL], gravity=(0.0, 0.0, gravity))
+        body = create(free, backend=backend)
+        body.set_state(free.matching.rest, np.full(free.matching.rest.shape, speed))
+        for _ in range(3):
+            assert body.step(Motion(100, free.substeps(1e-3), 1e-3)).moved
+        went = speed * 0.3 + 0.5 * gravity * 0.3**2
+        assert (body.positions() - free.matching.rest).mean(axis=1)[2] == pytest.approx(went, rel=0.02)
+
+
+@pytest.mark.parametrize(("first", "second"), [("native64", "native64"), ("native", "native"), ("numpy", "native64")])
+def test_the_same_ticks_sleep_alike_however_they_are_called(first: str, second: str) -> None:
+    """It sleeps while the fingertip comes, and is woken in the middle of a call."""
+    ball = model(level=1, gravity=0.0)
+    one, many = (create(ball, backend=backend) for backend in (first, second))
+    top, ticks, steps = float(ball.mesh.rest_positions[:, 2].max()), 350, ball.substeps(1e-3)
+    start, end = (0.0, 0.0, top + 0.08), (0.0, 0.0, top + 0.01)
+    way = FingertipMotion.straight(start, end, ticks=ticks, radius=TIP)
+    one.step(Motion(ticks, steps, 1e-3, (way,)))
+    moved, here = 0, start
+    for tick in range(ticks):
+        there = tuple(a + (b - a) * tick / (ticks - 1) for a, b in zip(way.first, end, strict=True))
+        moved += many.step(Motion(1, steps, 1e-3, (FingertipMotion(here, there, there, TIP),))).moved
+        here = there
+    assert 250 <= moved < 320
+    assert one.positions() == pytest.approx(many.positions(), abs=1e-8)
 
 
 @pytest.mark.parametrize("backend", EVERY)
@@ -247,16 +294,6 @@ def test_under_a_fingertip_that_rests_it_sleeps_and_presses_on_it_as_before(back
         assert not body.moved and np.array_equal(before, (body.body.positions(), body.body.velocities()))
         assert force == pytest.approx(goal, abs=1e-4 * np.linalg.norm(goal)) and force[2] > 1.0
         assert body.frame.depths[0] == pytest.approx(other.frame.depths[0], rel=1e-6)
-
-
-@pytest.mark.parametrize("backend", EVERY)
-@pytest.mark.parametrize("cause", ["a changed constant", "gravity switched off"])
-def test_in_a_world_too_a_change_wakes_it_in_the_next_tick(cause: str, backend: str) -> None:
-    scene = beside_collider(backend)
-    scene.settle(awake=False)
-    CAUSES[cause][1](scene, TICK)
-    scene.step(TICK)
-    assert scene.bodies[0].moved
 
 
 @pytest.mark.parametrize("backend", EVERY)
