@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core import fields
+from core.base import Floats
+from core.body.estimate import spread_on
+from core.fields import at_rest
+from core.reduction.cells import vertex_normals
 from core.session import Finger, Session
 
 from .scenes import FINGERTIP, poke_ball, poke_cube
@@ -15,6 +18,7 @@ from .scenes import FINGERTIP, poke_ball, poke_cube
 SECONDS = 1.0  # that the press takes, and then that the body rests: it oscillates little
 DEPTH = 0.020  # [m]
 REACH, SAMPLES = 0.040, 41  # how far from the middle of the dent its depth is known [m]
+WIDE = 2.5  # [tip radius + spread] half the width of a profile
 SCENES: dict[str, Callable[[int], Session]] = {"poke_ball": poke_ball, "poke_cube": poke_cube}
 
 
@@ -46,12 +50,41 @@ def dents(scene: str, sizes: Sequence[int]) -> Iterator[Below]:
             session.set_fingers([Finger((0.0, 0.0, top - depth), FINGERTIP)])
             frame = session.step(SECONDS)
         places = np.linspace(-REACH, REACH, SAMPLES)
-        below = np.interp(places, *fields.profile(session, 0))
+        below = np.interp(places, *profile(session, 0))
         for beside, depth in zip(places.tolist(), below.tolist(), strict=True):
             yield Below(
                 scene=scene, vertices=len(x), beside=beside, depth=depth,
                 volume_ratio=frame.volume / frame.rest_volume,
             )  # fmt: skip
+
+
+def profile(session: Session, finger: int) -> tuple[Floats, Floats]:
+    """Return a cut through the dent of a fingertip: distances from its centre (p,) [m] and depths (p,) [m].
+
+    The cut runs along the horizontal axis of the scene that is more perpendicular to the press.
+    """
+    tip, mesh = session.placed[finger], session.model.mesh
+    touch = session.frame.touches[finger]
+    if tip is None or touch is None:
+        return np.zeros(0), np.zeros(0)
+    inward, rest = -np.array(touch.outward), at_rest(session)
+    along = np.eye(3)[int(np.abs(inward[:2]).argmin())]
+    along = along - (along @ inward) * inward
+    along /= np.linalg.norm(along)
+    arms = rest - touch.centre
+    beside, distance = arms @ np.cross(inward, along), arms @ along
+    width = WIDE * (tip.radius + max(spread_on(material, mesh.size) for material in session.model.materials))
+    normals = vertex_normals(mesh.triangles, rest)
+    near = (normals @ inward < 0) & (np.abs(distance) < 1.5 * width)
+    i, j = mesh.springs[near[mesh.springs].all(axis=1)].T
+    cut = (beside[i] > 0) != (beside[j] > 0)
+    i, j = i[cut], j[cut]
+    share = beside[i] / (beside[i] - beside[j])
+    below = ((rest - session.skin()) * normals).sum(axis=1)
+    at, deep = (a[i] + share * (a[j] - a[i]) for a in (distance, below))
+    order = np.argsort(at)
+    order = order[np.abs(at[order]) <= width]
+    return at[order], deep[order]
 
 
 def difference(found: Sequence[Below], vertices: int, finest: int) -> float:

@@ -133,7 +133,7 @@ def test_where_overlays_are_off_nothing_is_coloured_and_nothing_computed(
     bpy: ModuleType, colours: ModuleType, halves: Any, monkeypatch: pytest.MonkeyPatch  # noqa: F811
 ) -> None:
     drawn: list[str] = []
-    for name in ("made", "draw_coloured", "draw_rest", "draw_scale"):
+    for name in ("made", "draw_coloured", "draw_scale"):
         monkeypatch.setattr(colours, name, lambda *_, name=name: drawn.append(name))
     context = viewport(bpy, region=region("WINDOW", 0, 0, 1280, 800), region_data=None)
     monkeypatch.setattr(colours, "bpy", SimpleNamespace(context=context))
@@ -147,15 +147,3 @@ def test_where_overlays_are_off_nothing_is_coloured_and_nothing_computed(
         colours.draw_surfaces()
         colours.draw_scales()
         assert drawn == expected
-
-
-def test_a_profile_lies_below_the_line_of_rest_where_the_surface_is_pressed_in(bpy: ModuleType) -> None:
-    from bl_ext.user_default.dimple.addon import profile_chart
-
-    curve, ends = profile_chart.placed(
-        [-0.05, 0.0, 0.05], [-0.001, 0.0123, 0.0], (100.0, 50.0), (200.0, 100.0)
-    )  # fmt: skip
-    level = 50.0 + 100.0 * (1 - profile_chart.TOP)
-    assert ends == (0.05, pytest.approx(0.02))
-    assert curve[0][0] == 100.0 and curve[1][0] == 200.0 and curve[2] == (300.0, level)
-    assert curve[0][1] > level > curve[1][1] > 50.0

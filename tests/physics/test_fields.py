@@ -5,13 +5,13 @@ import pytest
 
 from core import fields
 from core.base import Floats
-from core.body.estimate import spread_on
 from core.body.model import Model, build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.reduction.cells import vertex_normals
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
+from studies.space import profile
 from tests.bodies import ball
 
 RADIUS, TIP = 0.08, 0.02
@@ -59,25 +59,6 @@ def test_a_body_that_is_blown_up_by_a_tenth_is_stretched_by_a_tenth() -> None:
     np.testing.assert_allclose(fields.field(session, "stretch"), 10.0, rtol=1e-6)
 
 
-def test_what_is_painted_is_shown_in_the_units_of_the_material() -> None:
-    points = ball(3, RADIUS)[0]
-    high = (points[:, 2] > 0).astype(float)
-    session = Session(body(softness=high, knee=0.5 * high, spread=0.5 + 0.5 * high, thickness=0.25 + 0.5 * high))
-    up = session.model.mesh.rest_positions[:, 2] > 1e-9
-    np.testing.assert_allclose(fields.field(session, "slope"), np.where(up, 0.61 / 4, 0.61 * 4))
-    np.testing.assert_allclose(fields.field(session, "knee"), np.where(up, 16.3, 16.3 * 0.05))
-    spread = 1e3 * spread_on(VINYL, 2 * RADIUS)
-    np.testing.assert_allclose(fields.field(session, "spread"), np.where(up, 2 * spread, spread), rtol=1e-3)
-    np.testing.assert_allclose(fields.field(session, "thickness"), np.where(up, 150.0, 50.0))
-
-
-def test_where_nothing_is_painted_the_material_is_shown_as_measured() -> None:
-    session = Session(body())
-    spread = 1e3 * spread_on(VINYL, 2 * RADIUS)
-    for name, value in (("slope", 0.61), ("knee", 16.3), ("spread", spread), ("thickness", 100.0)):
-        np.testing.assert_allclose(fields.field(session, name), value, rtol=1e-3)
-
-
 def test_a_proxy_shows_about_the_pressure_of_its_mesh() -> None:
     mesh = mesh_from_triangles(*ball(4, RADIUS))
     model = build_model(mesh, [VINYL], pinned=base_vertices(mesh))
@@ -90,7 +71,7 @@ def test_a_proxy_shows_about_the_pressure_of_its_mesh() -> None:
 
 def test_a_profile_is_as_deep_as_the_dent_and_flat_far_from_it() -> None:
     session = pushed(body())
-    distance, depth = fields.profile(session, 0)
+    distance, depth = profile(session, 0)
     assert (np.diff(distance) >= 0).all() and distance[0] < -0.05 and distance[-1] > 0.05
     assert 0.8 < depth.max() / session.frame.depths[0] < 1.02
     assert abs(distance[depth.argmax()]) < 0.3 * TIP
