@@ -1,45 +1,19 @@
 """Make Soft: give a mesh everything that it needs to be pressed, in one click, without changing the mesh itself."""
 
-from typing import TYPE_CHECKING, NamedTuple
-
 import bpy
-from bpy.props import BoolProperty, EnumProperty
 
 from ...core.errors import DimpleError
 from ...core.messages import Message, about, in_a_row
+from ..bridge.material_presets import apply, material_of
 from ..bridge.sizing import fit, settle_size
 from ..messages import gathered, report, say
 from ..names import Op
 from . import polls, sessions
 from .progress import LARGE
 
-if TYPE_CHECKING:
-    import bmesh
-
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # types other than meshes are converted
 TEXT_DEPTH = 0.15  # [size of the characters] half of the depth that flat text gets
-SAME = 1e-6  # [size of the object] distance up to which two vertices count as doubled
-FIRST = "object_2_vinyl_air"  # number 0 of the list, and therefore its default
-Item = tuple[str, str, str, str, int]
-_items: list[Item] = []  # Blender does not keep the strings of a list that a function returns
-
-
-class Faults(NamedTuple):
-    """The numbers of doubled vertices, loose vertices and faces that look inward."""
-
-    doubled: int = 0
-    loose: int = 0
-    inward: int = 0
-
-
-def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[Item]:
-    """Return the known objects, from soft to hard: identifier, name, source and number."""
-    from ...core.everyday_presets import OBJECTS
-
-    if not _items:
-        numbers = {name: i for i, name in enumerate([FIRST, *(each.name for each in OBJECTS if each.name != FIRST)])}
-        _items.extend((each.name, each.label, each.provenance, "NONE", numbers[each.name]) for each in OBJECTS)
-    return _items
+PRESET = "stress_ball"  # of a mesh whose material nobody has chosen: its dent is narrow and smooth, so it is seen
 
 
 class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
@@ -48,16 +22,6 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
     bl_idname = Op.MAKE_SOFT
     bl_label = "Make Soft"
     bl_options = {"REGISTER", "UNDO"}
-
-    preset: EnumProperty(
-        name="Material",
-        description="Material for the meshes. Unless you choose one, only meshes without a material get it",
-        items=presets, default=0, options={"SKIP_SAVE"},  # a remembered value would count as chosen
-    )  # fmt: skip
-    repair: BoolProperty(
-        name="Repair", options={"SKIP_SAVE"},
-        description="Repair the mesh itself: weld doubled vertices, delete loose ones and turn faces outward",
-    )  # fmt: skip
 
     needs = (
         polls.in_object_mode,
@@ -75,14 +39,7 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
                 if obj.type != "MESH":
                     obj, sentence = convert(context, obj)
                     done.append(sentence)
-                shared = obj.data.shape_keys or obj.data.users > 1  # a repair would change more than this object
-                if self.repair and not shared and any(found := repair(obj)):
-                    done += [Message('"{name}" was repaired.', name=obj.name), Message(
-                        "Doubled vertices: {doubled}. Loose vertices: {loose}. Faces that look inward: {inward}.",
-                        **found._asdict(),
-                    )]  # fmt: skip
-                chosen = self.properties.is_property_set("preset")
-                sentence, notes = make_soft(context, obj, self.preset, chosen=chosen)
+                sentence, notes = make_soft(context, obj)
                 soft.append(sentence)
                 noted += notes
             except DimpleError as error:
@@ -96,17 +53,15 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
         say(self, {"INFO"}, *done, *soft)
 
 
-def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool) -> tuple[str, list[str]]:
+def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, list[str]]:
     """Make a mesh a soft body; return a sentence on the result, and notes on the mesh.
 
     A large mesh is prepared at its first press, with the progress shown.
 
-    Args:
-        chosen: apply the preset even if the mesh has a material.
-
     Raises:
         DimpleError: the mesh cannot be pressed; only its material and settings may have been set.
     """
+    from ...core.everyday_presets import OBJECTS
     from ..bridge import scene_objects
     from .object_body import ObjectBody
 
@@ -114,11 +69,9 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *,
     scene_objects.check_writable(obj)
     if sessions.get(obj):
         raise DimpleError('"{name}" is being pressed already.', name=obj.name)
-    if chosen and obj.active_material and obj.active_material.library:
-        raise DimpleError('The material of "{name}" is linked from another file. Make it local first.', name=obj.name)
-    if chosen or obj.active_material is None:
-        with context.temp_override(object=obj, active_object=obj):
-            bpy.ops.dimple.apply_preset(preset=preset)
+    if obj.active_material is None or not obj.active_material.dimple.is_chosen():
+        preset = next(each for each in OBJECTS if each.name == PRESET)
+        apply(material_of(obj, preset.label).dimple, preset)
     settle_size(context.scene, obj)
     fit(context.scene, obj)
     obj.dimple.enabled = True
@@ -164,39 +117,3 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.type
     made.name = name
     what = '"{name}" was given a depth and converted to a mesh.' if deepened else '"{name}" was converted to a mesh.'
     return made, Message(what, name=made.name)
-
-
-def repair(obj: bpy.types.Object) -> Faults:
-    """Weld doubled vertices, delete loose ones and turn faces outward; return the repaired faults."""
-    import bmesh
-
-    mesh = bmesh.new()
-    try:
-        mesh.from_mesh(obj.data)
-        size = max(obj.dimensions) / max(*map(abs, obj.matrix_world.to_scale()), 1e-30)
-        pairs = bmesh.ops.find_doubles(mesh, verts=mesh.verts, dist=SAME * size)["targetmap"]
-        bmesh.ops.weld_verts(mesh, targetmap=pairs)
-        loose = [vertex for vertex in mesh.verts if not vertex.link_faces]
-        found = Faults(len(pairs), len(loose), _turn_outward(mesh))
-        bmesh.ops.delete(mesh, geom=loose, context="VERTS")
-        mesh.to_mesh(obj.data)
-        obj.data.update()
-        return found
-    finally:
-        mesh.free()
-
-
-def _turn_outward(mesh: "bmesh.types.BMesh") -> int:
-    """Turn faces outward; return their number. For an open mesh, the side that most faces look to counts as outward."""
-    import bmesh
-
-    mesh.normal_update()
-    before = [face.normal.copy() for face in mesh.faces]
-    bmesh.ops.recalc_face_normals(mesh, faces=mesh.faces)
-    mesh.normal_update()
-    turned = [face for face, normal in zip(mesh.faces, before, strict=True) if face.normal.dot(normal) < 0]
-    is_open = any(edge.is_boundary for edge in mesh.edges)
-    if is_open and 2 * len(turned) > len(before):
-        bmesh.ops.reverse_faces(mesh, faces=mesh.faces)
-        return len(before) - len(turned)
-    return len(turned)
