@@ -222,7 +222,7 @@ def _simulated(
     """Simulate objects that play nothing, and return the clips that they are to play."""
     begin = plan.first if plan.begin is None else plan.begin
     bake = bake_frames.BakePlan(  # a bake needs two frames
-        objects=missing, first=begin, last=max(plan.last, begin + 1), target="FILES", folder=folder / "simulated"
+        objects=missing, first=begin, last=max(plan.last, begin + 1), folder=folder / "simulated"
     )
     bodies = yield from as_share(bake_frames.simulate(context, bake, messages), 0.0, SIMULATED)
     return {

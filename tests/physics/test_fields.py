@@ -11,7 +11,6 @@ from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.reduction.cells import vertex_normals
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
-from studies.space import profile
 from tests.bodies import ball
 
 RADIUS, TIP = 0.08, 0.02
@@ -67,12 +66,3 @@ def test_a_proxy_shows_about_the_pressure_of_its_mesh() -> None:
     assert len(pressure) == len(mesh.rest_positions)
     whole = (fields.pressure(pushed(model)) * mesh.vertex_areas).sum()
     assert (pressure * mesh.vertex_areas).sum() == pytest.approx(whole, rel=0.25)
-
-
-def test_a_profile_is_as_deep_as_the_dent_and_flat_far_from_it() -> None:
-    session = pushed(body())
-    distance, depth = profile(session, 0)
-    assert (np.diff(distance) >= 0).all() and distance[0] < -0.05 and distance[-1] > 0.05
-    assert 0.8 < depth.max() / session.frame.depths[0] < 1.02
-    assert abs(distance[depth.argmax()]) < 0.3 * TIP
-    assert np.abs(depth[np.abs(distance) > 0.07]).max() < 0.1 * depth.max()

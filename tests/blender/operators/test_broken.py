@@ -120,7 +120,7 @@ def test_the_material_that_is_chosen_replaces_the_constants_of_the_one_that_is_t
 ) -> None:
     obj = ball(subdivisions=4)
     obj.active_material = bpy.data.materials.new("Own")
-    bpy.ops.dimple.make_soft(preset="object_3_vinyl_water")
+    bpy.ops.dimple.apply_preset(preset="object_3_vinyl_water")
     assert obj.active_material.name == "Own" and obj.active_material.dimple.fill == "LIQUID"
     obj.active_material.dimple.K1 = 2.0
     bpy.ops.dimple.make_soft()
