@@ -63,16 +63,7 @@ def faint() -> Point:
 
 def paper() -> Point:
     """Return the background colour of numbers: black behind light text, white behind dark text."""
-    return *_opposite(ink()), BACK
-
-
-def ghost() -> Point:
-    """Return the colour of lines in the scene: white on a dark viewport, black on a light one."""
-    return *_opposite(bpy.context.preferences.themes[0].view_3d.space.gradients.high_gradient), FAINT
-
-
-def _opposite(colour: Sequence[float]) -> Point:
-    return (0.0, 0.0, 0.0) if sum(colour[:3]) > 1.5 else (1.0, 1.0, 1.0)
+    return (0.0, 0.0, 0.0, BACK) if sum(ink()[:3]) > 1.5 else (1.0, 1.0, 1.0, BACK)
 
 
 def overlays_shown(context: bpy.types.Context) -> bool:

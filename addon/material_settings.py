@@ -125,6 +125,10 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     edited: switch("Edited", "The constants were changed by hand after they had been measured")
     calibration: kept_text("Calibration", "The measurement behind these constants")
 
+    def is_chosen(self) -> bool:
+        """Return whether its law was set: by a preset, a measurement or by hand."""
+        return any(map(self.is_property_set, ("K1", "K2", "x0", "k", "spread_mm", "fill")))
+
     def to_params(self) -> dict[str, object]:
         """Return the keyword arguments of `core.material.Material`, in SI units."""
         from ..core.material import Indenter  # not at import: it needs numpy, and enabling must be quick

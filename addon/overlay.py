@@ -66,8 +66,6 @@ def draw_fingers(entry: Any, screen: Screen) -> None:
 def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float) -> float:
     """Write the numbers of a session upwards from the lower left corner of the free area; return their top [px]."""
     lines = [(body.name, canvas.ink())]
-    if entry.recorder:
-        lines.append((f"● {iface_('Recording')} {entry.recorder.frames}", FORCE))
     if any(run.paused for run in runs):
         lines.append((iface_("Paused"), FORCE))
     lines += [(line, FORCE) for sentence in device.slow() for line in wrapped(sentence, 40)]

@@ -64,16 +64,6 @@ def draw_pins(layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
     row.prop(settings, "pinned", text="" if settings.pin_group else "Base")
     row.prop_search(settings, "pin_group", body, "vertex_groups", text="")
 
-
-def draw_linked(
-    layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, name: str, link: str, **options: str
-) -> None:
-    """Draw a setting of the fingertip, and the button that links it to the size of the body."""
-    row = layout.row(align=True)
-    row.prop(settings, name, **options)
-    row.prop(settings, link, text="", icon="LINKED")
-
-
 def draw_rows(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
     """Draw labels on the left and values on the right."""
     split = layout.split(factor=0.45)

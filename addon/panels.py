@@ -11,8 +11,7 @@ from ..operators.names import Op
 from ..operators.press.fingertip_objects import body_of
 from ..operators.press.sessions import sessions
 from . import calibration, device, experiment, materials, physics_panels, readout
-from .panel_parts import SidebarPanel, draw_linked, draw_notes, draw_prop, draw_rows
-from .tool import draw_amount
+from .panel_parts import SidebarPanel, draw_notes, draw_rows
 
 
 class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
@@ -59,20 +58,13 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
-    """The settings of the fingertips."""
+    """The fingertips of the scene; the header of the tool has their radius and depth."""
 
     bl_label = "Fingertips"
 
     def draw(self, context: bpy.types.Context) -> None:
         settings, layout = context.scene.dimple, self.layout
         layout.use_property_split = True
-        draw_linked(layout, settings, "finger_radius_mm", "radius_follows", text="Radius (mm)")
-        layout.row().prop(settings, "press_by", expand=True)
-        draw_amount(layout, settings)
-        if settings.press_by == "FORCE":
-            layout.prop(settings, "press_force_g")
-        # a press by force always goes straight into the surface
-        draw_prop(layout, settings, "poke_along", active=settings.press_by == "DEPTH")
         layout.prop(settings, "active_finger")
         column = layout.column(align=True)
         for number in sizing.NUMBERS:
@@ -81,12 +73,7 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
             draw_notes(context, layout, ["A fingertip presses as a ball of this radius, whatever its shape."])
         column = layout.column(align=True)
         column.operator(Op.ADD_FINGERTIP, icon="SPHERE")
-        column.operator(Op.KEY_PRESS, icon="KEYINGSET")
-
-
-def _bake_button(layout: bpy.types.UILayout, scene: bpy.types.Scene, target: str, *, text: str) -> None:
-    button = layout.operator(Op.BAKE, text=text, icon="RENDER_ANIMATION")
-    button.target, button.frame_start, button.frame_end = target, scene.frame_start, scene.frame_end
+        column.operator(Op.KEY_PRESS, icon="REC")
 
 
 class DIMPLE_PT_animate(SidebarPanel, bpy.types.Panel):
@@ -95,33 +82,15 @@ class DIMPLE_PT_animate(SidebarPanel, bpy.types.Panel):
     bl_label = "Animate"
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, body = self.layout, body_of(context.object, context.scene)
-        entry = sessions.get(body.session_uid) if body else None
+        layout, scene = self.layout, context.scene
         column = layout.column(align=True)
         column.scale_y = 1.4
-        _bake_button(column, context.scene, "MESH_CACHE", text="Bake")
+        button = column.operator(Op.BAKE, icon="RENDER_ANIMATION")
+        button.frame_start, button.frame_end = scene.frame_start, scene.frame_end
         column.operator(Op.EXPORT, icon="EXPORT")
-        column = layout.column(align=True)
-        recording = entry is not None and entry.recording
-        column.operator(Op.RECORD, text="Stop Recording" if recording else "Record", icon="REC", depress=recording)
-        column.operator(Op.UNBAKE, icon="TRASH")
-
-
-class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
-    """The output of a bake, and its folder."""
-
-    bl_label = "Bake Options"
-    bl_parent_id = "DIMPLE_PT_animate"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context: bpy.types.Context) -> None:
-        settings, layout = context.scene.dimple, self.layout
+        layout.operator(Op.UNBAKE, icon="TRASH")
         layout.use_property_split = True
-        layout.prop(settings, "cache_dir")
-        layout.prop(settings, "use_curves")
-        column = layout.column(align=True)
-        column.prop(settings, "shape_key_step")
-        _bake_button(column, context.scene, "SHAPE_KEYS", text="Bake to Shape Keys")
+        layout.prop(scene.dimple, "cache_dir")
 
 
 class DIMPLE_PT_display(SidebarPanel, bpy.types.Panel):
@@ -136,14 +105,14 @@ class DIMPLE_PT_display(SidebarPanel, bpy.types.Panel):
         layout.prop(settings, "show_overlay")
         column = layout.column()
         column.active = settings.show_overlay
-        for name in ("show_chart", "show_rest", "show_profile", "show_field"):
+        for name in ("show_chart", "show_field"):
             column.prop(settings, name)
 
 
 # in the order of work; calibration, device and experiment come last
 _SIDEBAR = (
     DIMPLE_PT_session, DIMPLE_PT_readout, *materials.SIDEBAR, DIMPLE_PT_fingertips, DIMPLE_PT_animate,
-    DIMPLE_PT_bake, DIMPLE_PT_display, *calibration.SIDEBAR, *device.SIDEBAR, *experiment.SIDEBAR,
+    DIMPLE_PT_display, *calibration.SIDEBAR, *device.SIDEBAR, *experiment.SIDEBAR,
 )  # fmt: skip
 register, unregister = bpy.utils.register_classes_factory(
     [*materials.PROPERTIES, *physics_panels.PROPERTIES, *_SIDEBAR]

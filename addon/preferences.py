@@ -1,7 +1,7 @@
-"""The preferences of the extension: the folder for recordings, the share of CPU cores, and the haptic device."""
+"""The preferences of the extension: the share of CPU cores, and the haptic device."""
 
 import bpy
-from bpy.props import IntProperty, StringProperty
+from bpy.props import IntProperty
 
 from ..operators.names import Op
 from .device import DeviceChoice
@@ -12,12 +12,6 @@ class DIMPLE_AP_preferences(DeviceChoice, bpy.types.AddonPreferences):
 
     bl_idname = __package__.rpartition(".")[0]  # the extension itself: bl_ext.<repository>.dimple
 
-    cache_dir: StringProperty(
-        name="Default Cache Folder",
-        description="Folder for recordings and bakes of unsaved files, unless the scene names one. Empty: Dimple's own"
-                    " folder",
-        subtype="DIR_PATH",
-    )
     cores: IntProperty(
         name="Cores While Playing",
         description="Share of the processor's cores that move soft bodies in a live press or in Play. The rest is left"
@@ -28,7 +22,6 @@ class DIMPLE_AP_preferences(DeviceChoice, bpy.types.AddonPreferences):
     def draw(self, _context: bpy.types.Context) -> None:
         layout = self.layout
         layout.use_property_split = True
-        layout.prop(self, "cache_dir")
         layout.prop(self, "cores")
         layout.prop(self, "device_secret")
         layout.prop(self, "device_anywhere")

@@ -30,12 +30,6 @@ _SIZE_MODES = (
     ("CUSTOM", "Custom Size", "Press the body as a real object of the size that you enter, whatever its size in the "
                               "scene"),
 )
-_POKE_ALONG = (
-    ("VIEW", "View", "The fingertip moves away from the viewer, into the screen"),
-    ("NORMAL", "Surface", "The fingertip moves straight into the surface it touches"),
-)
-
-_WEIGHT_N = 9.80665e-3  # [N] weight of a gram
 _PRESS_BY = (
     ("DEPTH", "Depth", "Press to a set depth, and read the force"),
     (
@@ -50,9 +44,6 @@ _FIELDS = (
     ("PRESSURE", "Contact Pressure", "How hard the surface is pressed (kPa)"),
     ("DEPTH", "Depth", "How far the surface is below its shape at rest (mm)"),
     ("STRETCH", "Stretch", "How much longer or shorter its edges are than at rest (%)"),
-    ("SLOPE", "Slope K1", "How hard the first millimetres are, painted softness included (N/mm)"),
-    ("KNEE", "Knee x0", "How deep the soft part reaches, painted knee included (mm)"),
-    ("SPREAD", "Spread", "How far a dent reaches beyond the fingertip, painted spread included (mm)"),
 )
 
 
@@ -144,10 +135,6 @@ def _follows(setting: str) -> BoolProperty:
     )  # fmt: skip
 
 
-def _set_grams(self: bpy.types.PropertyGroup, grams: float) -> None:
-    self.press_force_n = grams * _WEIGHT_N
-
-
 class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
     """The settings of a scene: fingertips, surroundings, animation and display of all its sessions."""
 
@@ -169,10 +156,6 @@ class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
     finger_1: _finger(1)
     finger_2: _finger(2)
     finger_3: _finger(3)
-    poke_along: EnumProperty(
-        name="Poke Along", description="Press into the screen, or straight into the surface",
-        items=_POKE_ALONG, default="NORMAL", **FIXED,
-    )  # fmt: skip
     press_by: EnumProperty(
         name="Press By", description="Press to a depth, or with a force. Ctrl F and pen pressure change the same",
         items=_PRESS_BY, **FIXED,
@@ -188,11 +171,6 @@ class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
         name="Force (N)", description="How hard the fingertip presses",
         default=5.0, min=0.001, soft_min=0.1, soft_max=100.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
-    press_force_g: FloatProperty(
-        name="Force (g)", description="How hard the fingertip presses, as a weight in grams",
-        min=0.1, soft_min=10.0, soft_max=10_000.0, step=1000, precision=0,
-        get=lambda self: self.press_force_n / _WEIGHT_N, set=_set_grams, **FIXED,
-    )  # fmt: skip
     frame_budget_percent: FloatProperty(
         name="Simulation Share (%)",
         description="Give the simulation more time, or less: its share of each second. Blender needs the rest to draw",
@@ -204,21 +182,14 @@ class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
     tip_place: EnumProperty(name="Press At", description="Where the tip presses", items=PLACES, **FIXED)
     cache_dir: StringProperty(
         name="Cache Folder",
-        description="Folder for recordings and bakes. Empty: beside the .blend file, or Dimple's own folder for "
+        description="Folder for bakes. Empty: beside the .blend file, or Dimple's own folder for "
                     "unsaved files",
         subtype="DIR_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )  # fmt: skip
-    shape_key_step: IntProperty(
-        name="Frame Step", description="Make a shape key every this many frames: fewer keys, less exact motion",
-        default=1, min=1, soft_max=25, **FIXED,
-    )  # fmt: skip
-    use_curves: switch("Curves", "Keyframe force, depth and pressure as custom properties, for drivers")
     show_overlay: switch("Overlay", "Draw fingertips, forces and numbers in the viewport", on=True)
     show_field: EnumProperty(
         name="Colors", description="Color pressed bodies by a quantity, with a scale", items=_FIELDS, **FIXED
     )
-    show_rest: switch("Shape at Rest", "Draw the undeformed shape above a dent")
-    show_profile: switch("Profile", "Draw a cross-section of the dent under the deepest fingertip")
     show_chart: switch("Chart", "Draw force against depth, with the material's curve", on=True)
 
 

@@ -1,12 +1,8 @@
-"""A warning in the dialogs of Blender's own glTF and FBX exporters, which would silently export a bake as a still.
-
-Neither exports a Mesh Cache; FBX does not animate shape keys either with NLA Strips on and All Actions off.
-"""
+"""A warning in the dialogs of Blender's own glTF and FBX exporters, which would silently export a bake as a still."""
 
 import bpy
 
 from ..operators.bridge.modifiers import is_cache
-from ..operators.names import BAKED_KEY
 from .panel_parts import draw_notes
 
 EXPORTERS = ("EXPORT_SCENE_OT_gltf", "EXPORT_SCENE_OT_fbx")
@@ -16,18 +12,8 @@ def stills(context: bpy.types.Context, exporter: bpy.types.Operator) -> list[str
     """Return the names of the objects whose bake an exporter would write as a single pose."""
     if exporter.bl_idname not in EXPORTERS:
         return []
-    keys_too = getattr(exporter, "bake_anim_use_nla_strips", False) and not exporter.bake_anim_use_all_actions
     chosen = context.selected_objects if exporter.use_selection else context.scene.objects
-    return [obj.name for obj in chosen if obj.type == "MESH" and (_plays_cache(obj) or (keys_too and _plays_keys(obj)))]
-
-
-def _plays_cache(obj: bpy.types.Object) -> bool:
-    return any(is_cache(modifier) and modifier.show_viewport for modifier in obj.modifiers)
-
-
-def _plays_keys(obj: bpy.types.Object) -> bool:
-    keys = obj.data.shape_keys
-    return keys is not None and any(key.name.startswith(BAKED_KEY) for key in keys.key_blocks)
+    return [obj.name for obj in chosen if any(is_cache(each) and each.show_viewport for each in obj.modifiers)]
 
 
 class DIMPLE_PT_still_warning(bpy.types.Panel):

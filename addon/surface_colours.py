@@ -1,4 +1,4 @@
-"""Colours on the surface of running bodies, with their scale, and the undeformed shape above a dent.
+"""Colours on the surface of running bodies, with their scale.
 
 They are drawn over the viewport and change neither mesh nor material.
 """
@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import bpy
 
 from ..operators.experiment.blind_trial import is_blind
-from . import canvas, colour_map, overlay, profile_chart, shapes, viewport_room
-from .canvas import LINE_HEIGHT, MARGIN, Screen
+from . import canvas, colour_map, overlay, shapes, viewport_room
+from .canvas import LINE_HEIGHT, Screen
 from .readout import iface_
 from .viewport_room import Room
 
@@ -18,12 +18,10 @@ if TYPE_CHECKING:
 
 LEGEND = (14.0, 150.0)  # [px] width and height of the colour bar, at a resolution scale of 1
 LEAST = 0.3  # fraction of the scale: if no value reaches it, the scale shrinks
-# smallest ends of the scales
-NOTHING = {"pressure": 0.1, "depth": 0.1, "stretch": 0.1, "slope": 0.01, "knee": 0.1, "spread": 0.1}
+NOTHING = 0.1  # smallest end of a scale
 SIGNED = {"stretch"}
 LIFT = 2e-4  # shift towards the viewer in normalized depth, so that the mesh does not hide the colours on it
 SHADE = 0.3  # fraction by which colours darken where the surface is seen edge-on
-MOVED = 0.02  # fraction of the largest displacement: edges at rest are drawn where the body has moved farther
 
 
 class Coloured(NamedTuple):
@@ -42,7 +40,7 @@ _scales: dict[str, float] = {}  # upper end of the scale of each quantity
 
 
 def draw_surfaces() -> None:
-    """Draw colours and shapes at rest in the scene (POST_VIEW)."""
+    """Draw colours in the scene (POST_VIEW)."""
     if is_blind():
         return
     context = bpy.context
@@ -55,28 +53,19 @@ def draw_surfaces() -> None:
         ends = scale_of(settings.show_field.lower(), bodies)
         for each in bodies:
             draw_coloured(each, ends, context.region_data)
-    if settings.show_rest:
-        for _, entry in shown:
-            draw_rest(entry, canvas.screen_of(context))
 
 
 def draw_scales() -> None:
-    """Draw the scale of the colours and the profile of a dent on top of the picture (POST_PIXEL)."""
+    """Draw the scale of the colours on top of the picture (POST_PIXEL)."""
     if is_blind():
         return
     context = bpy.context
-    settings, shown = context.scene.dimple, overlay.shown_bodies(context)
-    if not shown or (settings.show_field == "NONE" and not settings.show_profile):
+    name = context.scene.dimple.show_field.lower()
+    if name not in _scales or not overlay.shown_bodies(context):
         return
     screen = canvas.screen_of(context)
-    free = viewport_room.free_room(context, screen.scale)
-    if free is None:
-        return
-    name = settings.show_field.lower()
-    if name != "none" and name in _scales:
-        free = free._replace(right=draw_scale(name, (bottom_of(name), _scales[name]), free, screen))
-    if settings.show_profile:
-        profile_chart.draw(shown, free, screen)
+    if free := viewport_room.free_room(context, screen.scale):
+        draw_scale(name, (bottom_of(name), _scales[name]), free, screen)
 
 
 def made(uid: int, entry: Any, name: str) -> Coloured:
@@ -107,7 +96,7 @@ def bottom_of(name: str) -> float:
 
 def scale_of(name: str, bodies: list[Coloured]) -> tuple[float, float]:
     """Return the ends of the scale that all bodies share; they stay constant as long as the values fit."""
-    highest = max([NOTHING[name], *(float(abs(each.values).max(initial=0.0)) for each in bodies)])
+    highest = max([NOTHING, *(float(abs(each.values).max(initial=0.0)) for each in bodies)])
     before = _scales.get(name, 0.0)
     if not LEAST * before <= highest <= before:
         _scales[name] = shapes.round_up(highest)
@@ -130,27 +119,8 @@ def draw_coloured(each: Coloured, ends: tuple[float, float], view: bpy.types.Reg
         canvas.draw("TRIS", each.positions, colours=colours, indices=each.triangles, behind=False)
 
 
-def draw_rest(entry: Any, screen: Screen) -> None:
-    """Draw the edges of the shape at rest where the body is displaced from it."""
-    import numpy as np
-
-    from ..core import fields
-
-    rest, skin = fields.at_rest(entry.session), entry.session.skin()
-    moved = np.linalg.norm(skin - rest, axis=1)
-    edges = entry.session.model.mesh.springs
-    far = (moved > max(MOVED * float(moved.max()), 1e-6 * entry.session.model.mesh.size))[edges].any(axis=1)
-    if not far.any():
-        return
-    canvas.draw(
-        "LINES", np.ascontiguousarray(rest / entry.link.scale, np.float32), colour=canvas.ghost(),
-        indices=np.ascontiguousarray(edges[far], np.int32), behind=False,
-        screen=screen._replace(line=screen.line / canvas.LINE_WIDTH),
-    )  # fmt: skip
-
-
-def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen) -> float:
-    """Draw the scale at the right of the free area; return the right edge of the remaining area [px]."""
+def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen) -> None:
+    """Draw the scale at the right of the free area."""
     from ..core.fields import UNITS
 
     scale = screen.scale
@@ -160,7 +130,7 @@ def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen)
     high = min(LEGEND[1] * scale, free.top - free.bottom - 3 * LINE_HEIGHT * scale)
     left, bottom = free.right - wide, free.bottom
     if high < LINE_HEIGHT * scale or left < free.left:
-        return free.right
+        return
     edge = 4 * scale
     top = bottom + high + 2 * LINE_HEIGHT * scale
     canvas.draw_filled((left - edge, bottom - edge), (free.right + edge, top), canvas.paper())
@@ -169,7 +139,6 @@ def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen)
     for share in (0.0, 0.5, 1.0):
         value = ends[0] + share * (ends[1] - ends[0])
         canvas.write(f"{value:g}", (left + (LEGEND[0] + 6.0) * scale, bottom + share * high), scale)
-    return left - MARGIN * scale
 
 
 def draw_bar(corner: tuple[float, float], size: tuple[float, float], signed: bool) -> None:

@@ -11,9 +11,7 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
 from ..operators.names import POKE_TOOL, Op
-from ..operators.press.sessions import sessions
 from . import canvas, shapes
-from .panel_parts import draw_linked
 
 if TYPE_CHECKING:
     from ..operators.press.poke_input import View
@@ -22,12 +20,13 @@ PIXELS_PER_NEWTON = 20.0  # scale of the control that changes a force: 5 N give 
 _pixels = [5.0]  # [px/mm] at the place where the circle was last drawn
 
 
-def draw_amount(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
-    """Draw the depth or the force of a press."""
-    if settings.press_by == "DEPTH":
-        draw_linked(layout, settings, "press_depth_mm", "depth_follows")
-    else:
-        layout.prop(settings, "press_force_n")
+def draw_linked(
+    layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, name: str, link: str, **options: str
+) -> None:
+    """Draw a setting of the fingertip, and the button that links it to the size of the body."""
+    row = layout.row(align=True)
+    row.prop(settings, name, **options)
+    row.prop(settings, link, text="", icon="LINKED")
 
 
 def radius_zoom(_manager: bpy.types.PropertyGroup) -> tuple[float, float]:
@@ -101,11 +100,11 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
         settings = context.scene.dimple
         draw_linked(layout, settings, "finger_radius_mm", "radius_follows", text="Radius (mm)")
         layout.prop(settings, "press_by", expand=True)
-        draw_amount(layout, settings)
-        if settings.press_by == "DEPTH":  # a press by force always goes straight into the surface
-            layout.prop(settings, "poke_along")
-        recording = any(body.recording for body in sessions.values())
-        layout.operator(Op.RECORD, text="", icon="REC", depress=recording)
+        if settings.press_by == "DEPTH":
+            draw_linked(layout, settings, "press_depth_mm", "depth_follows")
+        else:
+            layout.prop(settings, "press_force_n")
+        layout.operator(Op.KEY_PRESS, text="", icon="REC")
 
     @staticmethod
     def draw_cursor(context: bpy.types.Context, _tool: bpy.types.WorkSpaceTool, xy: tuple[int, int]) -> None:
@@ -122,7 +121,7 @@ class DIMPLE_MT_object(bpy.types.Menu):
         layout = self.layout
         layout.operator_context = "INVOKE_REGION_WIN"
         for verb in (
-            Op.MAKE_SOFT, Op.POKE, Op.PLAY, Op.RECORD, Op.RESET, Op.ADD_FINGERTIP, Op.KEY_PRESS, Op.BAKE,
+            Op.MAKE_SOFT, Op.POKE, Op.PLAY, Op.RESET, Op.ADD_FINGERTIP, Op.KEY_PRESS, Op.BAKE,
         ):  # fmt: skip
             layout.operator(verb)
 

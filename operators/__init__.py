@@ -16,11 +16,11 @@ from .calibrate import apply_preset, apply_result, by_hand, from_file, material_
 from .device import connect_device
 from .experiment import blind_trial
 from .export import command_line, export_dialog
-from .press import handlers, make_soft, play, poke, progress, record
+from .press import handlers, make_soft, play, poke, progress
 
 PARTS = (
-    bug_report, make_soft, progress, poke, play, record, bake, export_dialog, apply_preset, fingertips, from_file,
-    by_hand, apply_result, material_file, paint_softness, measure, connect_device, blind_trial, command_line, handlers,
+    bug_report, make_soft, progress, poke, play, bake, export_dialog, apply_preset, fingertips, from_file, by_hand,
+    apply_result, material_file, paint_softness, measure, connect_device, blind_trial, command_line, handlers,
 )  # fmt: skip
 
 

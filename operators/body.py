@@ -50,7 +50,7 @@ class Body(ObjectBody):
             DimpleError: no surface lies along the direction, or the depth exceeds the size of the body.
         """
         if not 1 <= finger <= MAX_FINGERTIPS:
-            raise DimpleError("There are at most {most} fingertips.", most=MAX_FINGERTIPS)
+            raise DimpleError("There is no fingertip {finger}: choose 1, 2 or 3.", finger=finger)
         state = PokeState(
             radius=radius or bpy.context.scene.dimple.finger_radius_mm / 1e3, depth=depth, force=force,
             by_force=force > 0, press_s=seconds, active=finger - 1,
@@ -83,12 +83,11 @@ class Body(ObjectBody):
             if self.session.step(step_s).note:
                 raise DimpleError(about(self.name, self.frame.note))
 
-    def bake(self, first: int | None = None, last: int | None = None, *, target: str = "MESH_CACHE") -> list[str]:
+    def bake(self, first: int | None = None, last: int | None = None) -> list[str]:
         """Bake the object over frames of the scene, pressed by keyframed fingertip objects.
 
         Args:
             first, last: frames; None: those of the scene.
-            target: "MESH_CACHE" or "SHAPE_KEYS".
 
         Returns:
             Sentences for the artist.
@@ -96,8 +95,9 @@ class Body(ObjectBody):
         Raises:
             DimpleError: the object cannot be baked; nothing has changed.
         """
-        messages = sessions.stop_all()  # a bake starts at rest
-        plan = bake_frames.plan_of(bpy.context.scene, [self.obj], first, last, target)
+        sessions.stop_all()  # a bake starts at rest
+        messages: list[str] = []
+        plan = bake_frames.plan_of(bpy.context.scene, [self.obj], first, last)
         for _ in bake_frames.bake(bpy.context, plan, messages):
             pass
         return messages

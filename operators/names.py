@@ -8,7 +8,6 @@ OURS = ".Dimple "
 PRESS, KEPT_PRESS, BAKED_PRESS, CARRIER = ".Dimple Press", ".Dimple Kept", ".Dimple Bake", ".Dimple Carrier"
 REST = ".dimple_rest"  # attribute of the evaluated mesh: its shape at rest in this frame
 KEPT = "Pressed"  # name of the modifier that keeps a press
-BAKED_KEY = "Dimple Frame "  # prefix of the names of a bake's shape keys; the number of the frame follows
 CACHE = "Dimple"  # name of the modifier that plays a bake
 CACHES_OFF = "dimple_caches_off"  # custom property of an object: the names of its bakes that are off while it is live
 PAINTING = "WEIGHT_PAINT"  # besides Object Mode, the only mode in which a simulation continues, with the new weights
@@ -51,7 +50,6 @@ class Op(StrEnum):
     POKE = "dimple.poke"
     PLAY = "dimple.play"
     RESET = "dimple.reset"
-    RECORD = "dimple.record"
     BAKE = "dimple.bake"
     UNBAKE = "dimple.unbake"
     EXPORT = "dimple.export_animation"

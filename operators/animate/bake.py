@@ -1,18 +1,12 @@
 """Turn a press into animation, and back."""
 
 import bpy
-from bpy.props import EnumProperty
 
 from ...core.messages import Message
 from ..messages import say
 from ..names import Op
 from ..press import fingertip_objects, polls, sessions
 from ..press.progress import READY, FrameRange, Working
-
-TARGETS = (
-    ("MESH_CACHE", "Mesh Cache", "Write a file that the object plays. Remove the modifier to undo it"),
-    ("SHAPE_KEYS", "Shape Keys", "Keyframe shape keys, which every exporter understands"),
-)
 
 
 class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
@@ -30,8 +24,6 @@ class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
     verb, stopped = "Baking", "The bake was cancelled; nothing has changed"
     ready = READY
 
-    target: EnumProperty(name="Target", description="Kind of animation that the bake makes", items=TARGETS)
-
     needs = polls.in_object_mode, polls.is_free
 
     def _begin(self, context: bpy.types.Context):
@@ -46,7 +38,7 @@ class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
         if not any(sessions.fingertip_objects(scene)):
             self._messages.append("No fingertip presses the bodies. Add one with Fingertips > Add Fingertip.")
         self._count = len(objects)
-        plan = bake_frames.plan_of(scene, objects, *self._frames(scene), self.target)
+        plan = bake_frames.plan_of(scene, objects, *self._frames(scene))
         return bake_frames.bake(context, plan, self._messages)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
@@ -60,7 +52,7 @@ def _may_play(context: bpy.types.Context) -> bool:
 
 
 class DIMPLE_OT_unbake(polls.Declared, bpy.types.Operator):
-    """Remove bakes and recordings from the selected objects; their files stay on the disk"""
+    """Remove bakes from the selected objects; their files stay on the disk"""
 
     bl_idname = Op.UNBAKE
     bl_label = "Remove Bake"
@@ -71,8 +63,7 @@ class DIMPLE_OT_unbake(polls.Declared, bpy.types.Operator):
     def run(self, context: bpy.types.Context) -> None:
         from ..bridge import cache_files
         from ..press import live_step
-        from . import shape_keys
 
         meshes = [obj for obj in live_step.candidates(context) if obj.type == "MESH"]
-        if not sum(cache_files.detach_cache(obj) + shape_keys.remove(obj) for obj in meshes):
+        if not sum(cache_files.detach_cache(obj) for obj in meshes):
             say(self, {"WARNING"}, "There was no bake on the selected objects")

@@ -20,15 +20,14 @@ from ...core.base import DimpleError
 from ...core.messages import Message, about
 from ...core.recording import PointCache
 from ...core.session import step_all
-from ..bridge import cache_files, final_mesh, modifiers, scene_objects, timeline, write_back
-from ..press import colliders, follow_settings, live_step, props, recorder
+from ..bridge import cache_files, final_mesh, scene_objects, timeline
+from ..press import colliders, follow_settings, live_step, props
 from ..press.object_body import ObjectBody
 from ..press.progress import READY
-from . import shape_keys  # fmt: skip
+from .force_table import ForceTable
 
 if TYPE_CHECKING:
     from ...core.world.world import Held
-    from ..bridge.scene_objects import Singles
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -37,10 +36,8 @@ class Baked(ObjectBody):
 
     path: Path = field(init=False)  # destination of the PC2 file
     part: Path = field(init=False)  # path of the unfinished PC2 file
-    cache: PointCache | None = None  # the unfinished PC2 file, None for shape keys
-    table: recorder.ForceTable = field(init=False)  # the unfinished table of forces
-    # frame of each shape key, and its offsets (N, 3) from the shape at rest in that frame
-    shapes: list[tuple[int, Singles]] = field(default_factory=list)
+    cache: PointCache = field(init=False)  # the unfinished PC2 file
+    table: ForceTable = field(init=False)  # the unfinished table of forces
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,18 +47,16 @@ class BakePlan:
     objects: Sequence[bpy.types.Object]  # the bodies
     first: int  # frame
     last: int  # frame, included
-    target: str  # "MESH_CACHE", "SHAPE_KEYS", or "FILES", which no object plays
-    step: int = 1  # frames from one shape key to the next
     folder: Path | None = None  # of the files; None: the folder for bakes of the scene
 
 
 def plan_of(
-    scene: bpy.types.Scene, objects: Sequence[bpy.types.Object], first: int | None, last: int | None, target: str
+    scene: bpy.types.Scene, objects: Sequence[bpy.types.Object], first: int | None, last: int | None
 ) -> BakePlan:
-    """Return a plan with the settings of a scene, and with its frames if none are given."""
+    """Return a plan of the frames of a scene, unless others are given."""
     return BakePlan(
         objects=objects, first=scene.frame_start if first is None else first,
-        last=scene.frame_end if last is None else last, target=target, step=scene.dimple.shape_key_step,
+        last=scene.frame_end if last is None else last,
     )  # fmt: skip
 
 
@@ -77,7 +72,8 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
     bodies = yield from simulate(context, plan, messages)
     with cache_files.plain_os_errors("The bake"):
         for body in bodies:
-            _play(context, plan, body)
+            if obj := scene_objects.find(body.link.uid, body.link.name):
+                cache_files.attach_cache(context, obj, str(body.path), plan.first, body.link.cuts)
 
 
 def simulate(
@@ -107,7 +103,7 @@ def simulate(
         poses: props.Poses = {}
         held: dict[tuple[str, bool], tuple[float, Message]] = {}
         files.callback(props.put_back)
-        _write(plan, bodies, plan.first)
+        _write(bodies, plan.first)
         _show_props(worlds, plan.first, poses)
         for frame in range(plan.first + 1, plan.last + 1):
             for each in _step(context, bodies, worlds, frame):
@@ -115,17 +111,17 @@ def simulate(
                     said = Message("Frame {frame}: {said}", frame=frame, said=each.said)
                     held[each.name, each.torn] = each.late, said
             _show_props(worlds, frame, poses)
-            _write(plan, bodies, frame)
+            _write(bodies, frame)
             share = (frame - plan.first) / (plan.last - plan.first)
             yield READY + (0.99 - READY) * share  # the last hundredth is for the files
-        for file in [file for body in bodies for file in (body.cache, body.table) if file]:
+        for file in [file for body in bodies for file in (body.cache, body.table)]:
             file.close()
         messages += [said for _, said in held.values()]
         props.fallen.clear()
         props.keyframe(poses)
         for body in bodies:
-            for part, path in _files(body):
-                os.replace(part, path)
+            for ending in (".csv", ".pc2"):
+                os.replace(body.part.with_suffix(ending), body.path.with_suffix(ending))
     return bodies
 
 
@@ -148,56 +144,31 @@ def _check(plan: BakePlan) -> None:
     for obj in plan.objects:
         scene_objects.check(obj)
         scene_objects.check_writable(obj)
-        if plan.target == "SHAPE_KEYS":
-            _check_keys(obj)
-
-
-def _check_keys(obj: bpy.types.Object) -> None:
-    """Raise a DimpleError if an object cannot have the shape keys of a bake."""
-    keys = obj.data.shape_keys
-    if obj.data.library:
-        raise DimpleError(
-            '"{name}" has a mesh of another file. Make it local first: Object > Relations.', name=obj.name
-        )
-    if keys and not keys.use_relative:
-        raise DimpleError('"{name}" has absolute shape keys. Switch its shape keys to Relative first.', name=obj.name)
-    if keys and obj.show_only_shape_key:
-        raise DimpleError('"{name}" shows one shape key only. Switch Solo Active Shape Key off first.', name=obj.name)
-    if others := [each.name for each in obj.modifiers if each.show_viewport and not modifiers.is_cache(each)]:
-        raise DimpleError(
-            '"{name}" shows what its modifier "{others}" makes of its mesh, and shape keys move the mesh before '
-            "that. Bake to a Mesh Cache, or export.",
-            name=obj.name, others=others[0]
-        )  # fmt: skip
 
 
 def _opening(
     context: bpy.types.Context, plan: BakePlan, obj: bpy.types.Object, messages: list[str], files: contextlib.ExitStack
 ) -> Parts:
     """Prepare an object for a bake, in parts; `files` closes its files and deletes the temporary folder at its exit."""
-    files.enter_context(final_mesh.unbaked(obj))
     files.enter_context(final_mesh.attached(context, obj))
     body, notes = yield from Baked.opening(context, obj)
-    if plan.target == "SHAPE_KEYS" and body.link.cuts:
-        raise DimpleError(
-            '"{name}" is too coarse for shape keys. Subdivide it, bake to a Mesh Cache, or export.', name=obj.name
-        )
     messages += notes
-    if plan.target == "SHAPE_KEYS" and write_back.is_shared(obj.data):
-        messages.append(Message(
-            '"{name}" shares its mesh with other objects: its shape keys go on a copy of its own.', name=obj.name
-        ))  # fmt: skip
     body.path = cache_files.bake_path(context, obj, plan.folder)
     folder = plan.folder or files.enter_context(cache_files.unfinished_folder(body.path.parent))
     body.part = folder / body.path.name
-    if plan.target != "SHAPE_KEYS":
-        body.cache = PointCache(body.part, len(body.link.rest), plan.first)
-        files.callback(recorder.quietly, body.cache.close)
-    body.table = recorder.ForceTable(body.part.with_suffix(".csv"))
-    files.callback(recorder.quietly, body.table.close)
+    body.cache = PointCache(body.part, len(body.link.rest), plan.first)
+    files.callback(_close, body.cache)
+    body.table = ForceTable(body.part.with_suffix(".csv"))
+    files.callback(_close, body.table)
     body.session.set_fingers(live_step.fingertips(context.scene, body.link.scale))
     body.session.step(0.0)  # the first frame already shows the contacts
     return body
+
+
+def _close(file: PointCache | ForceTable) -> None:
+    """Close a file, and ignore a disk error: if there is one, another is being raised already."""
+    with contextlib.suppress(OSError):
+        file.close()
 
 
 def _step(
@@ -232,29 +203,7 @@ def _show_props(worlds: Sequence[colliders.LiveWorld], frame: int, poses: props.
         props.note(world, frame, poses)
 
 
-def _write(plan: BakePlan, bodies: Sequence[Baked], frame: int) -> None:
+def _write(bodies: Sequence[Baked], frame: int) -> None:
     for body in bodies:
-        if body.cache:
-            body.cache.append(body.offsets())
-        elif (frame - plan.first) % plan.step == 0 or frame == plan.last:
-            body.shapes.append((frame, body.offsets()))
+        body.cache.append(body.offsets())
         body.table.append(frame, body.session.frame.time, body.session)
-
-
-def _files(body: Baked) -> list[tuple[Path, Path]]:
-    """Return the temporary path and the destination of each file of a body."""
-    endings = [".csv", *([".pc2"] if body.cache else [])]
-    return [(body.part.with_suffix(ending), body.path.with_suffix(ending)) for ending in endings]
-
-
-def _play(context: bpy.types.Context, plan: BakePlan, body: Baked) -> None:
-    obj = scene_objects.find(body.link.uid, body.link.name)
-    if obj is None:
-        return
-    if plan.target == "MESH_CACHE":
-        shape_keys.remove(obj)
-        cache_files.attach_cache(context, obj, str(body.path), plan.first, body.link.cuts)
-    elif plan.target == "SHAPE_KEYS":
-        cache_files.detach_cache(obj)
-        shape_keys.add(obj, body.shapes)
-        cache_files.add_curves(obj, body.path)

@@ -41,7 +41,7 @@ class DIMPLE_OT_add_fingertip(polls.Declared, bpy.types.Operator):
         body = fingertip_objects.body_of(context.object, scene)
         scene_objects.check(body)
         scale, top = scene_objects.scale_and_top(context, body)
-        report(self, fingertip_objects.leave_poke())
+        fingertip_objects.leave_poke()
         sizing.fit(scene, body)
         radius = scene.dimple.finger_radius_mm / 1e3 / scale
         place, outward = _at_cursor(context, body, radius) or (Vector(top), Vector((0.0, 0.0, 1.0)))
@@ -90,7 +90,7 @@ class DIMPLE_OT_key_press(polls.Declared, bpy.types.Operator):
         body = scene_objects.find(press.uid, press.name)
         if body is None:
             raise DimpleError('"{name}" is gone.', name=press.name)
-        report(self, fingertip_objects.leave_poke())
+        fingertip_objects.leave_poke()
         first, last = key(context, press, body)
         said = Message(
             'The press on "{name}" is keyframed from frame {first} to {last}.', name=body.name, first=first, last=last

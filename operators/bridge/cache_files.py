@@ -1,4 +1,4 @@
-"""The paths of bakes and recordings on the disk, and the modifier that plays them."""
+"""The paths of bakes on the disk, and the modifier that plays them."""
 
 from __future__ import annotations
 
@@ -17,20 +17,11 @@ from ...core.base import DimpleError
 from ...core.messages import Message
 from ...core.recording import PointCache, open_point_cache
 from ..names import BAKED_PRESS, CACHE
-from . import keyframes, offset, rendered_mesh
+from . import offset, rendered_mesh
 from .modifiers import is_cache
 
 LONGEST_NAME = 91  # [bytes] of a name: a file name consists of two, checksums and endings, and 255 are allowed
 PACKAGE = (__package__ or "").partition(".operators")[0]
-
-
-def take_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
-    """Return the path of the next recording of an object: a PC2 file with an unused number.
-
-    Raises:
-        DimpleError: the folder cannot be created.
-    """
-    return next(path for path in _numbered(context, obj, "take") if not _exists(path))
 
 
 def bake_path(context: bpy.types.Context, obj: bpy.types.Object, folder: Path | None = None) -> Path:
@@ -44,23 +35,16 @@ def bake_path(context: bpy.types.Context, obj: bpy.types.Object, folder: Path | 
     """
     if folder:
         return folder / f"{file_name(obj.name)}.pc2"
+    stem = _stem(context, obj)
     if bpy.data.filepath:
-        return Path(f"{_stem(context, obj, 'bake')}.pc2")
+        return Path(f"{stem}.pc2")
     playing = {path for modifier in obj.modifiers if is_cache(modifier) for path, _ in offset.files(modifier)}
-    return next(path for path in _numbered(context, obj, "bake") if path in playing or not _exists(path))
+    numbered = (Path(f"{stem}_{number:03d}.pc2") for number in itertools.count(1))
+    return next(each for each in numbered if each in playing or not any(each.parent.glob(f"{each.stem}.*")))
 
 
-def _numbered(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Iterator[Path]:
-    stem = _stem(context, obj, kind)
-    return (Path(f"{stem}_{number:03d}.pc2") for number in itertools.count(1))
-
-
-def _exists(path: Path) -> bool:
-    return path.exists() or path.with_suffix(".csv").exists()
-
-
-def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
-    """Return folder and prefix of the names: the folder of the scene, else that of the .blend, else the preferred one.
+def _stem(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
+    """Return folder and prefix of the names: the folder of the scene, else that of the .blend, else a user folder.
 
     Raises:
         DimpleError: the folder cannot be created.
@@ -75,10 +59,8 @@ def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
     elif bpy.data.filepath:
         folder = Path(bpy.data.filepath).parent
     else:
-        settings = bpy.context.preferences.addons.get(PACKAGE)
-        chosen = settings.preferences.cache_dir if settings else ""
         # not the extension's own folder: Blender deletes that with the extension, but scenes still play these files
-        folder = Path(bpy.path.abspath(chosen) if chosen else bpy.utils.user_resource("DATAFILES", path="dimple"))
+        folder = Path(bpy.utils.user_resource("DATAFILES", path="dimple"))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -86,7 +68,7 @@ def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
             "Cannot make the cache folder {folder}: {error}. Choose another.", folder=folder, error=error.strerror
         ) from error
     stem = Path(bpy.data.filepath).stem or "untitled"
-    return folder / f"{_shortened(stem, stem)}_{file_name(obj.name)}_{kind}"
+    return folder / f"{_shortened(stem, stem)}_{file_name(obj.name)}_bake"
 
 
 def file_name(name: str) -> str:
@@ -143,8 +125,7 @@ def attach_cache(
 ) -> bpy.types.Modifier:
     """Make an object play a PC2 file of offsets, after all its modifiers and in place of an earlier bake.
 
-    If a render has other vertices than the viewport, a second file beside the first one serves it. If the scene asks
-    for curves, they are drawn from the table beside the file.
+    If a render has other vertices than the viewport, a second file beside the first one serves it.
 
     Args:
         cuts: number of subdivisions of its final mesh.
@@ -153,7 +134,6 @@ def attach_cache(
         OSError: the file is missing, or the second one cannot be written.
     """
     detach_cache(obj)
-    add_curves(obj, Path(path))
     return play(context, obj, Path(path), start_frame, cuts)
 
 
@@ -175,16 +155,8 @@ def play(
     return offset.add(obj, CACHE, BAKED_PRESS, [each for each, _ in shown])
 
 
-def add_curves(obj: bpy.types.Object, cache: Path) -> None:
-    """Give an object the curves of the table beside a PC2 file, if the scene asks for curves."""
-    if bpy.context.scene.dimple.use_curves:
-        with contextlib.suppress(OSError):  # a recording whose table could not be written still plays
-            keyframes.add_press(obj, cache.with_suffix(".csv"))
-
-
 def detach_cache(obj: bpy.types.Object) -> int:
-    """Remove the modifiers that play a bake, and its curves, from an object; return the number of modifiers."""
-    keyframes.remove_press(obj)
+    """Remove the modifiers that play a bake from an object; return their number."""
     return offset.remove(obj, BAKED_PRESS)
 
 

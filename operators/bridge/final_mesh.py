@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...core.base import DimpleError
-from ..names import BAKED_KEY, CACHES_OFF, PRESS, REST
+from ..names import CACHES_OFF, PRESS, REST
 from . import offset
 from .modifiers import is_cache
 from .object_link import find, get_points, scale_of_body
@@ -34,24 +34,6 @@ class Final(NamedTuple):
     triangles: np.ndarray  # (t, 3)
     slots: np.ndarray  # (t,) material slot of each triangle
     cuts: int  # number of subdivisions
-
-
-@contextmanager
-def unbaked(body: bpy.types.Object) -> Iterator[None]:
-    """Mute the shape keys of an earlier bake within the context."""
-    keys = body.data.shape_keys.key_blocks if body.data.shape_keys else ()
-    names = [key.name for key in keys if key.name.startswith(BAKED_KEY) and not key.mute]
-    for key in names:
-        keys[key].mute = True
-    uid, name = body.session_uid, body.name
-    try:
-        yield
-    finally:
-        there = find(uid, name) if names else None
-        keys = there.data.shape_keys.key_blocks if there and there.data.shape_keys else {}
-        for key in names:
-            if key in keys:
-                keys[key].mute = False
 
 
 @contextmanager
@@ -109,19 +91,15 @@ def detach(body: bpy.types.Object) -> None:
             body.modifiers[name].show_viewport = True
 
 
-def read(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = True, cuts: int | None = None) -> Final:
+def read(context: bpy.types.Context, body: bpy.types.Object, *, cuts: int | None = None) -> Final:
     """Return the final mesh of an object at rest now; change nothing.
 
     Args:
-        baked: include the shape keys of an earlier bake.
         cuts: number of subdivisions; None: as many as the fingertip needs.
 
     Raises:
         DimpleError: the object has no faces, or is not in the view layer.
     """
-    if not baked:
-        with unbaked(body):
-            return read(context, body, cuts=cuts)
     if body.name not in context.view_layer.objects:
         raise DimpleError(
             '"{name}" is not in this view layer, so it has no shape now. Put it there first.', name=body.name

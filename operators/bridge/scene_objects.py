@@ -37,13 +37,11 @@ def reading_body(
     context: bpy.types.Context,
     body: bpy.types.Object,
     *,
-    baked: bool = True,
     cuts: int | None = None,
 ) -> Parts:
     """Read a mesh object with its materials and settings into a link and a model, in parts; change nothing.
 
     Args:
-        baked: include the shape keys of an earlier bake in the shape at rest.
         cuts: number of subdivisions of its final mesh; None: as many as the fingertip needs.
 
     Raises:
@@ -52,7 +50,7 @@ def reading_body(
     check(body)
     context.view_layer.update()
     matrix = np.array(body.matrix_world)
-    rest, triangles, slots, cuts = final_mesh.read(context, body, baked=baked, cuts=cuts)
+    rest, triangles, slots, cuts = final_mesh.read(context, body, cuts=cuts)
     scale = scale_of_body(context.scene, body, rest, matrix)
     if np.linalg.det(matrix[:3, :3]) < 0:  # mirrored: make the triangles face outward again
         triangles = triangles[:, ::-1]

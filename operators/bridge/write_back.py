@@ -1,4 +1,4 @@
-"""Write to Blender's objects: kept presses, shape keys and painted weights.
+"""Write to Blender's objects: kept presses and painted weights.
 
 A press is shown by a modifier (`offset`): nothing here changes a mesh while a body is live.
 """
@@ -27,11 +27,6 @@ def rescue(live: Collection[int]) -> None:
     offset.sweep_data()
 
 
-def is_shared(mesh: bpy.types.Mesh) -> bool:
-    """Return whether several objects use a mesh."""
-    return mesh.users - mesh.use_fake_user > 1
-
-
 def is_intact(body: bpy.types.Object, link: ObjectLink) -> bool:
     """Return whether an object still has the mesh that was read, and nobody edits its shape."""
     mesh = body.data
@@ -55,19 +50,6 @@ def remember(what: str) -> None:
     """Push an undo step, if Blender can."""
     if bpy.ops.ed.undo_push.poll():
         bpy.ops.ed.undo_push(message=what)
-
-
-def add_key(body: bpy.types.Object, name: str, offsets: Singles) -> bpy.types.ShapeKey:
-    """Add a shape key that moves the vertices by offsets (N, 3) at a value of 1, and a basis before the first key."""
-    active = body.active_shape_key_index
-    if not body.data.shape_keys:
-        body.shape_key_add(name="Basis", from_mix=False)
-    key = body.shape_key_add(name=name, from_mix=False)
-    reference = body.data.shape_keys.reference_key
-    key.value, key.relative_key = 0.0, reference
-    body.active_shape_key_index = active
-    key.points.foreach_set("co", (get_points(reference.points, len(offsets), "co") + offsets).ravel())
-    return key
 
 
 def paint(body: bpy.types.Object, group: str, weights: Singles) -> None:

@@ -80,7 +80,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
             raise DimpleError("Say where the file goes: give it a path.")
         sessions.stop_all()
         body = context.object
-        link, model = scene_objects.read_body(context, body, baked=False)
+        link, model = scene_objects.read_body(context, body)
         if model.free and model.ground is None:
             raise DimpleError(
                 '"{name}" is held by nothing, so the tip would push it away. Pin its base.', name=body.name

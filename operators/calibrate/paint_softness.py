@@ -40,7 +40,7 @@ class DIMPLE_OT_softness_from_pokes(polls.Declared, bpy.types.Operator):
         body = context.object
         sessions.stop(body.session_uid)
         pokes = read_pokes(self.filepath)
-        link, model = scene_objects.read_body(context, body, baked=False)
+        link, model = scene_objects.read_body(context, body)
         found = map_pokes(model.mesh, model.materials[0], pokes)
         own = model.mesh.source[scene_objects.nearest_final(link)]
         write_back.paint(body, GROUP, found.weights[own])

@@ -231,9 +231,8 @@ def _simulated(
 ) -> Generator[float, None, dict[bpy.types.Object, Clip]]:
     """Simulate objects that play nothing, and return the clips that they are to play."""
     bake = bake_frames.BakePlan(  # a bake needs two frames
-        objects=missing, first=plan.first, last=max(plan.last, plan.first + 1), target="FILES",
-        folder=folder / "simulated",
-    )  # fmt: skip
+        objects=missing, first=plan.first, last=max(plan.last, plan.first + 1), folder=folder / "simulated"
+    )
     bodies = yield from as_share(bake_frames.simulate(context, bake, messages), 0.0, SIMULATED)
     return {
         body.obj: Clip(

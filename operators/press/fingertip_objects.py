@@ -25,9 +25,10 @@ def body_of(obj: bpy.types.Object | None, scene: bpy.types.Scene) -> bpy.types.O
     return body if body and body.name in scene.objects else None
 
 
-def leave_poke() -> list[str]:
-    """End a running poke, which would take the mouse and keys away from animating; return sentences for the artist."""
-    return sessions.stop_all() if any(run.kind == "poke" for run in modal_runs.runs) else []
+def leave_poke() -> None:
+    """End a running poke, which would take the mouse and keys away from animating."""
+    if any(run.kind == "poke" for run in modal_runs.runs):
+        sessions.stop_all()
 
 
 def make(

@@ -13,10 +13,10 @@ import bpy
 from ...core.background_work import Parts, at_once, beside
 from ...core.base import DimpleError
 from ...core.messages import about, in_a_row
-from ..bridge import body_model, final_mesh, scene_objects, timeline
+from ..bridge import body_model, scene_objects, timeline
 from ..bridge.body_model import settings_of
 from ..names import PAINTING
-from . import object_plan, sessions
+from . import object_plan
 
 if TYPE_CHECKING:
     from ...core.body.model import Model
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 PAINTED_S = 0.2  # [s] simulated time between two readings of weights that are being painted
 LARGE = 12_000  # number of vertices above which a frame does not wait for a change
 WAIT_S = 0.008  # [s] time that a frame waits for the change of a smaller body, to show it in that frame or soon after
-UNTOUCHED_S = 1.0  # [s] simulated time after the last change at which a body that nothing presses is planned again
 
 
 def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
@@ -36,13 +35,10 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
     A change that cannot be simulated is refused: the body keeps its old settings, and `refused` says why.
     """
     if body.change is None:
-        now, around = settings_of(context.scene, obj), object_plan.around(context.scene, obj)
-        body.around = body.around or around
-        if around != body.around and body.changed_at is None:
-            body.changed_at = body.frame.time
+        now = settings_of(context.scene, obj)
         painting = obj.mode == PAINTING and body.frame.time >= body.painted_at + PAINTED_S
         if now == body.seen and not painting:
-            return _plan_when_due(context, obj, body)
+            return []
         body.painted_at = body.frame.time
         refused_before, body.seen, body.refused = body.refused, now, ""
         if now == body.settings and not painting:
@@ -84,7 +80,7 @@ def _changing(
         body.refused = in_a_row([str(error), "Until then the body keeps its old settings."])
         return [] if refused_before else [body.refused]
     gone = any(had and not has for had, has in zip(body.settings.materials, now.materials, strict=False))
-    body.settings, body.changed_at = now, body.frame.time
+    body.settings = now
     return [about(body.name, "a material is gone: the constants of a new one act in its place.")] if gone else []
 
 
@@ -123,25 +119,4 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
             return proxy if now else None  # contact may have dropped the proxy meanwhile
         except DimpleError:  # the proxy does not fit the new pins or laws: plan again
             pass
-    return at_once(object_plan.planning_for(bpy.context.scene, body.obj, model))
-
-
-def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
-    """Choose between mesh and proxy again after tuning, once nothing presses, because making a proxy takes a while."""
-    if body.changed_at is None or body.frame.time < body.changed_at + UNTOUCHED_S:
-        return []
-    session = body.session
-    touches = any(body.link.uid in each.uids and each.world.meeting.touching for each in sessions.worlds)
-    if body.recording or body.refused or touches or any(session.fingers):
-        return []
-    before, body.changed_at, body.around = body.around, None, object_plan.around(context.scene, obj)
-    finer = before and body.around[0] < before[0]
-    coarse = finer and final_mesh.cuts_of(context, obj, final_mesh.evaluated(context, obj))
-    try:
-        proxy = at_once(object_plan.planning_for(context.scene, obj, session.model))
-        if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
-            session.change(session.model, proxy=proxy)
-    except DimpleError as error:
-        return [str(error)]
-    cut = "The mesh is coarse for this fingertip: it is subdivided further when the body is started again."
-    return [cut] if coarse else []
+    return (yield from object_plan.planning_for(bpy.context.scene, body.obj, model))

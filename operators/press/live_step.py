@@ -16,7 +16,7 @@ from ...core.messages import about, in_a_row
 from ...core.session import Finger
 from ...core.session.clock import step_all
 from ..bridge import cache_files, scene_objects, sizing, timeline
-from ..messages import Note, gathered
+from ..messages import gathered
 from . import (
     colliders,
     fingertip_objects,
@@ -128,11 +128,8 @@ def advance(
     for world in sessions.worlds:
         props.show(world)
     for uid, body in list(sessions.sessions.items()):
-        messages += _trying(uid, finish, body) if shown else []
+        messages += _trying(uid, finish, body, shown)
         last_press.note(context, body)
-        if body.frame.note:
-            sessions.disarm()  # the body jumped back to rest, possibly onto a fingertip of the device
-            messages.append(about(body.name, body.frame.note))
     slowest = min((body.lead for body in sessions.sessions.values()), default=0.0)
     for body in sessions.sessions.values():
         body.done, body.lead = body.lead, body.lead - slowest  # the others wait for the slowest: all share one clock
@@ -153,7 +150,8 @@ def _trying(uid: int, do: Callable[..., list[str]], *arguments: Any) -> list[str
     try:
         return do(*arguments)
     except DimpleError as error:
-        return [str(error), *sessions.stop(uid)]
+        sessions.stop(uid)
+        return [str(error)]
 
 
 def _meet(context: bpy.types.Context) -> list[str]:
@@ -171,7 +169,9 @@ def _meet(context: bpy.types.Context) -> list[str]:
         for world in sessions.worlds:
             colliders.lead_colliders(context, world)
     except DimpleError as error:
-        return [str(error), *(each for uid in list(sessions.sessions) for each in sessions.stop(uid))]
+        for uid in list(sessions.sessions):
+            sessions.stop(uid)
+        return [str(error)]
     return []
 
 
@@ -191,7 +191,9 @@ def _run(group: tuple[list[LiveBody], World | None], dt: float, budget: float | 
         else:
             step_all([body.session for body in bodies], left, budget=budget)
     except DimpleError as error:
-        return [str(error), *(each for body in bodies for each in sessions.stop(body.link.uid))]
+        for body in bodies:
+            sessions.stop(body.link.uid)
+        return [str(error)]
     for body in bodies:
         body.lead += body.frame.steps * body.session.clock.tick
     return []
@@ -216,19 +218,15 @@ def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger
     return messages
 
 
-def finish(body: LiveBody) -> list[str]:
-    """Show and record the new state of a session; return sentences for the artist."""
-    frame = body.frame
-    messages: list[str] = []
+def finish(body: LiveBody, shown: bool = True) -> list[str]:
+    """Take the new state of a session, and show it; return a sentence for the artist if it was put back to rest."""
     body.fingers = merged(body.session.placed, ())
-    showing.show(body.obj, body)
-    if body.recorder:
-        try:
-            body.recorder.append(frame.time, body.offsets(), body.session)
-        except OSError as error:
-            ended = body.recorder.cut_short(body.name, error)
-            messages += [ended, *(each for each in sessions.end_recording(body) if not isinstance(each, Note))]
-    return messages
+    if shown:
+        showing.show(body.obj, body)
+    if not body.frame.note:
+        return []
+    sessions.disarm()  # the body jumped back to rest, possibly onto a fingertip of the device
+    return [about(body.name, body.frame.note)]
 
 
 def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:

@@ -1,10 +1,10 @@
 """Make Soft: give a mesh everything that it needs to be pressed, in one click, without changing the mesh itself."""
 
 import bpy
-from bpy.props import EnumProperty
 
 from ...core.errors import DimpleError
 from ...core.messages import Message, about, in_a_row
+from ..bridge.material_presets import apply, material_of
 from ..bridge.sizing import fit, settle_size
 from ..messages import gathered, report, say
 from ..names import Op
@@ -14,19 +14,7 @@ from .progress import LARGE
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # types other than meshes are converted
 TEXT_DEPTH = 0.15  # [size of the characters] half of the depth that flat text gets
 PIN = "Pin"  # name of the vertex group that pins a body unless another is chosen
-FIRST = "object_2_vinyl_air"  # number 0 of the list, and therefore its default
-Item = tuple[str, str, str, str, int]
-_items: list[Item] = []  # Blender does not keep the strings of a list that a function returns
-
-
-def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[Item]:
-    """Return the known objects, from soft to hard: identifier, name, source and number."""
-    from ...core.everyday_presets import OBJECTS
-
-    if not _items:
-        numbers = {name: i for i, name in enumerate([FIRST, *(each.name for each in OBJECTS if each.name != FIRST)])}
-        _items.extend((each.name, each.label, each.provenance, "NONE", numbers[each.name]) for each in OBJECTS)
-    return _items
+PRESET = "stress_ball"  # of a mesh whose material nobody has chosen: its dent is narrow and smooth, so it is seen
 
 
 class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
@@ -35,12 +23,6 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
     bl_idname = Op.MAKE_SOFT
     bl_label = "Make Soft"
     bl_options = {"REGISTER", "UNDO"}
-
-    preset: EnumProperty(
-        name="Material",
-        description="Material for the meshes. Unless you choose one, only meshes without a material get it",
-        items=presets, default=0, options={"SKIP_SAVE"},  # a remembered value would count as chosen
-    )  # fmt: skip
 
     needs = (
         polls.in_object_mode,
@@ -58,8 +40,7 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
                 if obj.type != "MESH":
                     obj, sentence = convert(context, obj)
                     done.append(sentence)
-                chosen = self.properties.is_property_set("preset")
-                sentence, notes = make_soft(context, obj, self.preset, chosen=chosen)
+                sentence, notes = make_soft(context, obj)
                 soft.append(sentence)
                 noted += notes
             except DimpleError as error:
@@ -73,17 +54,15 @@ class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
         say(self, {"INFO"}, *done, *soft)
 
 
-def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, chosen: bool) -> tuple[str, list[str]]:
+def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, list[str]]:
     """Make a mesh a soft body; return a sentence on the result, and notes on the mesh.
 
     A large mesh is prepared at its first press, with the progress shown.
 
-    Args:
-        chosen: apply the preset even if the mesh has a material.
-
     Raises:
         DimpleError: the mesh cannot be pressed; only its material and settings may have been set.
     """
+    from ...core.everyday_presets import OBJECTS
     from ..bridge import scene_objects
     from .object_body import ObjectBody
 
@@ -91,11 +70,9 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *,
     scene_objects.check_writable(obj)
     if sessions.get(obj):
         raise DimpleError('"{name}" is being pressed already.', name=obj.name)
-    if chosen and obj.active_material and obj.active_material.library:
-        raise DimpleError('The material of "{name}" is linked from another file. Make it local first.', name=obj.name)
-    if chosen or obj.active_material is None:
-        with context.temp_override(object=obj, active_object=obj):
-            bpy.ops.dimple.apply_preset(preset=preset)
+    if obj.active_material is None or not obj.active_material.dimple.is_chosen():
+        preset = next(each for each in OBJECTS if each.name == PRESET)
+        apply(material_of(obj, preset.label).dimple, preset)
     settle_size(context.scene, obj)
     fit(context.scene, obj)
     if not obj.dimple.pin_group and PIN in obj.vertex_groups:

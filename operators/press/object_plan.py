@@ -12,6 +12,7 @@ from ...core.base import DimpleError
 from ...core.constants import MAX_FINGERTIPS
 from ...core.messages import about, in_a_row, kept
 from ...core.reduction.proxy_rule import Plan, plan, plan_full_mesh, plan_proxy
+from ..bridge.object_link import find
 from . import colliders
 
 if TYPE_CHECKING:
@@ -30,15 +31,16 @@ def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) ->
     Raises:
         DimpleError: the object cannot be simulated as chosen.
     """
-    settings = obj.dimple
+    uid, name, settings = obj.session_uid, obj.name, obj.dimple.to_plan()
     try:
         chosen = yield 0.6, partial(choosing(scene, obj), model)
     except DimpleError as error:
         way_out = ""
-        if settings.simulated == "PROXY" and not settings.self_contact:
+        if settings["simulated"] == "proxy" and not settings["self_contact"]:
             way_out = "Choose another number, or Automatic, in Physics > Dimple."
-        raise DimpleError(about(obj.name, in_a_row([str(error), way_out]))) from error
-    settings.plan_reason = kept(chosen.reason)
+        raise DimpleError(about(name, in_a_row([str(error), way_out]))) from error
+    if now := find(uid, name):  # an undo meanwhile may have replaced the object
+        now.dimple.plan_reason = kept(chosen.reason)
     return chosen.proxy
 
 

@@ -116,7 +116,7 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
     def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Step by the clock, or along the timeline while it plays; pass all events but Esc on to Blender."""
         if event.type == "ESC" and event.value == "PRESS":
-            report(self, sessions.stop_all())
+            sessions.stop_all()
             return {"CANCELLED"}
         return self._tick(context) if event.type == "TIMER" else {"PASS_THROUGH"}
 
@@ -172,4 +172,4 @@ class DIMPLE_OT_reset(polls.Declared, bpy.types.Operator):
     needs = (polls.need(lambda _: sessions.sessions or modal_runs.runs, "Nothing is being pressed"),)
 
     def run(self, _context: bpy.types.Context) -> None:
-        report(self, sessions.stop_all())
+        sessions.stop_all()

@@ -54,7 +54,6 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         max=3,
     )  # fmt: skip
     keep: BoolProperty(name="Keep", description="Keep the dent at the end instead of putting the rest shape back")
-    record: BoolProperty(name="Record", description="Record the press and let the object play it")
 
     needs = (
         polls.in_object_mode,
@@ -127,7 +126,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         tip = poke_input.fingertip_under(context, view)
         if tip is None:
             return False
-        report(self, fingertip_objects.leave_poke())
+        fingertip_objects.leave_poke()
         fingertip_objects.select(context, tip)
         write_back.remember("Select")
         return True
@@ -163,7 +162,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
             context.scene.dimple.active_finger = self._state.active + 1
             self._tool["active"] = self._state.active
         if event.kind in (Kind.KEEP, Kind.LEAVE):
-            report(self, sessions.stop_all(restore=event.kind is Kind.LEAVE))
+            sessions.stop_all(restore=event.kind is Kind.LEAVE)
             return {"FINISHED"} if event.kind is Kind.KEEP else {"CANCELLED"}
         return {"RUNNING_MODAL"}
 
@@ -227,7 +226,6 @@ def settings_of(scene: bpy.types.Scene) -> dict[str, float]:
         "depth": stored.press_depth_mm / 1e3,
         "force": stored.press_force_n,
         "by_force": stored.press_by == "FORCE",
-        "along_normal": stored.poke_along == "NORMAL",
         "active": stored.active_finger - 1,
     }
 

@@ -16,7 +16,7 @@ from ...core.poke import Hit, Kind, PokeEvent, PokeState, fingers, on_event
 from ...core.vectors import Vector, along
 from ..bridge import scene_objects, timeline
 from ..messages import report, say
-from . import live_step, poke_input, polls, record, sessions
+from . import live_step, poke_input, polls, sessions
 from .object_body import ObjectBody
 
 FORCE_N = 5.0  # [N] force of the press if none is given
@@ -24,7 +24,7 @@ DOWN: Vector = (0.0, 0.0, -1.0)
 
 
 def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> None:
-    """Press, hold and release by the operator's properties; show every frame, and record it if asked to."""
+    """Press, hold and release by the operator's properties; show every frame."""
     polls.check_numbers(
         operator, "location", "direction", "radius_mm", "depth_mm", "force_n", "press_s", "hold_s", "release_s"
     )
@@ -37,10 +37,8 @@ def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> None
         _, messages, wrong = live_step.start_all(context)
         place = operator.location if operator.properties.is_property_set("location") else None
         state = pressed(sessions.sessions, state, place, operator.direction)
-        if operator.record:
-            record.begin(context)
         deepest, strongest = run(context, state, operator.hold_s, messages)
-        messages += sessions.stop_all(restore=not operator.keep)
+        sessions.stop_all(restore=not operator.keep)
     report(operator, [*wrong, *messages])
     say(operator, {"INFO"}, Message(
         "Pressed {deepest:.1f} mm deep with up to {strongest:.2f} N", deepest=deepest * 1e3, strongest=strongest

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ...core.errors import DimpleError
-from ..messages import LOG, Note
+from ..messages import LOG
 from .modal_runs import close_run, runs
 from .object_body import ObjectBody
 
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
     from ..bridge.body_model import Settings
     from ..bridge.scene_objects import Singles
     from .colliders import LiveWorld
-    from .recorder import Recorder
 
 
 def _hand() -> Hand:
@@ -42,9 +40,6 @@ class LiveBody(ObjectBody):
     hand: Hand = field(default_factory=_hand)  # recorder of the press by hand
     refused: str = ""  # why the last change of settings was refused, or ""
     change: Generator[float, None, list[str]] | None = None  # change of settings that is under way in a thread
-    changed_at: float | None = None  # simulated time of the last change that has not been planned for yet, or None [s]
-    # what it was planned for besides its settings, see `object_plan.around`; None before its first step
-    around: tuple[float, float] | None = None
     painted_at: float = 0.0  # simulated time at which painted weights were last read [s]
     fingers: tuple[Finger | None, ...] = (None, None, None)  # the fingertips to be drawn, in the session's space
     poked: frozenset[int] = frozenset()  # indices of the poke's fingertips
@@ -52,8 +47,6 @@ class LiveBody(ObjectBody):
     held: dict[int, Finger] = field(default_factory=dict)
     lead: float = 0.0  # simulated time by which it is ahead of the slowest session [s]
     done: float = 0.0  # simulated time done in the last step, the previous lead included [s]
-    recorder: Recorder | None = None  # recorder while a recording is under way
-    take: tuple[str, int] | None = None  # path and first frame of the last recording
     shown: Singles | None = None  # the offsets that its object shows, None if unknown
     objects: int = 0  # number of objects in the file at the last search for duplicates
 
@@ -61,11 +54,6 @@ class LiveBody(ObjectBody):
     def running(self) -> bool:
         """Return whether simulated time runs."""
         return any(not run.paused for run in runs)
-
-    @property
-    def recording(self) -> bool:
-        """Return whether frames are being recorded."""
-        return self.recorder is not None
 
 
 sessions: dict[int, LiveBody] = {}
@@ -128,21 +116,18 @@ def set_worlds(now: Sequence[LiveWorld]) -> None:
     worlds[:] = now
 
 
-def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
+def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> None:
     """End a session, and restore the rest shape or keep the shape that is shown.
 
     Args:
         restore: restore the rest shape.
-        undoing: Blender is undoing a step: push no undo step.
-
-    Returns:
-        Sentences for the artist on a recording.
+        undoing: Blender is undoing a step, which has put the props where they belong.
     """
     body = sessions.pop(uid, None)
     if body is None:
-        return []
+        return
     set_worlds(())  # the next step rebuilds them from the remaining sessions
-    from ..bridge import cache_files, final_mesh, scene_objects, write_back
+    from ..bridge import final_mesh, scene_objects, write_back
     from . import props
 
     if not sessions and restore and not undoing:
@@ -155,45 +140,15 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     if obj:
         final_mesh.detach(obj)
     write_back.rescue(sessions)
-    messages = end_recording(body)  # last, so that a disk error cannot leave the mesh pressed
-    if obj and body.take:
-        try:
-            with cache_files.plain_os_errors("Recording"):
-                cache_files.attach_cache(bpy.context, obj, *body.take, body.link.cuts)
-        except DimpleError as error:
-            messages.append(str(error))
-        if not undoing:
-            write_back.remember("Record")  # else undoing an earlier step would remove the recording too
-    return messages
 
 
-def end_recording(body: LiveBody) -> list[str]:
-    """End the recording of a body, if one is under way; the object plays it once its session has ended.
-
-    Returns:
-        Sentences for the artist: what was recorded, or what went wrong.
-    """
-    if body.recorder is None:
-        return []
-    recorder, body.recorder = body.recorder, None
-    body.take = recorder.take
-    try:
-        recorder.close()
-    except OSError as error:
-        return [recorder.cut_short(body.name, error)]
-    return [Note(recorder.summary(body.name, bpy.context.scene.frame_end))]
-
-
-def stop_all(*, restore: bool = True) -> list[str]:
-    """Disarm the haptic device, then end all sessions and the operators that drive them.
-
-    Returns:
-        Sentences for the artist.
-    """
+def stop_all(*, restore: bool = True) -> None:
+    """Disarm the haptic device, then end all sessions and the operators that drive them."""
     disarm()
     for run in list(runs):
         close_run(run)
-    return [sentence for uid in list(sessions) for sentence in stop(uid, restore=restore)]
+    for uid in list(sessions):
+        stop(uid, restore=restore)
 
 
 def disarm() -> None:

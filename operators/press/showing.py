@@ -25,12 +25,13 @@ def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
     for uid, body in list(sessions.sessions.items()):
         obj = scene_objects.find(uid, body.name)
         if obj is None or (view_layer and obj.name not in view_layer.objects):
-            messages += [Message('"{name}" is gone, so its session has ended.', name=body.name), *sessions.stop(uid)]
+            messages.append(Message('"{name}" is gone, so its session has ended.', name=body.name))
+            sessions.stop(uid)
         elif not write_back.is_intact(obj, body.link):
-            words = Message(
+            messages.append(Message(
                 '"{name}" was edited while it was pressed, so its session has ended. The edit is kept.', name=obj.name
-            )
-            messages += [words, *sessions.stop(uid)]
+            ))  # fmt: skip
+            sessions.stop(uid)
     _rest_duplicates()
     return messages
 

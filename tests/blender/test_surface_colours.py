@@ -72,7 +72,7 @@ def test_the_surface_is_drawn_in_the_colours_of_the_scale(
     bpy: ModuleType, colours: ModuleType, halves: Any  # noqa: F811
 ) -> None:
     entry = pressed(bpy)
-    for name in ("pressure", "depth", "stretch", "slope", "knee", "spread"):
+    for name in ("pressure", "depth", "stretch"):
         seen_in_colours(bpy, colours, halves, entry, name)
     before = colours.made(halves.session_uid, entry, name)
     entry.session.step(0.05)
@@ -130,16 +130,14 @@ def test_where_overlays_are_off_nothing_is_coloured_and_nothing_computed(
     bpy: ModuleType, colours: ModuleType, halves: Any, monkeypatch: pytest.MonkeyPatch  # noqa: F811
 ) -> None:
     drawn: list[str] = []
-    for name in ("made", "draw_coloured", "draw_rest", "draw_scale"):
+    for name in ("made", "draw_coloured", "draw_scale"):
         monkeypatch.setattr(colours, name, lambda *_, name=name: drawn.append(name))
     context = viewport(bpy, region=region("WINDOW", 0, 0, 1280, 800), region_data=None)
     monkeypatch.setattr(colours, "bpy", SimpleNamespace(context=context))
     monkeypatch.setattr(colours, "scale_of", lambda *_: (0.0, 1.0))
-    settings = bpy.context.scene.dimple
-    settings.show_field, settings.show_rest = "DEPTH", True
+    bpy.context.scene.dimple.show_field = "DEPTH"
     colours._scales["depth"] = 1.0
-    monkeypatch.setattr(colours, "draw_scale", lambda *_: drawn.append("draw_scale") or 600.0)
-    for shown, expected in ((False, []), (True, ["made", "draw_coloured", "draw_rest", "draw_scale"])):
+    for shown, expected in ((False, []), (True, ["made", "draw_coloured", "draw_scale"])):
         context.space_data.overlay.show_overlays = shown
         colours.draw_surfaces()
         colours.draw_scales()

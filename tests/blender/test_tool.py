@@ -38,7 +38,7 @@ def test_the_header_of_the_tool_has_depth_or_force(bpy: ModuleType, empty_file: 
     for by, shown, hidden in (("DEPTH", depth, force), ("FORCE", force, depth)):
         bpy.context.scene.dimple.press_by = by
         names = drawn(DIMPLE_WT_poke.draw_settings, bpy.context, "layout", None)
-        assert {"press_by", shown, "finger_radius_mm", "dimple.record"} <= set(names) and hidden not in names
+        assert {"press_by", shown, "finger_radius_mm", "dimple.key_press"} <= set(names) and hidden not in names
 
 
 def test_the_keys_that_size_the_fingertip_lead_to_settings_there_are(bpy: ModuleType, empty_file: ModuleType) -> None:
@@ -79,14 +79,6 @@ def test_the_circle_under_the_mouse_is_as_large_as_the_fingertip_and_lies_on_the
     assert not tool.circle(bpy.context, poke_input.View(None, look, (30, 40))), "a click would select it"
     cube.dimple.enabled = True
     assert tool.circle(bpy.context, poke_input.View(None, look, (30, 40)))
-
-
-def test_a_press_is_given_in_grams_as_well_as_in_newtons(bpy: ModuleType, empty_file: ModuleType) -> None:
-    settings = bpy.context.scene.dimple
-    settings.press_force_n = 9.80665
-    assert settings.press_force_g == pytest.approx(1000)
-    settings.press_force_g = 500
-    assert settings.press_force_n == pytest.approx(4.903325)
 
 
 def test_the_object_menu_has_the_verbs_where_the_search_finds_them(bpy: ModuleType) -> None:

@@ -183,7 +183,7 @@ def test_why_a_button_is_grey_is_looked_up_when_it_is_shown(
     from bl_ext.user_default.dimple.operators.press import polls
 
     monkeypatch.setattr(polls, "tip_", lambda text: f"<{text}>")
-    for verb in ("measure", "record", "reset", "arm_device"):
+    for verb in ("measure", "reset", "arm_device"):
         with pytest.raises(RuntimeError, match=r"poll\(\) <.+>"):
             getattr(bpy.ops.dimple, verb)()
 

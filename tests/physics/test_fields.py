@@ -5,7 +5,6 @@ import pytest
 
 from core import fields
 from core.base import Floats
-from core.body.estimate import spread_on
 from core.body.model import Model, build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
@@ -59,24 +58,6 @@ def test_a_body_that_is_blown_up_by_a_tenth_is_stretched_by_a_tenth() -> None:
     np.testing.assert_allclose(fields.field(session, "stretch"), 10.0, rtol=1e-6)
 
 
-def test_what_is_painted_is_shown_in_the_units_of_the_material() -> None:
-    points = ball(3, RADIUS)[0]
-    high = (points[:, 2] > 0).astype(float)
-    session = Session(body(softness=high, knee=0.5 * high, spread=0.5 + 0.5 * high))
-    up = session.model.mesh.rest_positions[:, 2] > 1e-9
-    np.testing.assert_allclose(fields.field(session, "slope"), np.where(up, 0.61 / 4, 0.61 * 4))
-    np.testing.assert_allclose(fields.field(session, "knee"), np.where(up, 16.3, 16.3 * 0.05))
-    spread = 1e3 * spread_on(VINYL, 2 * RADIUS)
-    np.testing.assert_allclose(fields.field(session, "spread"), np.where(up, 2 * spread, spread), rtol=1e-3)
-
-
-def test_where_nothing_is_painted_the_material_is_shown_as_measured() -> None:
-    session = Session(body())
-    spread = 1e3 * spread_on(VINYL, 2 * RADIUS)
-    for name, value in (("slope", 0.61), ("knee", 16.3), ("spread", spread)):
-        np.testing.assert_allclose(fields.field(session, name), value, rtol=1e-3)
-
-
 def test_a_proxy_shows_about_the_pressure_of_its_mesh() -> None:
     mesh = mesh_from_triangles(*ball(4, RADIUS))
     model = build_model(mesh, [VINYL], pinned=base_vertices(mesh))
@@ -85,15 +66,6 @@ def test_a_proxy_shows_about_the_pressure_of_its_mesh() -> None:
     assert len(pressure) == len(mesh.rest_positions)
     whole = (fields.pressure(pushed(model)) * mesh.vertex_areas).sum()
     assert (pressure * mesh.vertex_areas).sum() == pytest.approx(whole, rel=0.25)
-
-
-def test_a_profile_is_as_deep_as_the_dent_and_flat_far_from_it() -> None:
-    session = pushed(body())
-    distance, depth = fields.profile(session, 0)
-    assert (np.diff(distance) >= 0).all() and distance[0] < -0.05 and distance[-1] > 0.05
-    assert 0.8 < depth.max() / session.frame.depths[0] < 1.02
-    assert abs(distance[depth.argmax()]) < 0.3 * TIP
-    assert np.abs(depth[np.abs(distance) > 0.07]).max() < 0.1 * depth.max()
 
 
 @pytest.mark.parametrize("vertices", [0, 300])

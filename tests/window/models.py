@@ -36,7 +36,7 @@ def suzanne() -> tuple[float, float, float]:
     head = _fresh(bpy.ops.mesh.primitive_monkey_add)
     head.rotation_euler.z = 0.6
     _subdivide(head, 2, 2)
-    return 0.35, -0.5, 0.55
+    return 0.3, -0.45, 0.75
 
 
 def shell() -> tuple[float, float, float]:

@@ -258,38 +258,10 @@ def looks(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from leave(at)
 
 
-def record(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
-    """Record by the tool's header, with the sidebar closed: a sign is seen while it lasts, and its end is said."""
-    bpy.context.scene.dimple.press_force_n = GENTLE_N
-    yield from leave_resting(at)
-    robot.area().spaces.active.show_region_ui = False
-    yield from robot.redrawn()
-    before = robot.screenshot(out / "0-recording.png")
-    button = yield from clicking.button_in_header("bpy.ops.dimple.record(")
-    yield from robot.click(*button)
-    pressed = opening.body()
-    yield from robot.until(lambda: pressed.recorder is not None and pressed.recorder.frames > 2, "it records", 60)
-    yield from robot.redrawn()
-    pictures = before, robot.screenshot(out / "0-recording.png")
-    red = [int(((each[..., 0] > 150) & (each[..., 1:] < 100).all(axis=2))[300:, 60:360].sum()) for each in pictures]
-    check("a recording is seen with the sidebar closed", red[1] > red[0] + 20, f"{red[0]} and {red[1]} red pixels")
-    yield from robot.click(*button)
-    yield from robot.looks(10)
-    yield from leave(at)
-    yield from robot.redrawn()
-    robot.screenshot(out / "0-recorded.png")
-    reports = [each.message for each in bpy.context.window_manager.reports if each.message.startswith("Recorded")]
-    cube = bpy.data.objects["Cube"]
-    played = "Dimple" in cube.modifiers
-    check("its end is said", played and len(reports) == 1, "; ".join(reports))
-    bpy.ops.dimple.unbake()
-
-
 SCENES: dict[str, Scene] = {
     "making": by_hand,
     "tuning": press_and_undo,
     "brushing": brushing.brush,
-    "recording": record,
     "colors": seeing.colours,
     "knee": seeing.paint_knee,
     "twins": seeing.two_materials,

@@ -84,7 +84,7 @@ def killed(bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: P
     script = ENABLED + (
         "bpy.ops.wm.open_mainfile(filepath=sys.argv[1])\n"
         "new = part('animate.bake_frames').BakePlan\n"
-        "plan = new(objects=[bpy.data.objects['Ball']], first=1, last=12, target='MESH_CACHE')\n"
+        "plan = new(objects=[bpy.data.objects['Ball']], first=1, last=12)\n"
         "steps = part('animate.bake_frames').bake(bpy.context, plan, [])\n"
         "frames = (share for share in steps if share > part('press.progress').READY)\n"
         "[next(frames) for _ in range(5)]\n"

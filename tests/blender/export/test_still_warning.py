@@ -13,36 +13,28 @@ from tests.blender.test_panels import draw
 
 GLTF = {"bl_idname": "EXPORT_SCENE_OT_gltf", "use_selection": False}
 FBX = {"bl_idname": "EXPORT_SCENE_OT_fbx", "use_selection": False}
-OFF = {"bake_anim_use_nla_strips": False, "bake_anim_use_all_actions": False}
 
 
 @pytest.mark.parametrize(
-    ("target", "dialog", "warned"),
-    [
-        ("MESH_CACHE", GLTF, True),
-        ("MESH_CACHE", FBX | OFF, True),
-        ("SHAPE_KEYS", GLTF, False),
-        ("SHAPE_KEYS", FBX | OFF, False),
-        ("SHAPE_KEYS", FBX | OFF | {"bake_anim_use_nla_strips": True}, True),
-        ("MESH_CACHE", {"bl_idname": "WM_OT_alembic_export", "use_selection": False}, False),
-    ],
+    ("dialog", "warned"),
+    [(GLTF, True), (FBX, True), ({"bl_idname": "WM_OT_alembic_export", "use_selection": False}, False)],
 )
 def test_the_warning_is_shown_just_where_blender_writes_a_still(
-    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, target: str, dialog: dict, warned: bool
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, dialog: dict, warned: bool
 ) -> None:
     """What Blender writes is read back: the warning is no guess."""
     from bl_ext.user_default.dimple.addon.still_warning import stills
 
     pressed()
-    bpy.ops.dimple.bake(frame_start=1, frame_end=6, target=target)
+    bpy.ops.dimple.bake(frame_start=1, frame_end=6)
     scene.frame_start, scene.frame_end = 1, 6
     assert stills(bpy.context, SimpleNamespace(**dialog)) == (["Ball"] if warned else [])
-    path, options = str(tmp_path / "own"), {name: value for name, value in dialog.items() if name.startswith("bake")}
+    path = str(tmp_path / "own")
     if dialog["bl_idname"] == "EXPORT_SCENE_OT_gltf":
         bpy.ops.export_scene.gltf(filepath=path + ".glb")
         obj = imported(bpy, lambda: bpy.ops.import_scene.gltf(filepath=path + ".glb"))
     elif dialog["bl_idname"] == "EXPORT_SCENE_OT_fbx":
-        bpy.ops.export_scene.fbx(filepath=path + ".fbx", object_types={"MESH"}, **options)
+        bpy.ops.export_scene.fbx(filepath=path + ".fbx", object_types={"MESH"})
         obj = imported(bpy, lambda: bpy.ops.import_scene.fbx(filepath=path + ".fbx"))
     else:
         bpy.ops.wm.alembic_export(filepath=path + ".abc", as_background_job=False)

@@ -214,18 +214,6 @@ def test_edit_mode_is_refused_before_anything(bpy: ModuleType, add: Callable[...
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
-def test_absolute_shape_keys_are_pressed_and_refused_where_more_keys_would_come(
-    bpy: ModuleType, add: Callable[..., Any]
-) -> None:
-    obj = add()
-    obj.shape_key_add(name="Basis")
-    obj.data.shape_keys.use_relative = False
-    assert bpy.ops.dimple.poke(**QUICK) == {"FINISHED"}
-    with pytest.raises(RuntimeError, match="absolute shape keys"):
-        bpy.ops.dimple.bake(target="SHAPE_KEYS", frame_start=1, frame_end=3)
-    assert len(obj.data.shape_keys.key_blocks) == 1
-
-
 def test_a_bad_object_does_not_keep_a_good_one_from_being_pressed(
     bpy: ModuleType, add: Callable[..., Any], shown: Callable[[Any], Any]
 ) -> None:

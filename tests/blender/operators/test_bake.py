@@ -80,60 +80,6 @@ def test_a_second_bake_takes_the_place_of_the_first(bpy: ModuleType, scene: Any,
     assert files == ["untitled_Ball_bake_001.csv", "untitled_Ball_bake_001.pc2"], "though the file has no name"
 
 
-@pytest.mark.parametrize("step", [1, 3])
-def test_shape_keys_show_the_recorded_shapes(
-    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], shown: Shown, coordinates: Bits, step: int
-) -> None:
-    obj = pressed()
-    before = coordinates(obj)
-    bpy.ops.dimple.bake(frame_start=1, frame_end=11)
-    _, positions = cached(scene, obj)
-    bpy.ops.dimple.unbake()
-    scene.dimple.shape_key_step = step
-    assert bpy.ops.dimple.bake(target="SHAPE_KEYS", frame_start=1, frame_end=11) == {"FINISHED"}
-    assert not obj.modifiers
-    for frame in sorted({*range(1, 12, step), 11}):
-        scene.frame_set(frame)
-        assert np.abs(shown(obj) - positions[frame - 1]).max() < 1e-5
-    if step == 3:
-        scene.frame_set(5)
-        between = positions[3] * 2 / 3 + positions[6] / 3
-        assert np.abs(shown(obj) - between).max() < 1e-5
-    bpy.ops.dimple.unbake()
-    assert obj.data.shape_keys is None and coordinates(obj) == before
-    assert not [action for action in bpy.data.actions if action != scene.dimple.finger_1.animation_data.action]
-
-
-def test_shape_keys_of_the_artist_outlive_a_bake(
-    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], shown: Shown
-) -> None:
-    obj = pressed()
-    obj.shape_key_add(name="Basis")
-    key = obj.shape_key_add(name="Wide")
-    for i, vertex in enumerate(obj.data.vertices):
-        key.points[i].co = vertex.co * 1.2
-    for frame, value in ((6, 0.8), (1, 0.4)):
-        key.value = value
-        key.keyframe_insert("value", frame=frame)
-    scene.frame_set(1)
-    rest = shown(obj).copy()
-    bpy.ops.dimple.bake(frame_start=1, frame_end=6)
-    scene.frame_set(6)
-    pressed_then = shown(obj).copy()
-    scene.frame_set(1)
-    for _ in range(2):
-        bpy.ops.dimple.bake(target="SHAPE_KEYS", frame_start=1, frame_end=6)
-    assert [each.name for each in obj.data.shape_keys.key_blocks][:3] == ["Basis", "Wide", "Dimple Frame 0001"]
-    assert len(obj.data.shape_keys.key_blocks) == 8
-    scene.frame_set(6)
-    assert np.abs(shown(obj) - rest).max() > 0.02
-    assert np.abs(shown(obj) - pressed_then).max() < 1e-5, "on top of the artist's own animation"
-    bpy.ops.dimple.unbake()
-    scene.frame_set(1)
-    assert [each.name for each in obj.data.shape_keys.key_blocks] == ["Basis", "Wide"]
-    assert obj.data.shape_keys.animation_data.action and np.array_equal(shown(obj), rest)
-
-
 def test_a_press_is_the_same_at_every_frame_rate(bpy: ModuleType, scene: Any, pressed: Callable[..., Any]) -> None:
     dents, forces = {}, {}
     for fps in (24, 30, 60, 120):

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.blender.operators.test_bake import table
+
 Add = Callable[..., Any]
 FPS = 25  # a frame is two ticks of the hand
 M = 2 / 0.165  # scene units of a real metre of the ball
@@ -126,18 +128,17 @@ def shown_by_frame(bpy: ModuleType, poke: Any, obj: Any, shown: Any, seen: list[
         seen.append(shown(obj).copy())
 
 
-@pytest.mark.parametrize("by", ["depth", "force", "drag", "view"])
+@pytest.mark.parametrize("by", ["depth", "force", "drag"])
 def test_a_press_that_is_keyed_and_baked_moves_as_it_was_seen(
     bpy: ModuleType, scene: Any, soft: Any, hand: Any, sessions: Any, shown: Any, by: str
 ) -> None:
-    scene.dimple.poke_along = "VIEW" if by == "view" else "NORMAL"
     scene.dimple.press_by, scene.dimple.press_force_n = ("FORCE" if by == "force" else "DEPTH"), 6.0
     scene.frame_set(7)
     poke = hand("poke")
     poke.invoke()
     poke.ticks(4)
     seen = [shown(soft).copy()]
-    poke.send("LEFTMOUSE", at=(600, 500) if by == "view" else (520, 500))
+    poke.send("LEFTMOUSE", at=(520, 500))
     shown_by_frame(bpy, poke, soft, shown, seen, 20)
     if by == "drag":
         for x in range(522, 560, 4):
@@ -239,3 +240,12 @@ def test_keys_are_said_and_reach_beyond_the_scene_with_a_word(
     bpy.ops.dimple.key_press()
     said = capfd.readouterr().out
     assert 'The press on "Ball" is keyframed from frame 1 to ' in said and "beyond the scene's last frame 10" in said
+
+
+def test_a_press_from_a_script_is_keyed_and_baked_as_deep(bpy: ModuleType, scene: Any, soft: Any) -> None:
+    scene.frame_set(1)
+    bpy.ops.dimple.poke(depth_mm=10.0, press_s=0.1, hold_s=0.1, release_s=0.1)
+    assert bpy.ops.dimple.key_press() == {"FINISHED"} and scene.dimple.finger_1
+    assert bpy.ops.dimple.bake(frame_start=1, frame_end=10) == {"FINISHED"}
+    depths = [row["depth_1_mm"] for row in table(soft, scene)]
+    assert max(depths) == pytest.approx(10.0, abs=0.5) and depths[-1] == 0

@@ -222,48 +222,6 @@ def test_another_choice_of_what_is_simulated_is_taken_while_it_runs(bpy: ModuleT
     sessions.stop_all()
 
 
-def test_tuned_constants_are_planned_for_once_nothing_presses(
-    bpy: ModuleType, entry: Any, cube: Any, vinyl: Any
-) -> None:
-    cube.dimple.plan_reason = ""
-    vinyl.K1 = 0.7
-    step(bpy, 1.5)
-    step(bpy)
-    assert not cube.dimple.plan_reason, "not while a fingertip rests"
-    from bl_ext.user_default.dimple.operators.press import live_step
-
-    live_step.advance(bpy.context, FRAME_S)
-    live_step.advance(bpy.context, FRAME_S)
-    assert cube.dimple.plan_reason
-
-
-@pytest.mark.parametrize(("name", "value"), [("finger_radius_mm", 12.0), ("frame_budget_percent", 30.0)])
-def test_another_fingertip_or_share_is_planned_for_once_nothing_presses(
-    bpy: ModuleType, entry: Any, cube: Any, name: str, value: float
-) -> None:
-    from bl_ext.user_default.dimple.operators.press import live_step
-
-    step(bpy)
-    cube.dimple.plan_reason = ""
-    setattr(bpy.context.scene.dimple, name, value)
-    step(bpy, 1.5)
-    step(bpy)
-    assert not cube.dimple.plan_reason, "not while a fingertip rests"
-    said = live_step.advance(bpy.context, FRAME_S) + live_step.advance(bpy.context, FRAME_S)
-    assert cube.dimple.plan_reason and not any("coarse" in each for each in said)
-
-
-def test_that_a_mesh_is_coarse_for_a_smaller_fingertip_is_said_once(bpy: ModuleType, entry: Any, cube: Any) -> None:
-    from bl_ext.user_default.dimple.operators.press import live_step
-
-    cube.dimple.simulated = "AUTO"
-    step(bpy, 0.1)
-    bpy.context.scene.dimple.finger_radius_mm = 1.0
-    step(bpy, 1.5)
-    said = [each for _ in range(4) for each in live_step.advance(bpy.context, FRAME_S)]
-    assert sum("subdivided further when the body is started again" in each for each in said) == 1
-
-
 def test_undo_passes_for_whatever_was_changed_in_a_panel_and_not_for_what_a_key_chose(
     bpy: ModuleType, hand: Any, ball: Any
 ) -> None:

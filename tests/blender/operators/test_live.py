@@ -134,3 +134,20 @@ def test_a_slow_computer_slows_time_rather_than_tearing_the_skin(
         body.done = run.step_s
         live_step.adapt(run, asked)
     assert run.step_s == pytest.approx(0.1), "and is real again as soon as it can"
+
+
+def test_bodies_that_play_together_have_one_clock(
+    bpy: ModuleType, scene: Any, ball: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators.press import live_step, sessions
+
+    for name in ("Slow", "Fast"):
+        sessions.start(ball(name), bpy.context)
+    slow, fast = sessions.sessions.values()
+    begin = slow.session.begin
+    monkeypatch.setattr(slow.session, "begin", lambda dt, **more: begin(min(dt, 0.003), **more))
+    for _ in range(60):
+        live_step.advance(bpy.context, 1 / 60)
+    assert slow.frame.time == pytest.approx(60 * 0.003, abs=2e-3)
+    assert fast.frame.time == pytest.approx(slow.frame.time, abs=1 / 60), "the fast one waits"
+    sessions.stop_all()

@@ -1,4 +1,4 @@
-"""Make Soft takes a bare mesh to its first press, and changes the mesh itself only when asked."""
+"""Make Soft takes a bare mesh to its first press, and does not change the mesh itself."""
 
 from collections.abc import Callable
 from types import ModuleType
@@ -13,7 +13,7 @@ PRESS: dict[str, Any] = {"force_n": 4.0, "press_s": 0.1, "hold_s": 0.2, "release
 
 @pytest.fixture
 def bare(bpy: ModuleType, empty_file: ModuleType) -> Any:
-    """Blender's default cube, two metres wide and without a material."""
+    """A cube two metres wide and without a material."""
     bpy.ops.mesh.primitive_cube_add()
     return bpy.context.object
 
@@ -23,8 +23,7 @@ def test_a_bare_cube_is_ready_for_its_first_press_and_keeps_its_mesh(
 ) -> None:
     before = coordinates(bare)
     assert bpy.ops.dimple.make_soft() == {"FINISHED"}
-    settings = bare.active_material.dimple
-    assert settings.K1 == pytest.approx(0.61) and "Hosei" in settings.provenance
+    assert bare.active_material.name == "Stress ball" and bare.active_material.dimple.K1 == pytest.approx(0.9)
     assert bare.dimple.enabled and bare.dimple.size_mode == "CUSTOM" and bare.dimple.size_mm == 165
     assert bare.dimple.plan_reason, "it is planned already"
     bpy.ops.dimple.poke(**PRESS)
@@ -46,6 +45,24 @@ def test_a_text_without_characters_is_refused_and_stays_flat(bpy: ModuleType, em
     with pytest.raises(RuntimeError, match="has no faces"):
         bpy.ops.dimple.make_soft()
     assert bpy.context.object.type == "FONT" and bpy.context.object.data.extrude == 0.0
+
+
+def test_what_the_artist_has_set_is_left_as_it_is(bpy: ModuleType, ball: Any) -> None:
+    obj = ball(subdivisions=4)
+    obj.active_material = bpy.data.materials.new("Own")
+    obj.active_material.dimple.K1 = 2.0
+    obj.dimple.enabled, obj.dimple.size_mm = True, 90.0
+    bpy.ops.dimple.make_soft()
+    assert obj.active_material.name == "Own" and obj.active_material.dimple.K1 == 2.0 and obj.dimple.size_mm == 90.0
+
+
+def test_a_material_that_nobody_has_set_becomes_that_of_a_bare_mesh(bpy: ModuleType, bare: Any) -> None:
+    bare.active_material = bpy.data.materials.new("Material")  # as Blender's default cube has one
+    bpy.ops.dimple.make_soft()
+    assert bare.active_material.name == "Material" and bare.active_material.dimple.K1 == pytest.approx(0.9)
+    bare.active_material.dimple.property_unset("K1")
+    bpy.ops.dimple.make_soft()
+    assert bare.active_material.dimple.K1 == pytest.approx(0.61), "set once, it is the artist's"
 
 
 def test_what_cannot_be_pressed_is_said(bpy: ModuleType, add: Any) -> None:

@@ -81,7 +81,7 @@ def test_a_bake_keyframes_where_it_falls(bpy: ModuleType, sessions: Any, weight:
     weight.keyframe_insert("scale", frame=1)
     weight.keyframe_insert("location", frame=40)
     start = weight.matrix_world.translation.z
-    assert bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=12) == {"FINISHED"}
+    assert bpy.ops.dimple.bake(frame_start=1, frame_end=12) == {"FINISHED"}
     heights = []
     for frame in (1, 6, 12):
         bpy.context.scene.frame_set(frame)
@@ -128,7 +128,7 @@ def test_on_a_table_and_a_keyframed_tray_a_bake_is_what_was_live(
         assert live_step.advance(bpy.context, 1 / scene.render.fps) == []
         heights.append(weight.matrix_world.translation.z)
     sessions.stop_all()
-    assert bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=14) == {"FINISHED"}
+    assert bpy.ops.dimple.bake(frame_start=1, frame_end=14) == {"FINISHED"}
     baked = []
     for frame in range(1, 15):
         scene.frame_set(frame)
