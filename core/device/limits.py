@@ -42,7 +42,7 @@ LEVEL = 1e-3  # largest deviation from 1 of a normal's squared length: rounding 
 LOSS_FRAMES = round(ANSWER_TIME / TICK)  # number of STATEs in the lost share; it needs a tenth of them to mean anything
 LOSS_WARNS = 0.05  # lost share that warns: the force becomes rough
 LOSS_DISARMS = 0.30  # lost share that disarms: a force would be held for several ticks in a row
-PING_EVERY = ANSWER_TIME / 4  # [s] between two measurements of the delay, which changes with the load of the computer
+DELAY_TIME = ANSWER_TIME / 4  # [s] time constant of the mean delay: a few hundred answers, some of which are late
 
 # what can be rendered without giving energy
 PASSIVE_SHARE = 0.8  # share of the passive stiffness in use: the rest covers errors in estimates of friction and delay

@@ -119,39 +119,49 @@ class SentForces:
 
     The device ramps its force by itself after its dead-man switch was released, even by the command sent in a silence.
 
-    sent: forces by sequence number of their command [N]; commands that release the dead-man switch are left out.
+    sent: forces by sequence number of their command [N], None if it releases the dead-man switch; and when the STATE
+        that it answers was sent, on the device's clock [us].
+    delay: mean time from a position to the force that answers it [s].
     since: when the device first acknowledged the acting command, on its clock [s].
     ramp_since: when its ramp began, if it is ramping, on its clock [s].
     """
 
-    sent: dict[int, Forces] = field(default_factory=dict)
+    sent: dict[int, tuple[Forces | None, int]] = field(default_factory=dict)
+    delay: float = 2 * limits.TICK  # until it is measured
     since: float = 0.0
     ramp_since: float = 0.0
 
-    def send(self, seq: int, forces: Forces | None) -> None:
-        """Take the forces [N] of a command that is sent, None if it releases the dead-man switch."""
+    def send(self, seq: int, forces: Forces | None, t_us: int) -> None:
+        """Take a command that is sent, see `sent`."""
         self.sent.pop(seq - 0x100 & 0xFFFF, None)  # older than a device can acknowledge
-        if forces:
-            self.sent[seq] = forces
+        self.sent[seq] = forces, t_us
+
+    def measure(self, state: DeviceState, tick: float) -> None:
+        """Measure the delay: the acknowledged force acts from this tick [s] on, and answers an earlier STATE."""
+        if state.ack in self.sent:
+            delay = (state.t_us - self.sent[state.ack][1] & 0xFFFFFFFF) * 1e-6
+            self.delay += (delay - self.delay) * min(tick / limits.DELAY_TIME, 1.0)
+
+    def _forces(self, state: DeviceState) -> Forces | None:
+        return self.sent.get(state.ack, (None, 0))[0]
 
     def restarts_ramp(self, before: DeviceState | None, state: DeviceState) -> bool:
         """Return whether the device's ramp started again after the previous STATE."""
         was_armed = before is not None and before.status & MODE == ARMED
-        return state.status & MODE == RAMP and (was_armed or state.ack not in self.sent)
+        return state.status & MODE == RAMP and (was_armed or self._forces(state) is None)
 
     def between(self, spec: Spec, before: DeviceState | None, state: DeviceState, now: float) -> tuple[Forces, float]:
         """Return the forces [N] that acted between two STATEs, and the share of them that is left at the second.
 
         now: time of the second STATE, on the device's clock [s].
         """
-        none = (ZERO,) * FINGERS
-        acted = self.sent.get(before.ack, none) if before else none
+        acted = before and self._forces(before) or (ZERO,) * FINGERS
         if before and before.status & MODE == RAMP:
             gain = min((now - self.ramp_since) / limits.RAMP_TIME, 1.0)
             acted = tuple([scaled(force, gain) for force in acted])
         left = spec.left(now - self.since)
         if before is None or state.ack != before.ack:
             self.since = now
-        if state.status & MODE != RAMP or state.ack not in self.sent:
+        if state.status & MODE != RAMP or self._forces(state) is None:
             self.ramp_since = now
         return acted, left

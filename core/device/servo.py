@@ -42,33 +42,23 @@ class Servo:
         self._nonce, self._taken = nonce, Order()
         self._surfaces: tuple[Surface | None, ...] = ()
         self._decoder, self._session, self._seq = wire.Decoder(), -1, 0
-        self._began = self._asked = self._pinged = -math.inf
+        self._began = self._asked = -math.inf
         self._fingers = self._make_fingers()
         self._switch, self._bad, self._received = Switch(), BadNumbers(), Received()
         self._old_fault = False  # the device's latched fault precedes the request to arm, and may be cleared
         self._state: wire.DeviceState | None = None
         self._heard = self._device_time = 0.0  # when the last STATE arrived, on our clock and on the device's [s]
-        self._measured: wire.LinkReport | None = None
-        self._late = 0.0  # share of the recent STATEs that had no answer within a tick
         self._sent = SentForces()
         self.unsent = 0
-        self.cap = stiffness_cap(self.spec.viscous, self.spec.tick, self.delay)
+        self.cap = self._stiffest()
 
     def _make_fingers(self) -> list[ServoFinger]:
         peak, continuous = self.spec.peak_force, self.spec.continuous_force
         return [ServoFinger(guard=Guard(peak, continuous)) for _ in range(self.spec.fingers)]
 
-    @property
-    def delay(self) -> float:
-        """Return the mean delay t_d [s] from sensor to motor: a force acts from the device's next tick on.
-
-        A late answer acts later by the 99th percentile of the round trip, in whole ticks. The energy that a delayed
-        wall gives grows with the mean delay. Until it is measured, two ticks are assumed.
-        """
-        tick = self.spec.tick
-        if not self._measured:
-            return 2 * tick
-        return tick * (1 + self._late * max(math.ceil(self._measured.rtt_p99_us * 1e-6 / tick) - 1, 1))
+    def _stiffest(self) -> float:
+        """Return the largest stiffness [N/m] that the delay allows."""
+        return stiffness_cap(self.spec.viscous, self.spec.tick, self._sent.delay)
 
     def step(self, now: float, incoming: bytes) -> bytes:
         """Take the bytes that have arrived by a time [s]; return those to send."""
@@ -82,12 +72,10 @@ class Servo:
                 self._take_info(frame, now)
             elif isinstance(frame, wire.Fault) and frame.session == self._session:
                 self._take_fault(frame)
-            elif isinstance(frame, wire.LinkReport) and frame.session == self._session and frame.answered:
-                self._measure(frame)
         if self.link is not LinkState.READY:
             return self._send_hello(now)
         out = self._take_requests()
-        return out + (self._answer(newest, now) if newest else self._handle_silence(now)) + self._ping(now)
+        return out + (self._answer(newest, now) if newest else self._handle_silence(now))
 
     def close(self) -> bytes:
         """Return the last frames: no force, and a DISARM."""
@@ -98,7 +86,7 @@ class Servo:
 
     def report(self) -> ServoReport:
         """Return the state of device and link."""
-        measured, received = self._measured, self._received
+        received = self._received
         warning = Message(LOSSY, share=received.lost_share) if received.lost_share > limits.LOSS_WARNS else ""
         least = min((finger.guard.passivity.share for finger in self._fingers), default=1.0)
         if self._switch.arming is Arming.ON and least < 1 - NOTICEABLE_FORCE[0]:
@@ -106,9 +94,8 @@ class Servo:
         return ServoReport(
             link=self.link, arming=self._switch.arming, states=received.taken, lost=received.missing,
             unsent=self.unsent, wrong=self._decoder.refused, stale=received.stale, rate=received.rate,
-            delay_p50=measured.rtt_p50_us * 1e-6 if measured else 0.0,
-            delay_p99=measured.rtt_p99_us * 1e-6 if measured else 0.0,
-            cap=self.cap, peak=self.spec.peak_force, note=self.note or self._switch.reason or warning,
+            delay=self._sent.delay, cap=self.cap, peak=self.spec.peak_force,
+            note=self.note or self._switch.reason or warning,
             tips=tuple(
                 TipState(f.at, f.guard.sent, f.guard.passivity.least, f.bad > 0 or not f.known, f.guard.full)
                 for f in self._fingers
@@ -139,7 +126,7 @@ class Servo:
             return
         self._fingers, self._surfaces = self._make_fingers(), ()
         self.link, self.note, self._session = LinkState.READY, "", info.session
-        self._state, self._measured, self._heard = None, None, now
+        self._state, self._sent, self._heard = None, SentForces(delay=2 * self.spec.tick), now
         self._taken = self.order  # earlier requests are not meant for this session
         self._received.restart()
 
@@ -152,18 +139,9 @@ class Servo:
             self._received.stale += 1
             return newest
         self._received.take((state.seq - last.seq - 1) & 0xFFFF if last else 0, now)
+        self._sent.measure(state, self.spec.tick)
         self._old_fault &= state.status & wire.MODE == wire.FAULT
         return state
-
-    def _measure(self, report: wire.LinkReport) -> None:
-        """Compute the share of the STATEs since the last REPORT that had no answer within a tick."""
-        before = self._measured or report._replace(ticks=0, answered=0, late=0)
-        ticks, answered, late = ((a - b) & 0xFFFFFFFF for a, b in zip(report[2:5], before[2:5], strict=True))
-        if ticks:
-            least = 0.5 if report.rtt_p50_us * 1e-6 > self.spec.tick else 0.0  # at least half are late then
-            # the answer to one STATE is still on its way
-            self._late = min(max(1 - (answered - late + 1) / ticks, least), 1.0)
-        self._measured = report
 
     def _take_requests(self) -> bytes:
         """Take new requests to arm and to disarm; return the frames they need."""
@@ -217,7 +195,7 @@ class Servo:
         if self.order.surfaces is self._surfaces:
             return
         before, self._surfaces = self._surfaces, self.order.surfaces
-        cap = stiffness_cap(self.spec.viscous, self.spec.tick, self.delay)
+        cap = self._stiffest()
         if cap < self.cap or all(finger.guard.sent == ZERO for finger in self._fingers):
             self.cap = cap
         if self._surfaces == before:  # only the key was renewed
@@ -295,13 +273,8 @@ class Servo:
     def _command(self, force: tuple[int, ...], flags: int = 0) -> bytes:
         self._seq = (self._seq + 1) & 0xFFFF
         held = flags & wire.DEADMAN
-        self._sent.send(self._seq, tuple([finger.guard.sent for finger in self._fingers]) if held else None)
-        echo = self._state.seq if self._state else 0
+        forces = tuple([finger.guard.sent for finger in self._fingers]) if held else None
+        echo, t_us = (self._state.seq, self._state.t_us) if self._state else (0, 0)
+        self._sent.send(self._seq, forces, t_us)
         ttl = round(1e3 * self.spec.hold)
         return wire.encode(wire.Command(self._session, self._seq, echo, force, flags, ttl))
-
-    def _ping(self, now: float) -> bytes:
-        if now - self._pinged < limits.PING_EVERY:
-            return b""
-        self._pinged = now
-        return wire.encode(wire.Ping(self._session, self._seq))

@@ -25,7 +25,7 @@ from .faulty_emulator import FaultyEmulator, SessionRoundTrips, TraceRow
 from .hand import load_hand, poking_hand
 from .haply_service import HaplyService, run_service
 from .network import DeviceLine
-from .numbers import load_emulated
+from .numbers import BITS_A_BYTE, load_emulated
 from .round_trips import percentiles
 
 MODES = ("idle", "arming", "ramp", "armed", "brake", "fault")
@@ -125,8 +125,9 @@ def measured(emulator: FaultyEmulator) -> dict[str, float | str]:
     link, firmware = emulator.firmware.link, emulator.firmware
     record: dict[str, float | str] = {"mode": MODES[firmware.mode], "fault": firmware.code, "ticks": 0}
     if isinstance(link, SessionRoundTrips) and link.ticks:
-        report = link.report(0, emulator.decoder.refused, emulator.baud)
-        record |= {name: getattr(report, name) for name in ("answered", "wire_us", "bad", "stale", "lost")}
+        bits = BITS_A_BYTE * (wire.size(wire.DeviceState) + wire.size(wire.Command))
+        record |= {name: getattr(link, name) for name in ("answered", "stale", "lost")}
+        record |= {"bad": emulator.decoder.refused, "wire_us": 1e6 * bits / emulator.baud if emulator.baud else 0}
         names = ("rtt_p50_us", "rtt_p99_us", "rtt_max_us")  # of the whole session, not of its last second
         record |= dict(zip(names, percentiles(link.trips.elements()), strict=True))
         # ticks after the host's last answer are not late answers
