@@ -157,13 +157,13 @@ class Guard:
         if left < 1 and self.motion.at and dot(acted, along(x, self.motion.at, -1.0)) < 0:
             acted = scaled(acted, left)
         self.motion.move(x, now)
-        self.passivity.observe(acted, x, now)
+        self.passivity.observe(acted, x)
         self.square += (dot(self.sent, self.sent) - self.square) * min(max(dt, 0.0) / limits.RMS_TIME, 1.0)
 
     def skip(self) -> None:
         """Skip a position: the next one is not compared with the last."""
         self.motion.stop()
-        self.passivity.skip()
+        self.passivity.at = None
 
     def output(self, wanted: Vector, gain: float, dt: float) -> Vector:
         """Return the force [N] that may act for a wanted one; none if that is not a number."""
@@ -175,7 +175,6 @@ class Guard:
         speed = self.motion.speed
         force = along(scaled(left, gain), speed, -limits.RAMP_DAMPING * (1 - gain))
         force = self.passivity.damp(force, speed, dt)
-        force = self.passivity.afford(force, speed)
         most = min(self.peak, limits.HARD_CEILING)
         if self.square >= self.continuous**2:
             most = min(most, self.continuous)

@@ -47,13 +47,9 @@ DELAY_TIME = ANSWER_TIME / 4  # [s] time constant of the mean delay: a few hundr
 # what can be rendered without giving energy
 PASSIVE_SHARE = 0.8  # share of the passive stiffness in use: the rest covers errors in estimates of friction and delay
 SIDEWAYS = 2 / 3  # tangential over normal stiffness: 2 (1 - nu) / (2 - nu) of a soft contact, nu = 1/2. Mindlin 1949
-GRAIN = 4e-4  # [m] segment of the path for which energy is counted: five times a 12-bit converter's noise at the tip
 MOST_DAMPING = 12.0  # [N s/m] of the passivity controller: a tenth of tip mass over tick; more would shake the tip
-ALLOWED = 5e-4  # [J] that a touch may give back beyond what it took: one segment of the path at 1.25 N
+ALLOWED = 5e-4  # [J] that a touch may give back beyond what it took: two steps of a 12-bit converter at 1.25 N
 YIELD_ENERGY = ALLOWED / 2  # [J] each time this much more is given back, the force falls to 1/e
-SPARE = 4 * ALLOWED  # [J] reserve that is not given back after the device let go: energy is counted some segments late
-GRAIN_ENERGY = ALLOWED / 5  # [J] less than this is noise of the converters
-KNOWN_LATE = STATE_GAP + TICK  # [s] delay after which the energy of a force has been counted, and the force has ended
 
 # processes
 REPORT_EVERY = 2 * TICK  # [s] between two reports of the servo: the most they add to the age of Blender's positions

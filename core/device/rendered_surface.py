@@ -165,7 +165,7 @@ class Contact:
         jump = scaled(self.jump, 1 - age / self.frame) if age < self.frame else ZERO
         if self.surface is None:
             return jump
-        whole = along(jump, self._press(self.surface, x), left_at(now - self.surface.stamp))
+        whole = along(jump, self._press(self.surface, x), 1.0)
         # the remainder of the previous force must not pull inwards
         return along(whole, self.surface.normal, -min(dot(whole, self.surface.normal), 0.0))
 

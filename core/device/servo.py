@@ -18,7 +18,7 @@ from .notes import BAD_FORCE, FAULTS, LOSSY, NO_ANSWER, NO_STATES, SILENT, STOOD
 from .orders import LinkState, Order, ServoReport, TipState
 from .passivity import SentForces
 from .received import Received
-from .rendered_surface import Surface, is_sane, stiffness_cap
+from .rendered_surface import Surface, is_sane, left_at, stiffness_cap
 from .servo_finger import ServoFinger
 from .spec import Spec, spec_of
 
@@ -48,6 +48,8 @@ class Servo:
         self._old_fault = False  # the device's latched fault precedes the request to arm, and may be cleared
         self._state: wire.DeviceState | None = None
         self._heard = self._device_time = 0.0  # when the last STATE arrived, on our clock and on the device's [s]
+        self._answered = 0.0  # when the last STATE was answered, on the device's clock [s]
+        self._left, self._steady = 1.0, True  # share of the force that the device lets act; time passed normally
         self._sent = SentForces()
         self.unsent = 0
         self.cap = self._stiffest()
@@ -64,10 +66,10 @@ class Servo:
         """Take the bytes that have arrived by a time [s]; return those to send."""
         if self._began == -math.inf:
             self._began = now
-        newest = None
+        news = False
         for frame in self._decoder.feed(incoming):
             if isinstance(frame, wire.DeviceState):
-                newest = self._newer(frame, newest, now)
+                news |= self._take_state(frame, now)
             elif isinstance(frame, wire.Info) and frame.nonce == self._nonce and self.link in UNCONNECTED:
                 self._take_info(frame, now)
             elif isinstance(frame, wire.Fault) and frame.session == self._session:
@@ -75,7 +77,7 @@ class Servo:
         if self.link is not LinkState.READY:
             return self._send_hello(now)
         out = self._take_requests()
-        return out + (self._answer(newest, now) if newest else self._handle_silence(now))
+        return out + (self._answer(now) if news else self._handle_silence(now))
 
     def close(self) -> bytes:
         """Return the last frames: no force, and a DISARM."""
@@ -130,18 +132,29 @@ class Servo:
         self._taken = self.order  # earlier requests are not meant for this session
         self._received.restart()
 
-    def _newer(self, state: wire.DeviceState, newest: wire.DeviceState | None, now: float) -> wire.DeviceState | None:
-        """Return the newer of two STATEs; the older one is dropped."""
-        last = newest or self._state
+    def _take_state(self, state: wire.DeviceState, now: float) -> bool:
+        """Take a STATE: where the fingertips are, and what the last forces did; return False if it is not new."""
+        before = self._state
         if state.session != self._session:
-            return newest
-        if last and not wire.seq_newer(state.seq, last.seq):
+            return False
+        if before and not wire.seq_newer(state.seq, before.seq):
             self._received.stale += 1
-            return newest
-        self._received.take((state.seq - last.seq - 1) & 0xFFFF if last else 0, now)
+            return False
+        ticks = (state.seq - before.seq) & 0xFFFF if before else 1
+        dt = ((state.t_us - before.t_us) & 0xFFFFFFFF) * 1e-6 if before else self.spec.tick
+        silent, self._heard = now - self._heard if before else 0.0, now
+        self._steady &= 0 < dt <= limits.LOST_TIME and silent <= limits.LOST_TIME
+        self._device_time += dt
+        self._received.take(ticks - 1, now)
         self._sent.measure(state, self.spec.tick)
         self._old_fault &= state.status & wire.MODE == wire.FAULT
-        return state
+        acted, self._left = self._sent.between(self.spec, before, state, self._device_time)
+        for i, finger in enumerate(self._fingers):
+            masked = bool(state.status & wire.MASKED << i)
+            finger.sense(state.place[3 * i : 3 * i + 3], masked, self.spec.tick * ticks, self._device_time, acted[i],
+                         self._left)  # fmt: skip
+        self._state = state
+        return True
 
     def _take_requests(self) -> bytes:
         """Take new requests to arm and to disarm; return the frames they need."""
@@ -158,31 +171,21 @@ class Servo:
         if self._switch.arming is not Arming.WAITING or not (self._old_fault or fault.code == wire.FAULT_ARM_REFUSED):
             self._stop(FAULTS.get(fault.code, "The device disarmed itself."))
 
-    def _answer(self, state: wire.DeviceState, now: float) -> bytes:
-        """Return the forces for a STATE."""
-        silent, before = now - self._heard, self._state
-        self._state, self._heard = state, now
-        ticks = (state.seq - before.seq) & 0xFFFF if before else 1
-        dt = ((state.t_us - before.t_us) & 0xFFFFFFFF) * 1e-6 if before else self.spec.tick
-        steady = 0 < dt <= limits.LOST_TIME and (silent <= limits.LOST_TIME or before is None)
-        self._device_time += dt
-        acted, left = self._sent.between(self.spec, before, state, self._device_time)
-        for i, finger in enumerate(self._fingers):
-            masked = bool(state.status & wire.MASKED << i)
-            since = self.spec.tick * max(ticks, 1)
-            finger.sense(state.place[3 * i : 3 * i + 3], masked, since, self._device_time, acted[i], left)
+    def _answer(self, now: float) -> bytes:
+        """Return the forces for the newest STATE."""
+        state, dt = self._state, self._device_time - self._answered
+        assert state
+        self._answered = self._device_time
         self._take_surfaces(now)
         # a simulation that hangs counts as a released key; quiet is judged only on surfaces that do not yet fade
         oldest = limits.LOST_TIME if self._switch.arming is Arming.WAITING else limits.LEASE
         held = self.order.is_held(now) or bool(state.buttons & wire.DEADMAN_BUTTON)
         held = held and self.order.is_fresh(now, oldest)
-        out = self._check(steady)
+        out, self._steady = self._check(), True
         device_on = state.status & wire.MODE in (wire.RAMP, wire.ARMED)
-        lost_force = not device_on or left < 1 or self._sent.restarts_ramp(before, state)
-        faded = not self.order.is_fresh(now, limits.LOST_TIME)
-        if (lost_force or faded) and self._switch.arming in (Arming.RAMP, Arming.ON):
-            for finger in self._fingers:
-                finger.guard.passivity.lose()
+        left = min([self._left * device_on, *(left_at(now - surface.stamp) for surface in self._surfaces if surface)])
+        for finger in self._fingers:
+            finger.guard.passivity.left = left
         out += self._update_forces(now, min(dt, limits.STATE_GAP), held=held, device_on=device_on)
         words = [word for finger in self._fingers for word in finger.command()]
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held
@@ -222,9 +225,9 @@ class Servo:
         new = self._switch.arming is Arming.ASKED and not asked
         return wire.encode(wire.Arm(self._session)) if new else b""
 
-    def _check(self, steady: bool) -> bytes:
-        """Disarm if a limit is exceeded; return the frame.  steady: time passed normally, here and on the device."""
-        if not steady:
+    def _check(self) -> bytes:
+        """Disarm if a limit is exceeded; return the frame."""
+        if not self._steady:
             return self._end(STOOD_STILL, wire.FAULT_LINK)
         if any(finger.bad >= limits.FAILED_TICKS for finger in self._fingers):
             for finger in self._fingers:

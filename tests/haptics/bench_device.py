@@ -39,7 +39,7 @@ class BenchDevice:
     words: tuple[int, ...] | None = None  # instead of what the places give
     fresh: bool = True  # the simulation posts its surfaces again, 60 times a second
     held: bool = True  # and the dead-man key with them
-    lag: int | None = None  # ticks until a force answers; None: the device acknowledges nothing
+    lag: int = 1  # ticks until a force answers a position
     looks: int = 0  # Blender renews the key between them too, once in so many ticks
     forces: list[Vector] = field(default_factory=lambda: [ZERO] * 3)
     heard: list[wire.Frame] = field(default_factory=list)
@@ -71,7 +71,7 @@ class BenchDevice:
         self.seq = (self.seq + 1) & 0xFFFF
         words = self.words or tuple(word for i in range(3) for word in self.state_words(i))
         status = self.mode | self.masked
-        ack = 0 if self.lag is None else self.acks.get(self.seq - self.lag, 0)
+        ack = self.acks.get(self.seq - self.lag, 0)
         return wire.DeviceState(SESSION, self.seq, ack, round(self.now * 1e6) & 0xFFFFFFFF, words, self.buttons, status)
 
     def tick(self, times: int = 1) -> None:

@@ -184,9 +184,10 @@ def test_a_force_that_gave_too_much_yields_until_nothing_was_touched_for_a_momen
     for i in range(100):
         go(-5e-5 * i, 3.2e2 * 1e-3 * i / 20)
     guard.zero()
-    guard.passivity.lose()
+    guard.passivity.left = 0.0
     for _ in range(100):
         go(-0.015, 9.0)
+    guard.passivity.left = 1.0
     for i in range(300):
         go(-0.015 + 5e-5 * i, 9.0)
     assert given > -1e-3 and guard.passivity.share < 0.1
