@@ -57,7 +57,7 @@ class Passivity:
         """
         self.unwanted = 0.0 if force != ZERO else self.unwanted + dt
         if self.left < 1:  # a fingertip that sinks in gets back no more than the hand gave
-            self.owed = min(self.stored, limits.ALLOWED)
+            self.owed = max(self.owed, min(self.stored - limits.ALLOWED, limits.ALLOWED))
             self.floor = max(self.floor, self.owed)
         if self.unwanted > limits.QUIET_TIME:
             self.share, self.stored = 1.0, min(self.stored, 0.0)
