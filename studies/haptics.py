@@ -29,37 +29,41 @@ from core.session import Session
 from .bench.processes import EmulatedDevice
 from .machine_lateness import machine_lateness
 from .scenes import cube
-from .scripted_press import CYCLE, PRESET, RADIUS, READY_AFTER, SHORTEST, WORKSPACE, PressRecord, judge, way
+from .scripted_press import LEVELS, PRESET, RADIUS, READY_AFTER, WORKSPACE, PressRecord, cycle, judge, way
 
 FRAME = 1 / 60  # [s]
 STALL, STALL_EVERY = 0.200, 1.0  # [s] of Blender's main thread
 CONNECT = 5.0  # [s] at most
 CELLS = 8  # of the cube along an edge
+LINES = ("pty", "udp", "haply")
+DEPTHS = (0.001, 0.002, 0.004, 0.008, 0.015)  # [m] at which the table compares the force with the law
 
 
 def add_haptics(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_haptics)
     command.add_argument("--emulate", action="store_true", required=True, help="with an emulated device")
-    command.add_argument(
-        "--seconds", type=float, default=10.0, metavar="N", help=f"of pressing, {SHORTEST:.2f} at least"
-    )
+    shortest = READY_AFTER + cycle()
+    command.add_argument("--seconds", type=float, metavar="N", help=f"of pressing, {shortest:.2f} at least")
     command.add_argument("--stiffness", type=float, metavar="K", help="of the cube [N/m], with no knee")
     command.add_argument("--loads", type=int, default=0, metavar="N", help="processes that keep processors busy")
     command.add_argument("--busy", action="store_true", help="stall the main thread for 200 ms each second")
     command.add_argument("--fault", action="append", default=[], metavar="FAULT", help="see `emulator --help`")
     command.add_argument("--baud", type=int, metavar="B", help="bits a second, 0: bytes take no time")
-    command.add_argument("--udp", action="store_true", help="by UDP in place of a pseudo-terminal")
+    command.add_argument("--line", choices=LINES, default="pty", help="how it is connected")
+    command.add_argument("--table", action="store_true", help="press by every line, beside nothing and two busy loops")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the figures")
 
 
 def run_haptics(options: argparse.Namespace) -> int:
     """Press, then print the figures."""
+    if options.table:
+        return _print_table(options.seconds or 60.0)
     words = [word for fault in options.fault for word in ("--fault", fault)]
     words += [] if options.baud is None else ["--baud", str(options.baud)]
     machine = machine_lateness()
     record = press(
-        options.seconds, busy=options.busy, words=words, loads=options.loads, udp=options.udp,
+        options.seconds or 10.0, busy=options.busy, words=words, loads=options.loads, line=options.line,
         stiffness=options.stiffness,
     )  # fmt: skip
     figures = {**judge(record), **machine}
@@ -76,9 +80,31 @@ def run_haptics(options: argparse.Namespace) -> int:
     return 0
 
 
+def _print_table(seconds: float) -> int:
+    """Print a row for each line and load: at depths held by a rigid hand, then with stalls of the main thread."""
+    names = [f"law_at_{1e3 * depth:g}_mm" for depth in DEPTHS]
+    over = " ".join(f"{1e3 * depth:4.0f}" for depth in DEPTHS)
+    print("                    late alone   rate     p50     p99   late   cap   force over law at mm         energy of")
+    print(f"line   loops            [%]   [Hz]    [us]    [us]    [%] [N/m]  {over}   {seconds:.0f} s [mJ]")
+    for line in LINES:
+        for loads in (0, 2):
+            alone = 100 * machine_lateness()["machine_late_share"]
+            try:
+                still = judge(press(READY_AFTER + cycle(DEPTHS), line=line, loads=loads, levels=DEPTHS, rigid=True))
+                stalled = judge(press(seconds, line=line, loads=loads, busy=True))
+            except DimpleError as error:
+                print(f"{line:<6} {loads:5}      {alone:9.2f}   {error}", flush=True)
+                continue
+            law = " ".join(f"{still[name]:4.2f}" for name in names)
+            print(f"{line:<6} {loads:5}      {alone:9.2f}  {still['rate_hz']:5.0f}  {still['rtt_p50_us']:6.0f}  "
+                  f"{still['rtt_p99_us']:6.0f} {100 * still['late_share']:6.2f} {still['stiffness_cap_n_m']:5.0f}  "
+                  f"{law}  {stalled['energy_mj']:8.2f}", flush=True)  # fmt: skip
+    return 0
+
+
 def press(
-    seconds: float, *, busy: bool = False, words: list[str] | None = None, loads: int = 0, udp: bool = False,
-    stiffness: float | None = None,
+    seconds: float, *, busy: bool = False, words: list[str] | None = None, loads: int = 0, line: str = "pty",
+    stiffness: float | None = None, levels: tuple[float, ...] = LEVELS, rigid: bool = False,
 ) -> PressRecord:  # fmt: skip
     """Press a cube with three fingers for some seconds [s].
 
@@ -86,21 +112,24 @@ def press(
         busy: the main thread stalls for STALL each second.
         words: more options of the emulator.
         loads: other processes that only compute.
-        udp: the device is on the network of this computer.
+        line: how the device is connected, see `EmulatedDevice`.
         stiffness: of the cube [N/m], with no knee; else the preset's.
+        levels: how deep the hand wants each hold [m].
+        rigid: the hand yields to no force.
 
     Raises:
         DimpleError: the device does not connect or does not arm, or the time is too short for one press.
     """
-    cycles = math.floor((seconds - READY_AFTER) / CYCLE + 1e-9)
+    cycles = math.floor((seconds - READY_AFTER) / cycle(levels) + 1e-9)
     if cycles < 1:
-        raise DimpleError(f"A press takes {SHORTEST:.2f} s: give --seconds at least that.")
+        raise DimpleError(f"A press takes {READY_AFTER + cycle(levels):.2f} s: give --seconds at least that.")
     with tempfile.TemporaryDirectory(prefix="dimple-") as folder:
+        hand = {"tips": [way(i, cycles, levels) for i in range(3)]}
         trace, measured, log = (Path(folder) / name for name in ("trace.csv", "device.json", "log.csv"))
         device = EmulatedDevice(
-            hand=json.dumps({"tips": [way(i, cycles) for i in range(3)]}),
+            hand=json.dumps(hand | ({"stiffness": None} if rigid else {})),
             held_until=math.inf,
-            udp=udp,
+            line=line,
             emulator_words=["--trace", str(trace), "--json", str(measured), *(words or [])],
             servo_words=["--log", str(log)],
         )
@@ -122,7 +151,7 @@ def press(
         rows = np.loadtxt(trace, delimiter=",", skiprows=1, ndmin=2)
         answers = np.loadtxt(log, delimiter=",", ndmin=2)
         return PressRecord(
-            cycles, report, json.loads(measured.read_text()), rows, answers, np.array(frames), material
+            cycles, levels, report, json.loads(measured.read_text()), rows, answers, np.array(frames), material
         )
 
 
