@@ -95,7 +95,7 @@ def test_the_panel_says_what_is_not_renderable(bpy: ModuleType, port: Any, add: 
         and float(rendered.split()[0]) == pytest.approx(report.cap / 1e3, abs=0.006)
         and report.cap < 1400
     )
-    assert rows["State"] == "Ready, no force" and {"Rate", "Lost Frames", "Round Trip", "Force 1"} <= rows.keys()
+    assert rows["State"] == "Ready, no force" and {"Rate", "Lost Frames", "Delay", "Force 1"} <= rows.keys()
     settings.K1 = 9.0
     assert any("K1, K2 cannot" in note for note in device.notes(report, settings))
     assert any("more force than the device can exert" in note for note in device.notes(report, settings))
