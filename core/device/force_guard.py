@@ -115,7 +115,7 @@ class Velocity:
         self.at, self.since = x, now
         if before and dt > 0:
             speed = scaled(along(x, before, -1.0), 1 / dt)
-            self.speed = along(self.speed, along(speed, self.speed, -1.0), dt / (limits.SPEED_TIME + dt))
+            self.speed = along(self.speed, along(speed, self.speed, -1.0), dt / (limits.STATE_GAP + dt))
 
     def stop(self) -> None:
         """Forget the last position: the next one is not compared with it."""

@@ -9,7 +9,7 @@ import math
 from typing import Final
 
 from core.device import wire
-from core.device.limits import SPEED_TIME
+from core.device.limits import STATE_GAP
 from core.vectors import ZERO, Vector, length, scaled
 
 from . import kinematics
@@ -133,7 +133,7 @@ class Firmware:
     def _move(self) -> None:
         """Follow the tips and their speed."""
         spec = self.spec
-        share = spec.tick / (SPEED_TIME + spec.tick)
+        share = spec.tick / (STATE_GAP + spec.tick)
         for i in ALL_FINGERS:
             if self._sensors.bad[i]:
                 self._tips[i], self._velocities[i] = None, ZERO

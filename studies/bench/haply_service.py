@@ -211,6 +211,6 @@ def unframed(data: bytes) -> Iterator[Any]:
 
 def run_service(service: HaplyService, lifeline: int | None, seconds: float) -> bool:
     """Run a service in a process of its own; return whether the system granted real-time priority."""
-    granted = priority.request_priority() == "real time"
+    granted = priority.request_priority()
     service.serve(lifeline, seconds)
     return granted
