@@ -73,6 +73,8 @@ class HaplyService:
             while time.perf_counter() < end and not self.ends:
                 if ended(lifeline):
                     return
+                if self._begun:
+                    self._run()
                 if select.select([self._socket], [], [], 0.1)[0]:
                     client, _ = self._socket.accept()
                     with client:
