@@ -33,7 +33,6 @@ QUIET_TIME = SLOWEST_FRAME  # [s] of quiet before arming; after this long withou
 # readings and messages that are not trusted
 FASTEST = 4 * TOP_SPEED  # [m/s] a fingertip that seems to move faster is a sensor error
 FAILED_TICKS = round(STATE_GAP / TICK)  # impossible readings in a row after which the sensor has failed
-BAD_NUMBERS = 3  # NaN or inf within LOST_TIME that disarm: a single one may be a truncated message
 FARTHEST = 10.0  # [m] a position farther away is an error
 STIFFEST = 1e6  # [N/m] a stiffer law is an error
 LEVEL = 1e-3  # largest deviation from 1 of a normal's squared length: rounding stays below, other vectors do not

@@ -22,7 +22,6 @@ class Passivity:
 
     stored: energy taken minus energy given in this touch [J].
     least: minimum of `stored` so far [J].
-    at: last position [m].
     left: share of a force that device and simulation let act; where that falls, a fingertip sinks in.
     share: of a wanted force that is left, less than 1 once the touch gave back too much, or after `left` was.
     floor: stored energy below which the share falls [J].
@@ -34,17 +33,16 @@ class Passivity:
 
     stored: float = 0.0
     least: float = 0.0
-    at: Vector | None = None
     left: float = 1.0
     share: float = 1.0
     floor: float = -limits.ALLOWED
     owed: float = -limits.ALLOWED
     unwanted: float = 0.0
 
-    def observe(self, force: Vector, x: Vector) -> None:
-        """Take the force [N] that acted until the fingertip reached x [m]."""
-        self.stored -= dot(force, along(x, self.at or x, -1.0))
-        self.at, self.least = x, min(self.least, self.stored)
+    def observe(self, force: Vector, way: Vector) -> None:
+        """Take the force [N] that acted on a way of the fingertip [m]."""
+        self.stored -= dot(force, way)
+        self.least = min(self.least, self.stored)
         if self.stored < self.floor:
             self.share *= math.exp((self.stored - self.floor) / limits.YIELD_ENERGY)
             self.floor = self.stored

@@ -13,7 +13,7 @@ from ..material import NOTICEABLE_FORCE
 from ..messages import Message
 from ..vectors import ZERO, Vector, is_finite, length
 from . import limits, wire
-from .force_guard import Arming, BadNumbers, Guard, Switch
+from .force_guard import Arming, Guard, Switch
 from .notes import BAD_FORCE, FAULTS, LOSSY, NO_ANSWER, NO_STATES, SILENT, STOOD_STILL, TOO_FAST, WAS_SILENT, YIELDS
 from .orders import LinkState, Order, ServoReport, TipState
 from .passivity import SentForces
@@ -44,7 +44,8 @@ class Servo:
         self._decoder, self._session, self._seq = wire.Decoder(), -1, 0
         self._began = self._asked = -math.inf
         self._fingers = self._make_fingers()
-        self._switch, self._bad, self._received = Switch(), BadNumbers(), Received()
+        self._switch, self._received = Switch(), Received()
+        self._is_bad = False  # a surface or force was not a number
         self._old_fault = False  # the device's latched fault precedes the request to arm, and may be cleared
         self._state: wire.DeviceState | None = None
         self._heard = self._device_time = 0.0  # when the last STATE arrived, on our clock and on the device's [s]
@@ -205,16 +206,13 @@ class Servo:
             return
         for finger, surface in zip(self._fingers, self._surfaces, strict=False):
             if surface and not is_sane(surface):
-                surface = None
-                self._bad.count(now)
+                surface, self._is_bad = None, True
             finger.contact.take(surface, finger.at, now, self.cap)
 
     def _update_forces(self, now: float, dt: float, *, held: bool, device_on: bool) -> bytes:
         """Give each finger its force; return the ARM frame if it is due."""
         wanted: list[Vector] = [finger.contact.force(finger.at, now) for finger in self._fingers]
-        for force in wanted:
-            if not is_finite(force):
-                self._bad.count(now)
+        self._is_bad |= not all(map(is_finite, wanted))
         asked = self._switch.arming is Arming.ASKED
         gain = self._switch.gain(max(map(length, wanted)), now, held=held, device_on=device_on)
         for finger, force in zip(self._fingers, wanted, strict=True):
@@ -235,7 +233,8 @@ class Servo:
             return self._end(FAULTS[wire.FAULT_SENSOR], wire.FAULT_SENSOR)
         if any(finger.guard.runs_away for finger in self._fingers):
             return self._end(TOO_FAST, wire.FAULT_SPEED)
-        if self._bad.too_many():
+        is_bad, self._is_bad = self._is_bad, False
+        if is_bad:
             return self._end(BAD_FORCE, wire.FAULT_HOST)
         if self._received.lost_share > limits.LOSS_DISARMS:
             return self._end(FAULTS[wire.FAULT_LINK], wire.FAULT_LINK)

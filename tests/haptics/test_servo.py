@@ -57,15 +57,11 @@ def test_a_frozen_simulation_fades_out_between_100_and_200_ms() -> None:
 @pytest.mark.parametrize(
     "bad", [{"place": (math.nan, 0, 0)}, {"law": Law(math.inf, 1.0, 1.0, 1.0)}, {"place": (0, 0, -math.inf)}]
 )
-def test_surfaces_that_are_not_numbers_are_never_rendered_and_three_in_a_row_disarm(bad: dict[str, object]) -> None:
+def test_a_surface_that_is_not_numbers_is_never_rendered_and_disarms(bad: dict[str, object]) -> None:
     device = BenchDevice().pressing()
     device.fresh = False
-    for i in range(3):
-        assert device.servo.report().arming.name == "ON"
-        device.set_surfaces(replace(wall(device.now), **bad))
-        device.tick(5)
-        words = [frame.force for frame in device.heard if isinstance(frame, wire.Command)]
-        assert max(map(abs, words[-1])) <= max(map(abs, words[-6])), i
+    device.set_surfaces(replace(wall(device.now), **bad))
+    device.tick()
     assert disarmed(device) and "not numbers" in note(device)
 
 
