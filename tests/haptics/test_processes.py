@@ -149,7 +149,8 @@ END = "delay=0.03 stale wrong-baud unplug stall adc-range adc-frozen adc-jump".s
 def test_every_fault_by_either_line(tmp_path: Path, line: str, fault: str) -> None:
     """A line that errs now and then presses on; what must end the force ends it, after 54 ms where a sensor freezes."""
     begun = time.perf_counter()
-    made = rig(tmp_path, "--fault", f"{fault}@8", "--seconds", "9.5", line=line)
+    when = "@8+1" if fault == "stale" else "@8"  # what waits must come some time
+    made = rig(tmp_path, "--fault", fault + when, "--seconds", "9.5", line=line)
     device = Device(made.port, secret=made.secret)
     press(device)
     report = drive(device, lambda _: time.perf_counter() - begun > 9.0)
