@@ -54,7 +54,7 @@ def test_three_fingertips_press_the_session_and_get_its_force(
     assert len([finger for finger in entry.fingers if finger]) == 3  # which the overlay draws
 
 
-@pytest.mark.once
+@pytest.mark.slow
 def test_an_inverse3_is_felt_on_suzanne_by_the_ten_steps_of_the_page(bpy: ModuleType, empty_file: ModuleType) -> None:
     """Steps 3 to 10 of docs/device.md; Shift is `hold_s`, and the hand is that of the bench: it pokes 22 mm deep."""
     from bl_ext.user_default.dimple.core.device.process import end, start
