@@ -11,7 +11,7 @@ from .readout import iface_
 
 _FIXED = {"options": set()}
 FULL = 0.95  # fraction of the peak force: a larger force is shown as full
-LATE_S = 0.001  # [s] one tick: an answer that takes longer acts at least one tick late
+LATE = 1.05  # mean delay, in ticks of the device, from which late answers make a wall 3 % softer or more
 
 
 class DeviceChoice:
@@ -103,7 +103,7 @@ def rows(report: object, material: bpy.types.PropertyGroup | None) -> list[tuple
     if report.link.name != "READY":
         return lines
     lines.append((iface_("Rate"), f"{report.rate:.0f} Hz"))
-    lines.append((iface_("Round Trip"), f"{1e3 * report.delay_p50:.2f} ms, 99 %: {1e3 * report.delay_p99:.2f} ms"))
+    lines.append((iface_("Delay"), f"{1e3 * report.delay:.2f} ms"))
     lines.append((iface_("Lost Frames"), f"{report.lost + report.unsent}"))
     for number, tip in enumerate(report.tips, start=1):
         force = sum(c * c for c in tip.force) ** 0.5
@@ -127,7 +127,7 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
     if softer:
         said = iface_("{} cannot be rendered without shaking, so the object feels softer than its material.")
         sentences.append(said.format(", ".join(softer)))
-        if report.delay_p99 > LATE_S:
+        if report.delay * report.rate > LATE:
             sentences.append(iface_("The device is answered late, which makes it softer still. Connect it by network."))
     if material and knee_force(material) > report.peak:
         sentences.append(iface_("At its knee the material needs more force than the device can exert."))

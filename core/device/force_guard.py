@@ -6,7 +6,6 @@ Small state machines that are given the time; every force of a fingertip passes 
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -84,50 +83,13 @@ class Switch:
 
 
 @dataclass(slots=True)
-class BadNumbers:
-    """A count of NaN and inf that were computed as forces."""
-
-    times: deque[float] = field(default_factory=lambda: deque(maxlen=limits.BAD_NUMBERS))
-
-    def count(self, now: float) -> None:
-        """Count one at a time [s]."""
-        self.times.append(now)
-
-    def too_many(self) -> bool:
-        """Return whether there were too many; if so, start the count again."""
-        many = len(self.times) == limits.BAD_NUMBERS and self.times[-1] - self.times[0] <= limits.LOST_TIME
-        if many:
-            self.times.clear()
-        return many
-
-
-@dataclass(slots=True)
-class Velocity:
-    """The velocity of a fingertip [m/s], low-pass filtered against the quantization of its converter."""
-
-    at: Vector | None = None
-    since: float = 0.0
-    speed: Vector = ZERO
-
-    def move(self, x: Vector, now: float) -> None:
-        """Take a position [m]."""
-        before, dt = self.at, now - self.since
-        self.at, self.since = x, now
-        if before and dt > 0:
-            speed = scaled(along(x, before, -1.0), 1 / dt)
-            self.speed = along(self.speed, along(speed, self.speed, -1.0), dt / (limits.SPEED_TIME + dt))
-
-    def stop(self) -> None:
-        """Forget the last position: the next one is not compared with it."""
-        self.at, self.speed = None, ZERO
-
-
-@dataclass(slots=True)
 class Guard:
     """The limits of one fingertip, with the state they need.
 
     peak, continuous: largest force, momentary and sustained (10 s rms) [N].
-    motion: velocity of the fingertip.
+    at: last position [m], None after one that is not trusted.
+    since: when it was taken [s].
+    speed: velocity of the fingertip [m/s], low-pass filtered against the quantization of its converter.
     passivity: energy balance of its force.
     sent: force that acts now [N].
     square: 10 s mean of its square [N2].
@@ -136,7 +98,9 @@ class Guard:
 
     peak: float
     continuous: float
-    motion: Velocity = field(default_factory=Velocity)
+    at: Vector | None = None
+    since: float = 0.0
+    speed: Vector = ZERO
     passivity: Passivity = field(default_factory=Passivity)
     sent: Vector = ZERO
     square: float = 0.0
@@ -152,18 +116,19 @@ class Guard:
             left: share of it at the end of the way, if the device lets go of an old command; energy that the hand gave
                 is counted with that share of the force, energy that it got with the whole.
         """
-        dt = now - self.motion.since if self.motion.at else 0.0
+        dt = max(now - self.since, 0.0) if self.at else 0.0
+        way = along(x, self.at or x, -1.0)
         acted = self.sent if acted is None else acted
-        if left < 1 and self.motion.at and dot(acted, along(x, self.motion.at, -1.0)) < 0:
-            acted = scaled(acted, left)
-        self.motion.move(x, now)
-        self.passivity.observe(acted, x, now)
-        self.square += (dot(self.sent, self.sent) - self.square) * min(max(dt, 0.0) / limits.RMS_TIME, 1.0)
+        self.passivity.observe(scaled(acted, left) if dot(acted, way) < 0 else acted, way)
+        if dt > 0:
+            self.speed = along(scaled(way, 1 / (limits.STATE_GAP + dt)), self.speed,
+                               limits.STATE_GAP / (limits.STATE_GAP + dt))  # fmt: skip
+        self.at, self.since = x, now
+        self.square += (dot(self.sent, self.sent) - self.square) * min(dt / limits.RMS_TIME, 1.0)
 
     def skip(self) -> None:
         """Skip a position: the next one is not compared with the last."""
-        self.motion.stop()
-        self.passivity.skip()
+        self.at, self.speed = None, ZERO
 
     def output(self, wanted: Vector, gain: float, dt: float) -> Vector:
         """Return the force [N] that may act for a wanted one; none if that is not a number."""
@@ -172,10 +137,8 @@ class Guard:
         left = self.passivity.want(wanted, dt)
         if gain <= 0:
             return self.zero()
-        speed = self.motion.speed
-        force = along(scaled(left, gain), speed, -limits.RAMP_DAMPING * (1 - gain))
-        force = self.passivity.damp(force, speed, dt)
-        force = self.passivity.afford(force, speed)
+        force = along(scaled(left, gain), self.speed, -limits.RAMP_DAMPING * (1 - gain))
+        force = self.passivity.damp(force, self.speed, dt)
         most = min(self.peak, limits.HARD_CEILING)
         if self.square >= self.continuous**2:
             most = min(most, self.continuous)
@@ -192,4 +155,4 @@ class Guard:
     @property
     def runs_away(self) -> bool:
         """Return whether the fingertip is faster than any hand."""
-        return not math.sqrt(dot(self.motion.speed, self.motion.speed)) <= limits.TOP_SPEED
+        return not length(self.speed) <= limits.TOP_SPEED

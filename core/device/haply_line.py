@@ -12,7 +12,6 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections import deque
 from dataclasses import replace
 from typing import Any, Final
 
@@ -38,14 +37,12 @@ class HaplyLine(SocketLine):
     def __init__(self, service: WebSocket, name: str) -> None:
         super().__init__(service.socket, name)
         self._service = service
-        self._decoder, self._pending = wire.Decoder(), b""
+        self._decoder = wire.Decoder()
         self._devices: list[str] = []  # their ids, in the order of the service
         self._is_new = False  # service 3.5 or later, which renamed a field
         self._hello: wire.Hello | None = None
-        self._session = self._states = self._ack = self._late = 0
+        self._session = self._states = self._ack = 0
         self._mode, self._asked = wire.IDLE, 0.0  # when the last message left [s]
-        self._waiting = 0.0  # when the oldest unanswered message left [s], 0: none
-        self._trips: deque[float] = deque(maxlen=1000)  # round trips [s]
         self._forces: wire.Nine = wire.NO_FORCE
 
     def read(self) -> bytes:
@@ -54,15 +51,12 @@ class HaplyLine(SocketLine):
             messages = self._service.read()
         except OSError as error:
             raise self._gone(error) from None
-        out, self._pending = self._pending, b""
-        for message in messages[-1:]:
-            try:
-                out += self._take(json.loads(message))
-            except DimpleError:
-                raise
-            except (AttributeError, KeyError, TypeError, ValueError) as error:
-                raise LineLost("The Haply service sent what is not understood: {error}.", error=repr(error)) from None
-        return out
+        try:
+            return self._take(json.loads(messages[-1])) if messages else b""
+        except DimpleError:
+            raise
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            raise LineLost("The Haply service sent what is not understood: {error}.", error=repr(error)) from None
 
     def write(self, data: bytes) -> bool:
         """Take the frames of the servo and set the forces; return False if these could not be sent."""
@@ -77,15 +71,12 @@ class HaplyLine(SocketLine):
                 self._mode = wire.ARMED  # the servo ramps the force
             elif isinstance(frame, wire.Disarm):
                 self._mode, self._forces, ask = wire.IDLE, wire.NO_FORCE, True
-            elif isinstance(frame, wire.Ping):
-                self._pending += wire.encode(self._report(frame))
         return self._ask() if ask and self._devices else True
 
     def _ask(self) -> bool:
         """Set the forces, which also requests the positions."""
         time.sleep(max(self._asked + INVERSE3.tick - time.perf_counter(), 0.0))
         self._asked = time.perf_counter()
-        self._waiting = self._waiting or self._asked
         field, force = "vector" if self._is_new else "values", [part * wire.FORCE_STEP for part in self._forces]
         devices = []
         for i, each in enumerate(self._devices):
@@ -105,10 +96,6 @@ class HaplyLine(SocketLine):
             self._devices = list(devices)[: wire.FINGERS]
             self._is_new = "preset" in devices[self._devices[0]].get("config", {})
             self._ask()
-        elif self._waiting:
-            self._trips.append(time.perf_counter() - self._waiting)
-            self._waiting = 0.0
-            self._late += self._trips[-1] > INVERSE3.tick
         out, hello, self._hello = b"", self._hello, None
         if hello:
             self._session = self._session % 255 + 1
@@ -132,12 +119,6 @@ class HaplyLine(SocketLine):
             self._session, self._states & 0xFFFF, self._ack, round(1e6 * time.perf_counter()) & 0xFFFFFFFF,
             (*words, *wire.NO_FORCE[len(words) :]), wire.DEADMAN_BUTTON * pressed, status,
         )  # fmt: skip
-
-    def _report(self, ping: wire.Ping) -> wire.LinkReport:
-        trips, n = sorted(self._trips) or [0.0], max(len(self._trips), 1)
-        p50, p99, longest = (min(round(1e6 * trips[i]), 0xFFFF) for i in (n // 2, 99 * n // 100, n - 1))
-        counts = self._states, self._states, self._late
-        return wire.LinkReport(self._session, ping.nonce, *counts, p50, p99, longest, 0, 0, 0, 0)
 
 
 def open_haply(path: str) -> HaplyLine:

@@ -18,12 +18,12 @@ RAMP_TIME = 0.5  # [s] from zero to full force: longer than a hand takes to let 
 RAMP_DAMPING = 3.0  # [N s/m] damping during the ramp: of the order of a device's own friction
 
 # how long each side may be silent
-TICK = 0.001  # [s] nominal tick, from which the times here follow; a device may have another (spec.py)
-STATE_GAP = 5 * TICK  # [s] without a STATE the force ends after this; also clock tolerance and longest time step
-SPEED_TIME = STATE_GAP  # [s] time constant of the speed filter: one converter bit per tick alone reads as 0.1 m/s
-LOST_TIME = 0.100  # [s] without a STATE the device then counts as lost; a surface of this age begins to fade
+TICK = 0.001  # [s] nominal tick (a device may have another, spec.py); also between two looks at line and lifeline
+# [s] without a STATE the force ends after this; also clock tolerance, longest time step, and time constant of the speed
+# filter, because one converter bit per tick alone reads as 0.1 m/s
+STATE_GAP = 5 * TICK
+LOST_TIME = 0.100  # [s] without a STATE a device is lost; a surface of this age begins to fade, and at twice it is gone
 ZERO_TIME = LOST_TIME / 4  # [s] without commands a device's own force must be zero by then
-FADE_TIME = 2 * LOST_TIME  # [s] age of a surface at which its force has faded to zero
 LEASE = 3 * LOST_TIME  # [s] the dead-man key counts as held this long after it was last seen down: a fade and a renewal
 ANSWER_TIME = 1.0  # [s] deadline for the answer of a device or servo, and for a process to end
 REFUSAL_TIME = ANSWER_TIME + 2 * LOST_TIME  # [s] wait for a device to arm; it refuses after ANSWER_TIME without quiet
@@ -33,7 +33,6 @@ QUIET_TIME = SLOWEST_FRAME  # [s] of quiet before arming; after this long withou
 # readings and messages that are not trusted
 FASTEST = 4 * TOP_SPEED  # [m/s] a fingertip that seems to move faster is a sensor error
 FAILED_TICKS = round(STATE_GAP / TICK)  # impossible readings in a row after which the sensor has failed
-BAD_NUMBERS = 3  # NaN or inf within LOST_TIME that disarm: a single one may be a truncated message
 FARTHEST = 10.0  # [m] a position farther away is an error
 STIFFEST = 1e6  # [N/m] a stiffer law is an error
 LEVEL = 1e-3  # largest deviation from 1 of a normal's squared length: rounding stays below, other vectors do not
@@ -42,21 +41,15 @@ LEVEL = 1e-3  # largest deviation from 1 of a normal's squared length: rounding 
 LOSS_FRAMES = round(ANSWER_TIME / TICK)  # number of STATEs in the lost share; it needs a tenth of them to mean anything
 LOSS_WARNS = 0.05  # lost share that warns: the force becomes rough
 LOSS_DISARMS = 0.30  # lost share that disarms: a force would be held for several ticks in a row
-PING_EVERY = ANSWER_TIME / 4  # [s] between two measurements of the delay, which changes with the load of the computer
+DELAY_TIME = ANSWER_TIME / 4  # [s] time constant of the mean delay: a few hundred answers, some of which are late
 
 # what can be rendered without giving energy
 PASSIVE_SHARE = 0.8  # share of the passive stiffness in use: the rest covers errors in estimates of friction and delay
 SIDEWAYS = 2 / 3  # tangential over normal stiffness: 2 (1 - nu) / (2 - nu) of a soft contact, nu = 1/2. Mindlin 1949
-GRAIN = 4e-4  # [m] segment of the path for which energy is counted: five times a 12-bit converter's noise at the tip
-MOST_DAMPING = 12.0  # [N s/m] of the passivity controller: a tenth of tip mass over tick; more would shake the tip
-ALLOWED = 5e-4  # [J] that a touch may give back beyond what it took: one segment of the path at 1.25 N
+MOST_DAMPING = 4 * RAMP_DAMPING  # [N s/m] of the passivity controller: a tenth of tip mass over tick; more would shake
+ALLOWED = 5e-4  # [J] that a touch may give back beyond what it took: two steps of a 12-bit converter at 1.25 N
 YIELD_ENERGY = ALLOWED / 2  # [J] each time this much more is given back, the force falls to 1/e
-SPARE = 4 * ALLOWED  # [J] reserve that is not given back after the device let go: energy is counted some segments late
-GRAIN_ENERGY = ALLOWED / 5  # [J] less than this is noise of the converters
-KNOWN_LATE = STATE_GAP + TICK  # [s] delay after which the energy of a force has been counted, and the force has ended
 
 # processes
-REPORT_EVERY = 2 * TICK  # [s] between two reports of the servo: the most they add to the age of Blender's positions
-POLL_TIME = TICK  # [s] between two looks at line and lifeline
 BLENDER_GONE = 10 * ANSWER_TIME  # [s] without an order: Blender has ended, if no pipe can be watched (Windows)
 PRIORITY = 10  # in the first-in-first-out class: above every ordinary process, below the system's own

@@ -75,7 +75,7 @@ class ServoReport(NamedTuple):
     wrong: frames refused by their CRC or form.
     stale: STATEs that arrived late or twice.
     rate: rate of the STATEs [1/s].
-    delay_p50, delay_p99: median and 99th percentile of the time from a STATE to the arrival of its answer [s].
+    delay: mean time from a position to the force that answers it [s].
     cap: largest stiffness to render [N/m].
     peak: largest force of a fingertip [N].
     note: "" or a sentence for the artist.
@@ -90,8 +90,7 @@ class ServoReport(NamedTuple):
     wrong: int = 0
     stale: int = 0
     rate: float = 0.0
-    delay_p50: float = 0.0
-    delay_p99: float = 0.0
+    delay: float = 0.0
     cap: float = 0.0
     peak: float = 0.0
     note: str = ""

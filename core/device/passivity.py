@@ -11,31 +11,19 @@ from dataclasses import dataclass, field
 from ..vectors import ZERO, Vector, along, dot, scaled
 from . import limits
 from .spec import Spec
-from .wire import ARMED, FINGERS, MODE, RAMP, DeviceState
+from .wire import FINGERS, MODE, RAMP, DeviceState
 
 Forces = tuple[Vector, ...]
-
-
-def _is_far(x: Vector, before: Vector) -> bool:
-    way = along(x, before, -1.0)
-    return dot(way, way) > limits.GRAIN**2
 
 
 @dataclass(slots=True)
 class Passivity:
     """The energy that a fingertip's force took from the hand; the force is damped if it gave back more.
 
-    Energy is counted by segments of the path longer than the noise of the converters: the force follows their noise,
-    and counted tick by tick that would look like energy (K sigma^2 per tick).
-
     stored: energy taken minus energy given in this touch [J].
     least: minimum of `stored` so far [J].
-    idle_since: when the force became zero [s].
-    at: last position [m].
-    begin: start of the current segment [m].
-    total: sum of the forces along it [N].
-    count: number of those forces.
-    share: of a wanted force that is left, less than 1 once the touch gave back too much.
+    left: share of a force that device and simulation let act; where that falls, a fingertip sinks in.
+    share: of a wanted force that is left, less than 1 once the touch gave back too much, or after `left` was.
     floor: stored energy below which the share falls [J].
     owed: stored energy above which the share recovers: the hand has paid by pressing on [J].
     unwanted: how long no force has been wanted [s].
@@ -45,65 +33,37 @@ class Passivity:
 
     stored: float = 0.0
     least: float = 0.0
-    idle_since: float | None = None
-    at: Vector | None = None
-    begin: Vector | None = None
-    total: Vector = ZERO
-    count: int = 0
+    left: float = 1.0
     share: float = 1.0
     floor: float = -limits.ALLOWED
     owed: float = -limits.ALLOWED
     unwanted: float = 0.0
 
-    def observe(self, force: Vector, x: Vector, now: float) -> None:
-        """Take the force [N] that acted until the fingertip reached x [m]."""
-        if self.at and self.count and _is_far(x, self.at):  # a long step is a segment of its own, with its own force
-            self._count(self.at)
-        self.total, self.count, self.at = along(self.total, force, 1.0), self.count + 1, x
-        if self.begin is None or _is_far(x, self.begin):
-            self._count(x)
-        if force != ZERO:
-            self.idle_since = None
-        elif self.idle_since is None:
-            self.idle_since = now
-        elif now - self.idle_since > limits.QUIET_TIME:
-            self.stored = min(self.stored, 0.0)  # energy dissipated in this touch is no credit for the next
-
-    def _count(self, x: Vector) -> None:
-        """Count the energy of the current segment, which ends at x [m]."""
-        self.stored -= dot(self.total, along(x, self.begin or x, -1.0)) / self.count
+    def observe(self, force: Vector, way: Vector) -> None:
+        """Take the force [N] that acted on a way of the fingertip [m]."""
+        self.stored -= dot(force, way)
         self.least = min(self.least, self.stored)
         if self.stored < self.floor:
             self.share *= math.exp((self.stored - self.floor) / limits.YIELD_ENERGY)
             self.floor = self.stored
-        self.begin, self.total, self.count = x, ZERO, 0
-
-    def skip(self) -> None:
-        """Drop the current segment, because a sensor failed."""
-        self.at, self.begin, self.total, self.count = None, None, ZERO, 0
-
-    def lose(self) -> None:
-        """Note that the device let go: a fingertip that sank in gets back no more energy than the hand gave."""
-        self.floor = min(limits.SPARE, self.stored - limits.GRAIN_ENERGY)
-        self.owed = max(self.owed, self.floor)
 
     def want(self, force: Vector, dt: float) -> Vector:
         """Return what is left of a force [N] wanted for a time [s]; after a while without one the touch is over.
 
-        A reduced force recovers as slowly as the force after arming; a sudden recovery would push the hand.
+        A reduced force recovers as slowly as the force after arming; a sudden recovery would push the hand. Energy that
+        is dissipated in one touch is no credit for the next.
         """
         self.unwanted = 0.0 if force != ZERO else self.unwanted + dt
+        if self.left < 1:  # a fingertip that sinks in gets back no more than the hand gave
+            self.owed = max(self.owed, min(self.stored - limits.ALLOWED, limits.ALLOWED))
+            self.floor = max(self.floor, self.owed)
         if self.unwanted > limits.QUIET_TIME:
-            self.share, self.floor = 1.0, min(self.stored, 0.0) - limits.ALLOWED
-            self.owed = self.floor
+            self.share, self.stored = 1.0, min(self.stored, 0.0)
+            self.owed = self.floor = self.stored - limits.ALLOWED
         elif self.share < 1 and self.stored > self.owed:
             self.share, self.floor = min(self.share + dt / limits.RAMP_TIME, 1.0), self.owed
+        self.share = min(self.share, self.left)
         return scaled(force, self.share)
-
-    def afford(self, force: Vector, speed: Vector) -> Vector:
-        """Return the force [N], less if at a speed [m/s] it would overspend the energy left before that is counted."""
-        given, left = limits.KNOWN_LATE * dot(force, speed), max(self.stored - self.floor, 0.0)
-        return scaled(force, left / given) if given > left else force
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
         """Return the force [N], damped so that excess energy is taken back."""
@@ -119,39 +79,44 @@ class SentForces:
 
     The device ramps its force by itself after its dead-man switch was released, even by the command sent in a silence.
 
-    sent: forces by sequence number of their command [N]; commands that release the dead-man switch are left out.
+    sent: forces by sequence number of their command [N], None if it releases the dead-man switch; and when the STATE
+        that it answers was sent, on the device's clock [us].
+    delay: mean time from a position to the force that answers it [s].
     since: when the device first acknowledged the acting command, on its clock [s].
     ramp_since: when its ramp began, if it is ramping, on its clock [s].
     """
 
-    sent: dict[int, Forces] = field(default_factory=dict)
+    sent: dict[int, tuple[Forces | None, int]] = field(default_factory=dict)
+    delay: float = 2 * limits.TICK  # until it is measured
     since: float = 0.0
     ramp_since: float = 0.0
 
-    def send(self, seq: int, forces: Forces | None) -> None:
-        """Take the forces [N] of a command that is sent, None if it releases the dead-man switch."""
+    def send(self, seq: int, forces: Forces | None, t_us: int) -> None:
+        """Take a command that is sent, see `sent`."""
         self.sent.pop(seq - 0x100 & 0xFFFF, None)  # older than a device can acknowledge
-        if forces:
-            self.sent[seq] = forces
+        self.sent[seq] = forces, t_us
 
-    def restarts_ramp(self, before: DeviceState | None, state: DeviceState) -> bool:
-        """Return whether the device's ramp started again after the previous STATE."""
-        was_armed = before is not None and before.status & MODE == ARMED
-        return state.status & MODE == RAMP and (was_armed or state.ack not in self.sent)
+    def measure(self, state: DeviceState, tick: float) -> None:
+        """Measure the delay: the acknowledged force acts from this tick [s] on, and answers an earlier STATE."""
+        if state.ack in self.sent:
+            delay = (state.t_us - self.sent[state.ack][1] & 0xFFFFFFFF) * 1e-6
+            self.delay += (delay - self.delay) * min(tick / limits.DELAY_TIME, 1.0)
+
+    def _forces(self, state: DeviceState) -> Forces | None:
+        return self.sent.get(state.ack, (None, 0))[0]
 
     def between(self, spec: Spec, before: DeviceState | None, state: DeviceState, now: float) -> tuple[Forces, float]:
         """Return the forces [N] that acted between two STATEs, and the share of them that is left at the second.
 
         now: time of the second STATE, on the device's clock [s].
         """
-        none = (ZERO,) * FINGERS
-        acted = self.sent.get(before.ack, none) if before else none
+        acted = before and self._forces(before) or (ZERO,) * FINGERS
         if before and before.status & MODE == RAMP:
             gain = min((now - self.ramp_since) / limits.RAMP_TIME, 1.0)
             acted = tuple([scaled(force, gain) for force in acted])
         left = spec.left(now - self.since)
         if before is None or state.ack != before.ack:
             self.since = now
-        if state.status & MODE != RAMP or state.ack not in self.sent:
+        if state.status & MODE != RAMP or self._forces(state) is None:
             self.ramp_since = now
         return acted, left

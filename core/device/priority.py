@@ -24,19 +24,14 @@ def keep_processors_awake() -> int | None:
     return held
 
 
-def request_priority() -> str:
-    """Request priority; return what was granted: "real time", "nice" or "".
+def request_priority() -> bool:
+    """Request real-time priority; return whether it was granted.
 
     On Windows the parent requests it when it starts the process (process.start); elsewhere an ordinary account may be
     refused.
     """
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
-        return "real time"
+        return True
     except (AttributeError, OSError):
-        pass
-    try:
-        os.setpriority(os.PRIO_PROCESS, 0, -20)  # the highest priority
-        return "nice"
-    except (AttributeError, OSError):
-        return ""
+        return False

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from ..material import law_force
 from ..vectors import ZERO, Vector, along, capped, dot, is_finite, scaled
-from .limits import FADE_TIME, FARTHEST, LEVEL, LOST_TIME, PASSIVE_SHARE, SIDEWAYS, SLOWEST_FRAME, STATE_GAP, STIFFEST
+from .limits import FARTHEST, LEVEL, LOST_TIME, PASSIVE_SHARE, SIDEWAYS, SLOWEST_FRAME, STATE_GAP, STIFFEST
 
 FINE = 1e-4  # [m] between two depths at which the slope of a law is evaluated: 0.1 N at 1 N/mm
 
@@ -124,7 +124,7 @@ def left_at(age: float) -> float:
     """Return the share of the force that is left at an age [s] of its surface: if the simulation hangs, it fades."""
     if age < -STATE_GAP:
         return 0.0  # from the future: a stamp of another clock
-    return min(max((FADE_TIME - age) / (FADE_TIME - LOST_TIME), 0.0), 1.0)
+    return min(max(2 - age / LOST_TIME, 0.0), 1.0)
 
 
 @dataclass(slots=True)
@@ -165,7 +165,7 @@ class Contact:
         jump = scaled(self.jump, 1 - age / self.frame) if age < self.frame else ZERO
         if self.surface is None:
             return jump
-        whole = along(jump, self._press(self.surface, x), left_at(now - self.surface.stamp))
+        whole = along(jump, self._press(self.surface, x), 1.0)
         # the remainder of the previous force must not pull inwards
         return along(whole, self.surface.normal, -min(dot(whole, self.surface.normal), 0.0))
 

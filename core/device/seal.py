@@ -8,12 +8,16 @@ A datagram by anybody else or for another session is dropped, and so is a replay
 from __future__ import annotations
 
 import hmac
+import math
 import secrets
 import struct
+import time
 from hashlib import blake2s
 from typing import Final
 
-NOBODY: Final = bytes(8)  # stands for an end whose number is not known yet
+from .limits import LOST_TIME
+
+NOBODY: Final = bytes(8)  # stands for an end whose number is not known
 SHORTEST_SECRET: Final = 16  # [characters] 64 bits if they are hexadecimal
 _HEAD: Final = struct.Struct("<8s8sQ")
 _MAC_SIZE: Final = 16
@@ -24,17 +28,21 @@ class Seal:
 
     Args:
         secret: text that both ends know.
+
+    Attributes:
+        heard: when the other end was last heard [s]; one that is silent may have started again, under a new number.
     """
 
     def __init__(self, secret: str) -> None:
         self._key = blake2s(secret.encode()).digest()
-        self.own, self.other, self._count = secrets.token_bytes(8), NOBODY, 0
+        self.own, self.other, self._count, self.heard = secrets.token_bytes(8), NOBODY, 0, -math.inf
         self._newest: dict[bytes, int] = {}  # last sequence number taken from each sending end
 
     def close(self, frames: bytes) -> bytes:
         """Return frames as a datagram for the other end."""
         self._count += 1
-        body = _HEAD.pack(self.other, self.own, self._count) + frames
+        other = self.other if time.monotonic() - self.heard < LOST_TIME else NOBODY
+        body = _HEAD.pack(other, self.own, self._count) + frames
         return body + self._mac(body)
 
     def open(self, datagram: bytes) -> bytes:
@@ -47,7 +55,7 @@ class Seal:
         if not self._is_mine(to) or count <= newest or (newest and other != self.other):
             return b""
         self.other = other  # a new end may take over; the one that it replaced is refused from now on
-        self._newest[other] = count
+        self._newest[other], self.heard = count, time.monotonic()
         return body[_HEAD.size :]
 
     def _is_mine(self, to: bytes) -> bool:

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from ..errors import DimpleError
 from ..messages import Message
-from .limits import POLL_TIME
+from .limits import TICK
 
 WINDOWS: Final = os.name == "nt"
 EDGE_TRIGGERED: Final = hasattr(select, "epoll")
@@ -56,7 +56,7 @@ class SerialLine:
                 return bool(select.select([self._port.fileno()], [], [], seconds)[0])
             end = time.perf_counter() + seconds
             while not self._port.in_waiting and time.perf_counter() < end:
-                time.sleep(POLL_TIME / 2)
+                time.sleep(TICK / 2)
             return bool(self._port.in_waiting)
         except self._lost as error:
             raise self._gone(error) from None

@@ -13,12 +13,12 @@ from ..material import NOTICEABLE_FORCE
 from ..messages import Message
 from ..vectors import ZERO, Vector, is_finite, length
 from . import limits, wire
-from .force_guard import Arming, BadNumbers, Guard, Switch
+from .force_guard import Arming, Guard, Switch
 from .notes import BAD_FORCE, FAULTS, LOSSY, NO_ANSWER, NO_STATES, SILENT, STOOD_STILL, TOO_FAST, WAS_SILENT, YIELDS
 from .orders import LinkState, Order, ServoReport, TipState
 from .passivity import SentForces
 from .received import Received
-from .rendered_surface import Surface, is_sane, stiffness_cap
+from .rendered_surface import Surface, is_sane, left_at, stiffness_cap
 from .servo_finger import ServoFinger
 from .spec import Spec, spec_of
 
@@ -42,52 +42,43 @@ class Servo:
         self._nonce, self._taken = nonce, Order()
         self._surfaces: tuple[Surface | None, ...] = ()
         self._decoder, self._session, self._seq = wire.Decoder(), -1, 0
-        self._began = self._asked = self._pinged = -math.inf
+        self._began = self._asked = -math.inf
         self._fingers = self._make_fingers()
-        self._switch, self._bad, self._received = Switch(), BadNumbers(), Received()
+        self._switch, self._received = Switch(), Received()
+        self._is_bad = False  # a surface or force was not a number
         self._old_fault = False  # the device's latched fault precedes the request to arm, and may be cleared
         self._state: wire.DeviceState | None = None
         self._heard = self._device_time = 0.0  # when the last STATE arrived, on our clock and on the device's [s]
-        self._measured: wire.LinkReport | None = None
-        self._late = 0.0  # share of the recent STATEs that had no answer within a tick
+        self._answered = 0.0  # when the last STATE was answered, on the device's clock [s]
+        self._left, self._steady = 1.0, True  # share of the force that the device lets act; time passed normally
         self._sent = SentForces()
         self.unsent = 0
-        self.cap = stiffness_cap(self.spec.viscous, self.spec.tick, self.delay)
+        self.cap = self._stiffest()
 
     def _make_fingers(self) -> list[ServoFinger]:
         peak, continuous = self.spec.peak_force, self.spec.continuous_force
         return [ServoFinger(guard=Guard(peak, continuous)) for _ in range(self.spec.fingers)]
 
-    @property
-    def delay(self) -> float:
-        """Return the mean delay t_d [s] from sensor to motor: a force acts from the device's next tick on.
-
-        A late answer acts later by the 99th percentile of the round trip, in whole ticks. The energy that a delayed
-        wall gives grows with the mean delay. Until it is measured, two ticks are assumed.
-        """
-        tick = self.spec.tick
-        if not self._measured:
-            return 2 * tick
-        return tick * (1 + self._late * max(math.ceil(self._measured.rtt_p99_us * 1e-6 / tick) - 1, 1))
+    def _stiffest(self) -> float:
+        """Return the largest stiffness [N/m] that the delay allows."""
+        return stiffness_cap(self.spec.viscous, self.spec.tick, self._sent.delay)
 
     def step(self, now: float, incoming: bytes) -> bytes:
         """Take the bytes that have arrived by a time [s]; return those to send."""
         if self._began == -math.inf:
             self._began = now
-        newest = None
+        news = False
         for frame in self._decoder.feed(incoming):
             if isinstance(frame, wire.DeviceState):
-                newest = self._newer(frame, newest, now)
+                news |= self._take_state(frame, now)
             elif isinstance(frame, wire.Info) and frame.nonce == self._nonce and self.link in UNCONNECTED:
                 self._take_info(frame, now)
             elif isinstance(frame, wire.Fault) and frame.session == self._session:
                 self._take_fault(frame)
-            elif isinstance(frame, wire.LinkReport) and frame.session == self._session and frame.answered:
-                self._measure(frame)
         if self.link is not LinkState.READY:
             return self._send_hello(now)
         out = self._take_requests()
-        return out + (self._answer(newest, now) if newest else self._handle_silence(now)) + self._ping(now)
+        return out + (self._answer(now) if news else self._handle_silence(now))
 
     def close(self) -> bytes:
         """Return the last frames: no force, and a DISARM."""
@@ -98,7 +89,7 @@ class Servo:
 
     def report(self) -> ServoReport:
         """Return the state of device and link."""
-        measured, received = self._measured, self._received
+        received = self._received
         warning = Message(LOSSY, share=received.lost_share) if received.lost_share > limits.LOSS_WARNS else ""
         least = min((finger.guard.passivity.share for finger in self._fingers), default=1.0)
         if self._switch.arming is Arming.ON and least < 1 - NOTICEABLE_FORCE[0]:
@@ -106,9 +97,8 @@ class Servo:
         return ServoReport(
             link=self.link, arming=self._switch.arming, states=received.taken, lost=received.missing,
             unsent=self.unsent, wrong=self._decoder.refused, stale=received.stale, rate=received.rate,
-            delay_p50=measured.rtt_p50_us * 1e-6 if measured else 0.0,
-            delay_p99=measured.rtt_p99_us * 1e-6 if measured else 0.0,
-            cap=self.cap, peak=self.spec.peak_force, note=self.note or self._switch.reason or warning,
+            delay=self._sent.delay, cap=self.cap, peak=self.spec.peak_force,
+            note=self.note or self._switch.reason or warning,
             tips=tuple(
                 TipState(f.at, f.guard.sent, f.guard.passivity.least, f.bad > 0 or not f.known, f.guard.full)
                 for f in self._fingers
@@ -139,31 +129,33 @@ class Servo:
             return
         self._fingers, self._surfaces = self._make_fingers(), ()
         self.link, self.note, self._session = LinkState.READY, "", info.session
-        self._state, self._measured, self._heard = None, None, now
+        self._state, self._sent, self._heard = None, SentForces(delay=2 * self.spec.tick), now
         self._taken = self.order  # earlier requests are not meant for this session
         self._received.restart()
 
-    def _newer(self, state: wire.DeviceState, newest: wire.DeviceState | None, now: float) -> wire.DeviceState | None:
-        """Return the newer of two STATEs; the older one is dropped."""
-        last = newest or self._state
+    def _take_state(self, state: wire.DeviceState, now: float) -> bool:
+        """Take a STATE: where the fingertips are, and what the last forces did; return False if it is not new."""
+        before = self._state
         if state.session != self._session:
-            return newest
-        if last and not wire.seq_newer(state.seq, last.seq):
+            return False
+        if before and not wire.seq_newer(state.seq, before.seq):
             self._received.stale += 1
-            return newest
-        self._received.take((state.seq - last.seq - 1) & 0xFFFF if last else 0, now)
+            return False
+        ticks = (state.seq - before.seq) & 0xFFFF if before else 1
+        dt = ((state.t_us - before.t_us) & 0xFFFFFFFF) * 1e-6 if before else self.spec.tick
+        silent, self._heard = now - self._heard if before else 0.0, now
+        self._steady &= 0 < dt <= limits.LOST_TIME and silent <= limits.LOST_TIME
+        self._device_time += dt
+        self._received.take(ticks - 1, now)
+        self._sent.measure(state, self.spec.tick)
         self._old_fault &= state.status & wire.MODE == wire.FAULT
-        return state
-
-    def _measure(self, report: wire.LinkReport) -> None:
-        """Compute the share of the STATEs since the last REPORT that had no answer within a tick."""
-        before = self._measured or report._replace(ticks=0, answered=0, late=0)
-        ticks, answered, late = ((a - b) & 0xFFFFFFFF for a, b in zip(report[2:5], before[2:5], strict=True))
-        if ticks:
-            least = 0.5 if report.rtt_p50_us * 1e-6 > self.spec.tick else 0.0  # at least half are late then
-            # the answer to one STATE is still on its way
-            self._late = min(max(1 - (answered - late + 1) / ticks, least), 1.0)
-        self._measured = report
+        acted, self._left = self._sent.between(self.spec, before, state, self._device_time)
+        for i, finger in enumerate(self._fingers):
+            masked = bool(state.status & wire.MASKED << i)
+            finger.sense(state.place[3 * i : 3 * i + 3], masked, self.spec.tick * ticks, self._device_time, acted[i],
+                         self._left)  # fmt: skip
+        self._state = state
+        return True
 
     def _take_requests(self) -> bytes:
         """Take new requests to arm and to disarm; return the frames they need."""
@@ -180,31 +172,21 @@ class Servo:
         if self._switch.arming is not Arming.WAITING or not (self._old_fault or fault.code == wire.FAULT_ARM_REFUSED):
             self._stop(FAULTS.get(fault.code, "The device disarmed itself."))
 
-    def _answer(self, state: wire.DeviceState, now: float) -> bytes:
-        """Return the forces for a STATE."""
-        silent, before = now - self._heard, self._state
-        self._state, self._heard = state, now
-        ticks = (state.seq - before.seq) & 0xFFFF if before else 1
-        dt = ((state.t_us - before.t_us) & 0xFFFFFFFF) * 1e-6 if before else self.spec.tick
-        steady = 0 < dt <= limits.LOST_TIME and (silent <= limits.LOST_TIME or before is None)
-        self._device_time += dt
-        acted, left = self._sent.between(self.spec, before, state, self._device_time)
-        for i, finger in enumerate(self._fingers):
-            masked = bool(state.status & wire.MASKED << i)
-            since = self.spec.tick * max(ticks, 1)
-            finger.sense(state.place[3 * i : 3 * i + 3], masked, since, self._device_time, acted[i], left)
+    def _answer(self, now: float) -> bytes:
+        """Return the forces for the newest STATE."""
+        state, dt = self._state, self._device_time - self._answered
+        assert state
+        self._answered = self._device_time
         self._take_surfaces(now)
         # a simulation that hangs counts as a released key; quiet is judged only on surfaces that do not yet fade
         oldest = limits.LOST_TIME if self._switch.arming is Arming.WAITING else limits.LEASE
         held = self.order.is_held(now) or bool(state.buttons & wire.DEADMAN_BUTTON)
         held = held and self.order.is_fresh(now, oldest)
-        out = self._check(steady)
+        out, self._steady = self._check(), True
         device_on = state.status & wire.MODE in (wire.RAMP, wire.ARMED)
-        lost_force = not device_on or left < 1 or self._sent.restarts_ramp(before, state)
-        faded = not self.order.is_fresh(now, limits.LOST_TIME)
-        if (lost_force or faded) and self._switch.arming in (Arming.RAMP, Arming.ON):
-            for finger in self._fingers:
-                finger.guard.passivity.lose()
+        left = min([self._left * device_on, *(left_at(now - surface.stamp) for surface in self._surfaces if surface)])
+        for finger in self._fingers:
+            finger.guard.passivity.left = left
         out += self._update_forces(now, min(dt, limits.STATE_GAP), held=held, device_on=device_on)
         words = [word for finger in self._fingers for word in finger.command()]
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held
@@ -217,23 +199,20 @@ class Servo:
         if self.order.surfaces is self._surfaces:
             return
         before, self._surfaces = self._surfaces, self.order.surfaces
-        cap = stiffness_cap(self.spec.viscous, self.spec.tick, self.delay)
+        cap = self._stiffest()
         if cap < self.cap or all(finger.guard.sent == ZERO for finger in self._fingers):
             self.cap = cap
         if self._surfaces == before:  # only the key was renewed
             return
         for finger, surface in zip(self._fingers, self._surfaces, strict=False):
             if surface and not is_sane(surface):
-                surface = None
-                self._bad.count(now)
+                surface, self._is_bad = None, True
             finger.contact.take(surface, finger.at, now, self.cap)
 
     def _update_forces(self, now: float, dt: float, *, held: bool, device_on: bool) -> bytes:
         """Give each finger its force; return the ARM frame if it is due."""
         wanted: list[Vector] = [finger.contact.force(finger.at, now) for finger in self._fingers]
-        for force in wanted:
-            if not is_finite(force):
-                self._bad.count(now)
+        self._is_bad |= not all(map(is_finite, wanted))
         asked = self._switch.arming is Arming.ASKED
         gain = self._switch.gain(max(map(length, wanted)), now, held=held, device_on=device_on)
         for finger, force in zip(self._fingers, wanted, strict=True):
@@ -244,9 +223,9 @@ class Servo:
         new = self._switch.arming is Arming.ASKED and not asked
         return wire.encode(wire.Arm(self._session)) if new else b""
 
-    def _check(self, steady: bool) -> bytes:
-        """Disarm if a limit is exceeded; return the frame.  steady: time passed normally, here and on the device."""
-        if not steady:
+    def _check(self) -> bytes:
+        """Disarm if a limit is exceeded; return the frame."""
+        if not self._steady:
             return self._end(STOOD_STILL, wire.FAULT_LINK)
         if any(finger.bad >= limits.FAILED_TICKS for finger in self._fingers):
             for finger in self._fingers:
@@ -254,7 +233,8 @@ class Servo:
             return self._end(FAULTS[wire.FAULT_SENSOR], wire.FAULT_SENSOR)
         if any(finger.guard.runs_away for finger in self._fingers):
             return self._end(TOO_FAST, wire.FAULT_SPEED)
-        if self._bad.too_many():
+        is_bad, self._is_bad = self._is_bad, False
+        if is_bad:
             return self._end(BAD_FORCE, wire.FAULT_HOST)
         if self._received.lost_share > limits.LOSS_DISARMS:
             return self._end(FAULTS[wire.FAULT_LINK], wire.FAULT_LINK)
@@ -295,13 +275,8 @@ class Servo:
     def _command(self, force: tuple[int, ...], flags: int = 0) -> bytes:
         self._seq = (self._seq + 1) & 0xFFFF
         held = flags & wire.DEADMAN
-        self._sent.send(self._seq, tuple([finger.guard.sent for finger in self._fingers]) if held else None)
-        echo = self._state.seq if self._state else 0
+        forces = tuple([finger.guard.sent for finger in self._fingers]) if held else None
+        echo, t_us = (self._state.seq, self._state.t_us) if self._state else (0, 0)
+        self._sent.send(self._seq, forces, t_us)
         ttl = round(1e3 * self.spec.hold)
         return wire.encode(wire.Command(self._session, self._seq, echo, force, flags, ttl))
-
-    def _ping(self, now: float) -> bytes:
-        if now - self._pinged < limits.PING_EVERY:
-            return b""
-        self._pinged = now
-        return wire.encode(wire.Ping(self._session, self._seq))

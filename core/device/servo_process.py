@@ -19,7 +19,7 @@ from ..errors import DimpleError
 from . import priority
 from .haply_line import PREFIX as HAPLY
 from .haply_line import open_haply
-from .limits import BLENDER_GONE, POLL_TIME, REPORT_EVERY, STATE_GAP
+from .limits import BLENDER_GONE, STATE_GAP, TICK
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .orders import LinkState, ServoReport, pack_report, unpack_order
 from .process import SECRET
@@ -98,7 +98,7 @@ def serve(servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float]
         if out:
             servo.unsent += not line.write(out)
             box.post_sample(servo.sample())
-        if now - posted > REPORT_EVERY or servo.link is LinkState.REFUSED:
+        if now - posted > 2 * TICK or servo.link is LinkState.REFUSED:
             posted = now
             box.post(FROM_SERVO, pack_report(servo.report()))
         if servo.link is LinkState.REFUSED:
@@ -117,7 +117,7 @@ def listener(line: SerialLine) -> Callable[[float], bytes | None]:
     if WINDOWS:
 
         def by_orders(ordered: float) -> bytes | None:
-            line.wait(POLL_TIME)
+            line.wait(TICK)
             return line.read() if time.perf_counter() - ordered < BLENDER_GONE else None
 
         return by_orders
@@ -126,7 +126,7 @@ def listener(line: SerialLine) -> Callable[[float], bytes | None]:
     poller = Poller(port, stdin)
 
     def by_pipe(_ordered: float) -> bytes | None:
-        ready = poller.wait(POLL_TIME)
+        ready = poller.wait(TICK)
         if stdin in ready and not os.read(stdin, 4096):
             return None
         return line.read() if port in ready else b""

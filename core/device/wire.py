@@ -98,13 +98,6 @@ class Disarm(NamedTuple):
     reason: int
 
 
-class Ping(NamedTuple):
-    """PING, from the host: request a REPORT."""
-
-    session: int
-    nonce: int
-
-
 class Fault(NamedTuple):
     """FAULT, from the device: sent at once, then every 100 ms while the fault is latched."""
 
@@ -114,27 +107,7 @@ class Fault(NamedTuple):
     seq: int
 
 
-class LinkReport(NamedTuple):
-    """REPORT, from the device, answers a PING of the same nonce: the link, measured on the device's clock.
-
-    The round trips are those of the last 1000 STATEs, from the tick until the answer to it or a newer one has arrived.
-    """
-
-    session: int
-    nonce: int
-    ticks: int
-    answered: int
-    late: int
-    rtt_p50_us: int
-    rtt_p99_us: int
-    rtt_max_us: int
-    wire_us: int
-    bad: int
-    stale: int
-    lost: int
-
-
-Frame = DeviceState | Command | Hello | Info | Arm | Disarm | Ping | Fault | LinkReport
+Frame = DeviceState | Command | Hello | Info | Arm | Disarm | Fault
 
 _TYPES: Final[dict[type, tuple[int, struct.Struct]]] = {
     DeviceState: (0x11, struct.Struct("<BBHHI9hBB")),
@@ -143,9 +116,7 @@ _TYPES: Final[dict[type, tuple[int, struct.Struct]]] = {
     Info: (0x14, struct.Struct("<BHBBBBHBBBHHBH")),
     Arm: (0x15, struct.Struct("<BB")),
     Disarm: (0x16, struct.Struct("<BBB")),
-    Ping: (0x17, struct.Struct("<BBH")),
     Fault: (0x18, struct.Struct("<BBBBH")),
-    LinkReport: (0x19, struct.Struct("<BBHIIIHHHHHHH")),
 }
 _NESTED: Final = {DeviceState: (5, 14), Command: (4, 13)}  # range of numbers that form one field
 

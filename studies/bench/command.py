@@ -25,7 +25,7 @@ from .faulty_emulator import FaultyEmulator, SessionRoundTrips, TraceRow
 from .hand import load_hand, poking_hand
 from .haply_service import HaplyService, run_service
 from .network import DeviceLine
-from .numbers import load_emulated
+from .numbers import BITS_A_BYTE, load_emulated
 from .round_trips import percentiles
 
 MODES = ("idle", "arming", "ramp", "armed", "brake", "fault")
@@ -113,7 +113,13 @@ def _run_service(options: argparse.Namespace) -> int:
     hand = load_hand(options.hand) if options.hand else poking_hand()
     service = HaplyService(options.haply, load_emulated(options.device), hand=hand, trace=trace)
     print(f"Three Inverse3 (emulated) at haply:{options.haply}", flush=True)
-    run_service(service, sys.stdin.fileno() if options.lifeline else None, options.seconds)
+    granted = run_service(service, sys.stdin.fileno() if options.lifeline else None, options.seconds)
+    if options.json:
+        late = sum(gap > service.spec.tick for gap in service.gaps) / max(len(service.gaps), 1)
+        record = dict(zip(("rtt_p50_us", "rtt_p99_us", "rtt_max_us"), percentiles(service.gaps), strict=True))
+        record = {name: 1e6 * gap for name, gap in record.items()}
+        record |= {"real_time": float(granted), "late_share": late, "wire_us": 0.0, "lost": 0.0, "bad": 0.0}
+        options.json.write_text(json.dumps(record), encoding="utf-8")
     if options.trace:
         with options.trace.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows([COLUMNS, *trace])
@@ -125,8 +131,9 @@ def measured(emulator: FaultyEmulator) -> dict[str, float | str]:
     link, firmware = emulator.firmware.link, emulator.firmware
     record: dict[str, float | str] = {"mode": MODES[firmware.mode], "fault": firmware.code, "ticks": 0}
     if isinstance(link, SessionRoundTrips) and link.ticks:
-        report = link.report(0, emulator.decoder.refused, emulator.baud)
-        record |= {name: getattr(report, name) for name in ("answered", "wire_us", "bad", "stale", "lost")}
+        bits = BITS_A_BYTE * (wire.size(wire.DeviceState) + wire.size(wire.Command))
+        record |= {name: getattr(link, name) for name in ("answered", "stale", "lost")}
+        record |= {"bad": emulator.decoder.refused, "wire_us": 1e6 * bits / emulator.baud if emulator.baud else 0}
         names = ("rtt_p50_us", "rtt_p99_us", "rtt_max_us")  # of the whole session, not of its last second
         record |= dict(zip(names, percentiles(link.trips.elements()), strict=True))
         # ticks after the host's last answer are not late answers

@@ -93,7 +93,7 @@ class Emulator:
         return self.firmware.mode
 
     def _make_firmware(self, session: int) -> Firmware:
-        return Firmware(self.spec, baud=self.baud, session=session)
+        return Firmware(self.spec, session=session)
 
     def _make_lines(self) -> tuple[EmulatedLine, EmulatedLine]:
         """Return the line to the device and the line to the host."""
@@ -112,7 +112,7 @@ class Emulator:
 
     def _receive(self, now: float) -> None:
         for frame in self.decoder.feed(self._in.take(now)):
-            self._send(self.firmware.receive(frame, now, self.decoder.refused), now)
+            self._send(self.firmware.receive(frame, now), now)
 
     def _send(self, frames: list[wire.Frame], now: float) -> None:
         for frame in frames:

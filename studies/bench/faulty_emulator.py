@@ -107,8 +107,8 @@ class SessionRoundTrips(RoundTrips):
 class FaultyFirmware(Firmware):
     """A firmware that stalls, whose sensors fail, and which may be of another version."""
 
-    def __init__(self, spec: EmulatedSpec, faults: Sequence[InjectedFault], *, baud: int, session: int) -> None:
-        super().__init__(spec, baud=baud, session=session)
+    def __init__(self, spec: EmulatedSpec, faults: Sequence[InjectedFault], *, session: int) -> None:
+        super().__init__(spec, session=session)
         self._faults = faults
         self._next_tick = 0.0  # [s]
         self._frozen: dict[int, list[int]] = {}  # finger: its readings when it froze
@@ -116,9 +116,9 @@ class FaultyFirmware(Firmware):
             if fault.name == "version":
                 self.protocol = (int(fault.value), wire.PROTOCOL[1])
 
-    def receive(self, frame: wire.Frame, now: float, bad: int) -> list[wire.Frame]:
+    def receive(self, frame: wire.Frame, now: float) -> list[wire.Frame]:
         """Take a frame; a device that stalls takes none."""
-        return [] if self._stalls(now) else super().receive(frame, now, bad)
+        return [] if self._stalls(now) else super().receive(frame, now)
 
     def tick(self, now: float) -> list[wire.Frame]:
         """Return what is sent at a tick; a device that stalls sends nothing."""
@@ -186,7 +186,7 @@ class FaultyEmulator(Emulator):
         super().__init__(spec, hand=hand, seed=seed, baud=baud)
 
     def _make_firmware(self, session: int) -> Firmware:
-        return FaultyFirmware(self.spec, self.faults, baud=self.baud, session=session)
+        return FaultyFirmware(self.spec, self.faults, session=session)
 
     def _make_lines(self) -> tuple[EmulatedLine, EmulatedLine]:
         spoils = [fault for fault in self.faults if fault.name in ON_THE_LINE]

@@ -9,7 +9,7 @@ import math
 from typing import Final
 
 from core.device import wire
-from core.device.limits import SPEED_TIME
+from core.device.limits import STATE_GAP
 from core.vectors import ZERO, Vector, length, scaled
 
 from . import kinematics
@@ -38,13 +38,13 @@ class Firmware:
     protocol: its version, major and minor.
     """
 
-    def __init__(self, spec: EmulatedSpec, *, baud: int, session: int = 0) -> None:
+    def __init__(self, spec: EmulatedSpec, *, session: int = 0) -> None:
         self.spec, self.mode, self.code = spec, wire.IDLE, wire.FAULT_NONE
         self.torques: list[Vector] = [ZERO] * wire.FINGERS
         self.buttons = 0
         self.link: RoundTrips | None = None
         self.streaming, self.protocol = False, wire.PROTOCOL
-        self._baud, self._last_session = baud, session
+        self._last_session = session
         self._blocks, self._sensors = kinematics.blocks(spec), Sensors(spec)
         self._motors = [Motors(spec) for _ in ALL_FINGERS]
         self._words = [0] * CHANNELS
@@ -61,8 +61,8 @@ class Firmware:
 
     # frames of the host
 
-    def receive(self, frame: wire.Frame, now: float, bad: int) -> list[wire.Frame]:
-        """Take a frame at a time [s]; return the answers.  bad: frames refused by their CRC or form so far."""
+    def receive(self, frame: wire.Frame, now: float) -> list[wire.Frame]:
+        """Take a frame at a time [s]; return the answers."""
         if isinstance(frame, wire.Hello):
             return self._greet(frame, now)
         if not self.streaming or self.link is None or frame.session != self.link.session:
@@ -77,8 +77,6 @@ class Firmware:
             return self._arm(now)
         elif isinstance(frame, wire.Disarm):
             self._rest()
-        elif isinstance(frame, wire.Ping):
-            return [self.link.report(frame.nonce, bad, self._baud)]
         return []
 
     def _greet(self, hello: wire.Hello, now: float) -> list[wire.Frame]:
@@ -135,7 +133,7 @@ class Firmware:
     def _move(self) -> None:
         """Follow the tips and their speed."""
         spec = self.spec
-        share = spec.tick / (SPEED_TIME + spec.tick)
+        share = spec.tick / (STATE_GAP + spec.tick)
         for i in ALL_FINGERS:
             if self._sensors.bad[i]:
                 self._tips[i], self._velocities[i] = None, ZERO

@@ -45,6 +45,7 @@ class HaplyService:
         messages: the last ones of the client.
         button: of a grip, pressed.
         is_stuck: it does not answer.
+        gaps: from each state sent to the next message of the client [s].
         ends: it is to end.
     """
 
@@ -59,6 +60,8 @@ class HaplyService:
         self.tips = [EmulatedTip(hand.target(i, 0.0)[0]) for i in range(devices)]
         self.forces: list[Vector] = [ZERO] * devices
         self.messages: list[str] = []
+        self.gaps: list[float] = []
+        self._stated = 0.0  # when the last state was sent [s]
         self.button = self.is_stuck = self.ends = False
         self._begun: float | None = None
         self._ticks = 0
@@ -70,6 +73,8 @@ class HaplyService:
             while time.perf_counter() < end and not self.ends:
                 if ended(lifeline):
                     return
+                if self._begun:
+                    self._run()
                 if select.select([self._socket], [], [], 0.1)[0]:
                     client, _ = self._socket.accept()
                     with client:
@@ -104,9 +109,11 @@ class HaplyService:
                     return True
                 *messages, rest = [*unframed(rest + data)]
                 for text in messages:
+                    self.gaps += [time.perf_counter() - self._stated] if self._stated else []
                     self._obey(json.loads(text))
                     self.messages = [*self.messages[-9:], text]
                     client.sendall(framed(json.dumps(self._state())))
+                    self._stated = time.perf_counter()
             except OSError:  # it is gone
                 return True
         return False
@@ -121,7 +128,7 @@ class HaplyService:
         )
 
     def _run(self) -> None:
-        """Let hand and motors move the fingertips up to now."""
+        """Let hand and motors move the fingertips up to now; the trace has the time of a STATE, of 32 bits in us."""
         now = time.perf_counter()
         self._begun = self._begun or now
         while self._begun + self._ticks * self.spec.tick < now:
@@ -130,8 +137,8 @@ class HaplyService:
             if self.trace is not None:
                 places, forces = [tip.position for tip in self.tips], [*self.forces]
                 none = [ZERO] * (3 - len(self.tips))
-                vectors = [*places, *none, *forces, *none]
-                self.trace.append((at, float(wire.ARMED), *(part for vector in vectors for part in vector)))
+                parts = (part for vector in (*places, *none, *forces, *none) for part in vector)
+                self.trace.append((at * 1e6 % (1 << 32) * 1e-6, float(wire.ARMED), *parts))
             for i, tip in enumerate(self.tips):
                 tip.step(self.spec, self.hand, i, at - self._begun, self.forces[i])
 
@@ -206,6 +213,6 @@ def unframed(data: bytes) -> Iterator[Any]:
 
 def run_service(service: HaplyService, lifeline: int | None, seconds: float) -> bool:
     """Run a service in a process of its own; return whether the system granted real-time priority."""
-    granted = priority.request_priority() == "real time"
+    granted = priority.request_priority()
     service.serve(lifeline, seconds)
     return granted

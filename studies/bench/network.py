@@ -13,12 +13,7 @@ OWNED: Final = 0.3  # [s] after its host's last datagram a device still belongs 
 
 
 class DeviceSeal(Seal):
-    """A device's end: a host that does not know its number yet is heard where there is no other.
-
-    heard: when its host's last datagram came [s].
-    """
-
-    heard = -OWNED
+    """A device's end: a host that does not know its number yet is heard where there is no other."""
 
     def _is_mine(self, to: bytes) -> bool:
         return super()._is_mine(to) or (to == NOBODY and time.monotonic() - self.heard > OWNED)
@@ -53,7 +48,7 @@ class DeviceLine:
             except ConnectionError:  # of something sent to a host that is gone
                 continue
             if frames := self._seal.open(datagram):
-                self._seal.heard, self._host = time.monotonic(), sender
+                self._host = sender
                 parts.append(frames)
 
     def write(self, data: bytes) -> bool:

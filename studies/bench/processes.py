@@ -25,6 +25,7 @@ from .logged_servo import add_logged_servo
 
 START: Final = Path(__file__).with_name("start.py")
 PORT_WAIT: Final = 10.0  # [s] at most for the emulator to make its port
+START_TIME: Final = 1.0  # [s] until a service listens: unlike a device, it is not asked again
 WRITE_WAIT: Final = 30.0  # [s] at most for trace and log
 
 
@@ -54,14 +55,15 @@ class EmulatedDevice(Device):
     """An emulated device in a process of its own, and the servo as for a real one, both with instruments.
 
     hand: JSON of what holds it, see `hand.load_hand`; "": a hand that pokes.
-    udp: on the network of this computer: the system hands on what a pseudo-terminal is sent only when it has time.
+    line: "pty"; "udp", on the network of this computer: the system hands on what a pseudo-terminal is sent only when it
+        has time; or "haply", behind Haply's service.
     emulator_words, servo_words: more options of theirs.
     emulator: its process.
     """
 
     port: str = ""
     hand: str = ""
-    udp: bool = False
+    line: str = "pty"
     emulator_words: list[str] = field(default_factory=list)
     servo_words: list[str] = field(default_factory=list)
     emulator: subprocess.Popen[bytes] | None = None
@@ -73,10 +75,13 @@ class EmulatedDevice(Device):
         if self.hand:
             (self._folder / "hand.json").write_text(self.hand, encoding="utf-8")
             words += ["--hand", str(self._folder / "hand.json")]
-        if self.udp:
+        if self.line != "pty":
             number = _free_port()
-            self.port, self.secret = f"udp:127.0.0.1:{number}", secrets.token_hex(16)
-            self.emulator = start_emulator(["--udp", str(number), *words], secret=self.secret)
+            self.port, self.secret = f"{self.line}:127.0.0.1:{number}", secrets.token_hex(16)
+            self.emulator = start_emulator([f"--{self.line}", str(number), *words], secret=self.secret)
+            if self.line == "haply":
+                self.port = f"haply:{number}"
+                time.sleep(START_TIME)
         else:
             self.port = str(self._folder / "device")
             self.emulator = start_emulator(["--pty", self.port, *words])

@@ -60,7 +60,7 @@ def run(
 ) -> ServeRecord:
     """Run a device on a descriptor: read returns all bytes there are, write tells whether they left; else `serve`."""
     # the emulator stands for hardware, which no other process delays
-    record = ServeRecord(real_time=priority.request_priority() == "real time")
+    record = ServeRecord(real_time=priority.request_priority())
     poller = Poller(port, *([] if lifeline is None else [lifeline]))
     gc.disable()  # nothing here makes cycles, and a collection would be late for a tick
     while not emulator.unplugged:

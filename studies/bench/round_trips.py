@@ -10,8 +10,6 @@ from core.device import wire
 from core.device.limits import LOSS_DISARMS
 from core.device.spec import Spec
 
-from .numbers import BITS_A_BYTE
-
 RECENT: Final = 1000  # STATEs in the percentiles: ten that wait too long move the 99th, one does not
 OLDEST_ECHO: Final = 5  # [ticks] an answer to an older STATE is refused
 LOSS_TICKS: Final = 1000  # ticks that are counted together; a share lost of more than LOSS_DISARMS disarms,
@@ -78,31 +76,8 @@ class RoundTrips:
         (lost, taken), self._loss = self._loss, [0, 0]
         return lost + taken >= LOSS_FEW and lost > LOSS_DISARMS * (lost + taken)
 
-    def report(self, nonce: int, bad: int, baud: int) -> wire.LinkReport:
-        """Return the answer to a PING; bad: frames refused by their CRC or form."""
-        bits = BITS_A_BYTE * (wire.size(wire.DeviceState) + wire.size(wire.Command))
-        p50, p99, longest = percentiles(self.rtts)
-        return wire.LinkReport(
-            self.session,
-            nonce,
-            ticks=self.ticks & 0xFFFFFFFF,
-            answered=self.answered & 0xFFFFFFFF,
-            late=self.answered - self.in_time & 0xFFFFFFFF,
-            rtt_p50_us=_word(1e6 * p50),
-            rtt_p99_us=_word(1e6 * p99),
-            rtt_max_us=_word(1e6 * longest),
-            wire_us=_word(1e6 * bits / baud) if baud else 0,
-            bad=_word(bad),
-            stale=_word(self.stale),
-            lost=_word(self.lost),
-        )
-
 
 def percentiles(trips: Iterable[float]) -> tuple[float, float, float]:
     """Return the median, the 99th percentile and the maximum of some round trips, 0 where there are none."""
     order = sorted(trips) or [0.0]
     return order[len(order) // 2], order[99 * len(order) // 100], order[-1]
-
-
-def _word(number: float) -> int:
-    return min(round(number), 0xFFFF)

@@ -34,7 +34,7 @@ CLEAR = 0.010  # [m] beside the cube
 SQUEEZE = 0.012  # [m] where the hand wants its fingertips inside; they yield to the force
 BESIDE = 0.2  # share of the edge by which index and middle finger are off the middle
 # [s] from the device's ramp: begin, touched, squeezed, lifted, lowered from, on the ground, let go
-TOUCH, SQUEEZED, RAISE, RAISED, LOWER, DOWN, OPEN, END = 1.3, 1.6, 1.8, 2.4, 3.0, 3.6, 3.9, 4.2
+TOUCH, SQUEEZED, RAISE, RAISED, LOWER, DOWN, OPEN, END = 1.3, 1.6, 1.8, 2.4, 4.4, 5.0, 5.3, 5.6
 MOMENTS = {"open": TOUCH, "squeezed": RAISE, "lifted": RAISED + 0.1, "held": LOWER, "put down": DOWN, "let go": END}
 STEP = 2e-4  # [s] of the clock: a host that answers within it
 FRAME = 1 / 60  # [s]
@@ -111,12 +111,13 @@ def run(session: Session, *, spec: EmulatedSpec | None = None, seconds: float = 
 def add_grasp(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_grasp)
+    command.add_argument("--cells", type=int, default=3, help="of the cube along an edge")
     command.add_argument("--json", type=Path, metavar="OUT", help="write height and forces of each frame")
 
 
 def run_grasp(options: argparse.Namespace) -> int:
     """Grasp, then print how high the cube was and the forces on the fingertips."""
-    session = grasp()
+    session = grasp(options.cells)
     moments, weight = list(run(session)), GRAVITY * float(session.model.mass.sum())
     print("when        time   cube up   thumb          index          middle: force inward, force down")
     for name, time in MOMENTS.items():
@@ -127,6 +128,8 @@ def run_grasp(options: argparse.Namespace) -> int:
     borne = -float(np.mean([sum(force[2] for force in moment.forces) for moment in held]))
     report = moments[-1].report
     print(f"The cube weighs {weight:.2f} N. Lifted, it pulls the fingertips down by {borne:.2f} N.")
+    least = [min(abs(m.forces[i][0]) for m in moments if RAISE <= m.time <= DOWN) for i in range(3)]
+    print(f"From the lift until it is down, no fingertip feels less than {min(least):.2f} N.")
     print(f"Device {report.arming.name.lower()}, frames lost {report.lost}.")
     if options.json:
         rows = [{"time_s": m.time, "height_m": m.height, "forces_n": m.forces} for m in moments]

@@ -9,6 +9,8 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -24,17 +26,7 @@ from core.mesh.surface import base_vertices
 from core.session import Session
 from studies.bench.processes import EmulatedDevice
 from studies.device.machine_lateness import machine_lateness
-from studies.device.scripted_press import (
-    CYCLE,
-    PRESET,
-    RADIUS,
-    READY_AFTER,
-    SHORTEST,
-    WORKSPACE,
-    PressRecord,
-    judge,
-    way,
-)
+from studies.device.scripted_press import LEVELS, PRESET, RADIUS, READY_AFTER, WORKSPACE, PressRecord, cycle, judge, way
 from studies.files import write_json
 from studies.scenes import cube
 
@@ -42,28 +34,32 @@ FRAME = 1 / 60  # [s]
 STALL, STALL_EVERY = 0.200, 1.0  # [s] of Blender's main thread
 CONNECT = 5.0  # [s] at most
 CELLS = 8  # of the cube along an edge
+LINES = ("pty", "udp", "haply")
+DEPTHS = (0.001, 0.002, 0.004, 0.008, 0.015)  # [m] at which the table compares the force with the law
 
 
 def add_haptics(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_haptics)
     command.add_argument("--emulate", action="store_true", required=True, help="with an emulated device")
-    command.add_argument(
-        "--seconds", type=float, default=10.0, metavar="N", help=f"of pressing, {SHORTEST:.2f} at least"
-    )
+    shortest = READY_AFTER + cycle()
+    command.add_argument("--seconds", type=float, metavar="N", help=f"of pressing, {shortest:.2f} at least")
     command.add_argument("--busy", action="store_true", help="stall the main thread for 200 ms each second")
     command.add_argument("--fault", action="append", default=[], metavar="FAULT", help="see `emulator --help`")
     command.add_argument("--baud", type=int, metavar="B", help="bits a second, 0: bytes take no time")
-    command.add_argument("--udp", action="store_true", help="by UDP in place of a pseudo-terminal")
+    command.add_argument("--line", choices=LINES, default="pty", help="how it is connected")
+    command.add_argument("--table", action="store_true", help="press by every line, beside nothing and two busy loops")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the figures")
 
 
 def run_haptics(options: argparse.Namespace) -> int:
     """Press, then print the figures."""
+    if options.table:
+        return _print_table(options.seconds or 60.0)
     words = [word for fault in options.fault for word in ("--fault", fault)]
     words += [] if options.baud is None else ["--baud", str(options.baud)]
     machine = machine_lateness()
-    record = press(options.seconds, busy=options.busy, words=words, udp=options.udp)
+    record = press(options.seconds or 10.0, busy=options.busy, words=words, line=options.line)
     figures = {**judge(record), **machine}
     if record.report.arming is not Arming.ON:
         print(f"Not armed at the end, so forces and stiffness are too small. {record.report.note}")
@@ -75,42 +71,74 @@ def run_haptics(options: argparse.Namespace) -> int:
     return 0
 
 
-def press(seconds: float, *, busy: bool = False, words: list[str] | None = None, udp: bool = False) -> PressRecord:
+def _print_table(seconds: float) -> int:
+    """Print a row for each line and load: at depths held by a rigid hand, then with stalls of the main thread."""
+    names = [f"law_at_{1e3 * depth:g}_mm" for depth in DEPTHS]
+    over = " ".join(f"{1e3 * depth:4.0f}" for depth in DEPTHS)
+    print("                    late alone   rate     p50     p99   late   cap   force over law at mm         energy of")
+    print(f"line   loops            [%]   [Hz]    [us]    [us]    [%] [N/m]  {over}   {seconds:.0f} s [mJ]")
+    for line in LINES:
+        for loads in (0, 2):
+            alone = 100 * machine_lateness()["machine_late_share"]
+            try:
+                still = judge(press(READY_AFTER + cycle(DEPTHS), line=line, loads=loads, levels=DEPTHS, rigid=True))
+                stalled = judge(press(seconds, line=line, loads=loads, busy=True))
+            except DimpleError as error:
+                print(f"{line:<6} {loads:5}      {alone:9.2f}   {error}", flush=True)
+                continue
+            law = " ".join(f"{still[name]:4.2f}" for name in names)
+            print(f"{line:<6} {loads:5}      {alone:9.2f}  {still['rate_hz']:5.0f}  {still['rtt_p50_us']:6.0f}  "
+                  f"{still['rtt_p99_us']:6.0f} {100 * still['late_share']:6.2f} {still['stiffness_cap_n_m']:5.0f}  "
+                  f"{law}  {stalled['energy_mj']:8.2f}", flush=True)  # fmt: skip
+    return 0
+
+
+def press(
+    seconds: float, *, busy: bool = False, words: list[str] | None = None, loads: int = 0, line: str = "pty",
+    levels: tuple[float, ...] = LEVELS, rigid: bool = False,
+) -> PressRecord:  # fmt: skip
     """Press a cube with three fingers for some seconds [s].
 
     Args:
         busy: the main thread stalls for STALL each second.
         words: more options of the emulator.
-        udp: the device is on the network of this computer.
+        loads: other processes that only compute.
+        line: how the device is connected, see `EmulatedDevice`.
+        levels: how deep the hand wants each hold [m].
+        rigid: the hand yields to no force.
 
     Raises:
         DimpleError: the device does not connect or does not arm, or the time is too short for one press.
     """
-    cycles = math.floor((seconds - READY_AFTER) / CYCLE + 1e-9)
+    cycles = math.floor((seconds - READY_AFTER) / cycle(levels) + 1e-9)
     if cycles < 1:
-        raise DimpleError(f"A press takes {SHORTEST:.2f} s: give --seconds at least that.")
+        raise DimpleError(f"A press takes {READY_AFTER + cycle(levels):.2f} s: give --seconds at least that.")
     with tempfile.TemporaryDirectory(prefix="dimple-") as folder:
+        hand = {"tips": [way(i, cycles, levels) for i in range(3)]}
         trace, measured, log = (Path(folder) / name for name in ("trace.csv", "device.json", "log.csv"))
         device = EmulatedDevice(
-            hand=json.dumps({"tips": [way(i, cycles) for i in range(3)]}),
+            hand=json.dumps(hand | ({"stiffness": None} if rigid else {})),
             held_until=math.inf,
-            udp=udp,
+            line=line,
             emulator_words=["--trace", str(trace), "--json", str(measured), *(words or [])],
             servo_words=["--log", str(log)],
         )
         frames: list[tuple[float, float]] = []
         mesh = cube(CELLS, PRESET.size)
         session = Session(build_model(mesh, [PRESET.material], pinned=base_vertices(mesh)))
+        others = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(loads)]
         try:
             device.open()
             report = _drive(device, session, seconds, busy, frames)
         finally:
             device.close()
+            for other in others:
+                other.kill()
         if not (trace.exists() and measured.exists() and log.exists()):
             raise DimpleError("Device or servo did not end in time, so there is no trace: this computer is too busy.")
         rows = np.loadtxt(trace, delimiter=",", skiprows=1, ndmin=2)
         answers = np.loadtxt(log, delimiter=",", ndmin=2)
-        return PressRecord(cycles, report, json.loads(measured.read_text()), rows, answers, np.array(frames))
+        return PressRecord(cycles, levels, report, json.loads(measured.read_text()), rows, answers, np.array(frames))
 
 
 def _drive(

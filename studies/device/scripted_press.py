@@ -21,8 +21,6 @@ CLEAR = 0.015  # [m] above the top, where a press begins
 LEVELS = (0.005, 0.010, 0.015)  # [m] below the surface, where the hand wants its fingertips; they yield to the force
 MOVE, HOLD, LIFT, SETTLE = 0.15, 0.40, 0.30, 0.10  # [s]
 READY_AFTER = 1.3  # [s] from the beginning of the device's ramp until the servo's is over too
-CYCLE = 2 * LIFT + len(LEVELS) * (MOVE + HOLD)
-SHORTEST = READY_AFTER + CYCLE
 WORKSPACE = Workspace(origin=(0.0, 0.0, PRESET.size / 2 + RADIUS))
 WRONG = 0.002  # [m] a position farther from the truth cannot be noise: its frame was wrong
 
@@ -32,6 +30,7 @@ class PressRecord:
     """The record of a scripted press.
 
     cycles: how often it pressed.
+    levels: how deep the hand wanted each hold [m].
     report: the last of the servo.
     device: what the device measured.
     trace: of the device: time [s], mode, three positions [m], three forces [N].
@@ -40,6 +39,7 @@ class PressRecord:
     """
 
     cycles: int
+    levels: tuple[float, ...]
     report: ServoReport
     device: dict[str, float]
     trace: Floats
@@ -51,15 +51,22 @@ def judge(record: PressRecord) -> dict[str, float]:
     """Return the figures of a press, by the device's own trace."""
     device, report = record.device, record.report
     time, places, forces = record.trace[:, 0], _tips(record.trace, 2), _tips(record.trace, 11)
-    begin = time[np.flatnonzero(record.trace[:, 1] == RAMP)[0]]
-    held = [_holding(record.cycles, time - begin, places[:, i], forces[:, i], PRESET.material.law) for i in range(3)]
+    ramp = np.flatnonzero(record.trace[:, 1] == RAMP)
+    begin = time[ramp[0] if len(ramp) else 0]  # Haply's service has no ramp: the hand begins with the connection
+    times = holds(record.cycles, record.levels)
+    held = [_holding(times, time - begin, places[:, i], forces[:, i], PRESET.material.law) for i in range(3)]
     slopes = np.array([slope for slope, _ in held])
     errors = np.concatenate([error for _, error in held])
     measured = record.log[:, 1:].reshape(-1, 3, 2, 3)[:, :, 0]
     row = np.searchsorted(time, record.log[:, 0] * 1e-6 - 1e-6)
     off = np.linalg.norm(measured - places[np.minimum(row, len(time) - 1)], axis=2)
     given = -np.cumsum((forces[:-1] * np.diff(places, axis=0)).sum(axis=2), axis=0)
-    swung, crept = shake(record.cycles, time - begin, places)
+    swung, crept = shake(times, time - begin, places)
+    level = {}
+    for depth, start in zip(record.levels, times, strict=False):
+        during = (time - begin > start + SETTLE) & (time - begin < start + HOLD)
+        law = np.array([PRESET.material.law(-z) for z in np.median(places[during, :, 2], axis=0)])
+        level[f"law_at_{1e3 * depth:g}_mm"] = float(np.median(np.median(forces[during, :, 2], axis=0) / law))
     return {
         "real_time": device["real_time"],
         "rate_hz": report.rate,
@@ -84,6 +91,7 @@ def judge(record: PressRecord) -> dict[str, float]:
         "tip_rms_error_mm": 1e3 * float(np.sqrt((off**2).mean())),
         "energy_mj": 1e3 * float(given.min()),
         "observed_mj": 1e3 * min(tip.least_energy for tip in report.tips),
+        **level,
     }
 
 
@@ -92,11 +100,11 @@ def _tips(rows: Floats, first: int) -> Floats:
 
 
 def _holding(
-    cycles: int, time: Floats, places: Floats, forces: Floats, law: Callable[[float], float]
+    times: list[float], time: Floats, places: Floats, forces: Floats, law: Callable[[float], float]
 ) -> tuple[float, Floats]:
     """Return the stiffness [N/m] from hold to hold, and the errors of the force against the law while holding [N]."""
     depths, pushes, errors = [], [], []
-    for begin in holds(cycles):
+    for begin in times:
         during = (time > begin + SETTLE) & (time < begin + HOLD)
         if not during.any():
             break  # the device was lost
@@ -108,12 +116,12 @@ def _holding(
     return float(np.polyfit(depths, pushes, 1)[0]), np.concatenate(errors)
 
 
-def shake(cycles: int, time: Floats, places: Floats) -> tuple[float, float]:
+def shake(times: list[float], time: Floats, places: Floats) -> tuple[float, float]:
     """Return how far a fingertip swings, and how far it creeps, in the later half of a hold [m].
 
     One that only creeps, freed from dry friction by the noise of its converters, does not come back.
     """
-    late = [places[(time > begin + HOLD / 2) & (time < begin + HOLD)] for begin in holds(cycles)]
+    late = [places[(time > begin + HOLD / 2) & (time < begin + HOLD)] for begin in times]
     late = [x for x in late if len(x)]
     return max(map(swing, late), default=0.0), max((float(np.ptp(x, axis=0).max()) for x in late), default=0.0)
 
@@ -124,22 +132,29 @@ def swing(x: Floats) -> float:
     return float(np.minimum(up, down).max())
 
 
-def holds(cycles: int) -> list[float]:
+def cycle(levels: tuple[float, ...] = LEVELS) -> float:
+    """Return how long one press takes [s]."""
+    return 2 * LIFT + len(levels) * (MOVE + HOLD)
+
+
+def holds(cycles: int, levels: tuple[float, ...] = LEVELS) -> list[float]:
     """Return when the hand begins to hold [s]."""
     return [
-        READY_AFTER + c * CYCLE + LIFT + i * (MOVE + HOLD) + MOVE for c in range(cycles) for i in range(len(LEVELS))
+        READY_AFTER + c * cycle(levels) + LIFT + i * (MOVE + HOLD) + MOVE
+        for c in range(cycles)
+        for i in range(len(levels))
     ]
 
 
-def way(finger: int, cycles: int) -> list[Keyframe]:
+def way(finger: int, cycles: int, levels: tuple[float, ...] = LEVELS) -> list[Keyframe]:
     """Return the keyframes of a fingertip: above the top, then from level to level, and up again."""
     angle = finger * 2 * np.pi / 3
     x, y = float(-APART * np.cos(angle)), float(-APART * np.sin(angle))  # on the side of its block
     keys = [(READY_AFTER, x, y, CLEAR)]
     for c in range(cycles):
-        at = READY_AFTER + c * CYCLE + LIFT
+        at = READY_AFTER + c * cycle(levels) + LIFT
         keys += [(at, x, y, CLEAR)]
-        for level in LEVELS:
+        for level in levels:
             keys += [(at + MOVE, x, y, -level), (at + MOVE + HOLD, x, y, -level)]
             at += MOVE + HOLD
         keys += [(at + LIFT - 0.01, x, y, CLEAR)]

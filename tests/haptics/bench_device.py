@@ -39,9 +39,11 @@ class BenchDevice:
     words: tuple[int, ...] | None = None  # instead of what the places give
     fresh: bool = True  # the simulation posts its surfaces again, 60 times a second
     held: bool = True  # and the dead-man key with them
+    lag: int = 1  # ticks until a force answers a position
     looks: int = 0  # Blender renews the key between them too, once in so many ticks
     forces: list[Vector] = field(default_factory=lambda: [ZERO] * 3)
     heard: list[wire.Frame] = field(default_factory=list)
+    acks: dict[int, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.servo = Servo(nonce=5)
@@ -54,6 +56,7 @@ class BenchDevice:
         for frame in self._decoder.feed(self.servo.step(self.now, data)):
             self.heard.append(frame)
             if isinstance(frame, wire.Command):
+                self.acks[frame.echo] = frame.seq
                 if frame.flags & wire.CLEAR and self.mode == wire.FAULT:
                     self.mode = wire.IDLE
                 self.forces = [self._force(i, frame) for i in range(3)]
@@ -68,7 +71,8 @@ class BenchDevice:
         self.seq = (self.seq + 1) & 0xFFFF
         words = self.words or tuple(word for i in range(3) for word in self.state_words(i))
         status = self.mode | self.masked
-        return wire.DeviceState(SESSION, self.seq, 0, round(self.now * 1e6) & 0xFFFFFFFF, words, self.buttons, status)
+        ack = self.acks.get(self.seq - self.lag, 0)
+        return wire.DeviceState(SESSION, self.seq, ack, round(self.now * 1e6) & 0xFFFFFFFF, words, self.buttons, status)
 
     def tick(self, times: int = 1) -> None:
         """Let milliseconds pass with a STATE each."""

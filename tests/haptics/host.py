@@ -35,7 +35,6 @@ class Host:
         self.states: list[wire.DeviceState] = []
         self.faults: list[wire.Fault] = []
         self.sent: dict[int, wire.Command] = {}
-        self.report: wire.LinkReport | None = None
         self._seq = 0
 
     def hello(self) -> bytes:
@@ -51,8 +50,6 @@ class Host:
                 newest = frame
             elif isinstance(frame, wire.Fault):
                 self.faults.append(frame)
-            elif isinstance(frame, wire.LinkReport):
-                self.report = frame
         if newest and self.info and self.answers:
             out.append(self.answer(newest, now))
             if self.arms and len(self.states) >= 5:

@@ -16,7 +16,7 @@ import time
 import zlib
 
 IDLE, ARMING, RAMP, ARMED, BRAKE, FAULT = range(6)
-STATE, CMD, HELLO, INFO, ARM, DISARM, PING, FAULT_FRAME, REPORT = range(0x11, 0x1A)
+STATE, CMD, HELLO, INFO, ARM, DISARM, _, FAULT_FRAME = range(0x11, 0x19)
 TICK = 0.001
 
 
@@ -56,9 +56,6 @@ class Device:
         self.mode, self.session, self.seq, self.ack = IDLE, 0, 0, 0
         self.force, self.flags, self.heard = [0] * 9, 0, -1.0
         self.since = self.quiet = 0.0
-        self.trips: list[float] = []
-        self.sent: dict[int, float] = {}
-        self.answered = self.late = 0
 
     def send(self, payload: bytes) -> None:
         if self.host:
@@ -98,23 +95,14 @@ class Device:
         elif frame[1] != self.session:
             return
         elif kind == CMD:
-            _, _, self.ack, echo, *rest = struct.unpack("<BBHH9hBB", frame)
+            _, _, self.ack, _, *rest = struct.unpack("<BBHH9hBB", frame)
             self.force, self.flags, self.heard = rest[:9], rest[9], now
-            if echo in self.sent:
-                self.trips = [*self.trips[-999:], now - self.sent.pop(echo)]
-                self.answered, self.late = self.answered + 1, self.late + (self.trips[-1] > TICK)
             if self.flags & 4 and self.mode == FAULT:
                 self.mode = IDLE
         elif kind == ARM and self.mode == IDLE:
             self.mode, self.since, self.quiet = ARMING, now, now
         elif kind == DISARM and self.mode != FAULT:
             self.mode = IDLE
-        elif kind == PING:
-            trips = sorted(self.trips) or [0.0]
-            some = trips[len(trips) // 2], trips[len(trips) * 99 // 100], trips[-1]
-            times = [min(round(1e6 * t), 65535) for t in some]
-            head = REPORT, self.session, struct.unpack_from("<H", frame, 2)[0], self.seq, self.answered, self.late
-            self.send(struct.pack("<BBHIIIHHHHHHH", *head, *times, 0, 0, 0, 0))
 
     def tick(self, now: float) -> int:
         """Return the largest part of the forces that act [mN]."""
@@ -136,8 +124,6 @@ class Device:
             elif now - self.since >= 0.5:
                 self.mode = ARMED
         self.seq = (self.seq + 1) & 0xFFFF
-        self.sent[self.seq] = now
-        self.sent.pop((self.seq - 6) & 0xFFFF, None)
         words = [random.randint(-3, 3) for _ in range(9)]  # a fingertip at rest: 30 um of noise
         head = STATE, self.session, self.seq, self.ack, int(now * 1e6) & 0xFFFFFFFF
         self.send(struct.pack("<BBHHI9hBB", *head, *words, 0, self.mode))

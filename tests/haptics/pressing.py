@@ -22,7 +22,7 @@ from core.device.force_guard import Arming
 from core.device.orders import LinkState, ServoReport
 from core.device.process import end
 from core.vectors import length
-from studies.bench.processes import start_emulator
+from studies.bench.processes import START_TIME, _free_port, start_emulator
 from tests.haptics.bench_device import wall
 from tests.haptics.host import SPEC
 from tests.haptics.machine import UNABLE, unable
@@ -51,10 +51,8 @@ class Rig:
 
     folder: Path
     process: subprocess.Popen[bytes]
-
-    @property
-    def port(self) -> str:
-        return str(self.folder / "port")
+    port: str
+    secret: str = "a secret of this test alone"
 
     def stop(self) -> float:
         """End the emulator; return when, on the system's clock [s]."""
@@ -70,6 +68,8 @@ class Rig:
         """
         rows = np.loadtxt(self.folder / "trace.csv", delimiter=",", skiprows=1)
         places, forces = rows[:, 2:11].reshape(-1, 3, 3), np.linalg.norm(rows[:, 11:20].reshape(-1, 3, 3), axis=2)
+        if self.port.startswith("haply"):  # no force from the end of the connection on
+            return float(forces[-20:].max())
         armed = np.isin(rows[:, 1], (wire.RAMP, wire.ARMED))
         pressed = np.flatnonzero(armed & (forces.min(axis=1) > 0.8 * PRESSED))
         if not len(pressed):
@@ -77,18 +77,35 @@ class Rig:
         ended = pressed[-1] + np.flatnonzero(~armed[pressed[-1] :])[0]
         if rows[ended, 1] == wire.IDLE:
             return float(forces[ended : ended + 100].max())
-        speeds = np.linalg.norm(np.diff(places, axis=0, prepend=places[:1]), axis=2) / SPEC.tick
-        recent = np.max([np.roll(speeds, back, axis=0) for back in range(20)], axis=0)
-        left = forces - SPEC.brake * recent
-        return float(left[ended - LETS_GO : ended + 100].max())
+        return float(_without_brake(places, forces)[ended - LETS_GO : ended + 100].max())
+
+    def force_after(self, time: float) -> float:
+        """Return the largest force [N] that is not the brake's after a time of the device [s]."""
+        rows = np.loadtxt(self.folder / "trace.csv", delimiter=",", skiprows=1)
+        places, forces = rows[:, 2:11].reshape(-1, 3, 3), np.linalg.norm(rows[:, 11:20].reshape(-1, 3, 3), axis=2)
+        return float(_without_brake(places, forces)[rows[:, 0] > time].max(initial=0.0))
 
 
-def rig(folder: Path, *words: str) -> Rig:
-    """Start an emulator whose hand presses 10 mm deep once there is force, each fingertip at a place of its own."""
+def _without_brake(places: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    speeds = np.linalg.norm(np.diff(places, axis=0, prepend=places[:1]), axis=2) / SPEC.tick
+    return forces - SPEC.brake * np.max([np.roll(speeds, back, axis=0) for back in range(20)], axis=0)
+
+
+def rig(folder: Path, *words: str, line: str = "pty") -> Rig:
+    """Start an emulator whose hand presses 10 mm deep once there is force, each fingertip at a place of its own.
+
+    line: "pty", "udp" or "haply".
+    """
     hand = folder / "hand.json"
     hand.write_text(json.dumps({"tips": [[[t, x, y, z] for t, _, _, z in WAY] for x, y in SIDES]}))
-    files = ["--pty", str(folder / "port"), "--hand", str(hand), "--trace", str(folder / "trace.csv")]
-    made = Rig(folder, start_emulator([*files, *words]))
+    files = ["--hand", str(hand), "--trace", str(folder / "trace.csv"), *words]
+    if line != "pty":
+        number = _free_port()
+        made = Rig(folder, start_emulator([f"--{line}", str(number), *files], secret=Rig.secret), f"{line}:{number}")
+        made.port = f"udp:127.0.0.1:{number}" if line == "udp" else made.port
+        time.sleep(2 * START_TIME)
+        return made
+    made = Rig(folder, start_emulator(["--pty", str(folder / "port"), *files]), str(folder / "port"))
     until = time.perf_counter() + PATIENCE
     while not os.path.exists(made.port) and time.perf_counter() < until:
         time.sleep(0.01)
@@ -157,7 +174,7 @@ def press(device: Device) -> ServoReport:
 
 
 if __name__ == "__main__":  # what Blender is in the tests that kill it
-    device = Device(sys.argv[1])
+    device = Device(sys.argv[1], secret=sys.argv[2])
     try:
         press(device)
     except UNABLE as busy:

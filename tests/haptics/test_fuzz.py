@@ -31,10 +31,9 @@ def mad_frame(dice: random.Random, session: int, state: wire.DeviceState | None,
         frame = dice.choice(
             [
                 wire.Disarm(session, dice.randrange(256)),
-                wire.Ping(session, dice.randrange(65536)),
                 wire.Hello(dice.randrange(65536), dice.randrange(4), dice.randrange(4)),
                 wire.Fault(session, 1, 2, 3),
-                state or wire.Ping(0, 0),
+                state or wire.Arm(0),
             ]
         )
     code = wire.encode(frame)

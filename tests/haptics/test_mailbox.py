@@ -50,7 +50,7 @@ def test_an_order_and_a_report_arrive_as_they_were_sent() -> None:
     report = ServoReport(
         link=LinkState.READY, arming=Arming.RAMP, states=7, lost=1, unsent=5, wrong=2, stale=3, rate=1000.0,
         tips=(TipState(position=(1.0, 2.0, 3.0), full=True), TipState(), TipState()),
-        delay_p50=1e-3, delay_p99=2e-3, cap=640.0, peak=10.0, note="Größe",
+        delay=1e-3, cap=640.0, peak=10.0, note="Größe",
     )  # fmt: skip
     assert unpack_report(pack_report(report)) == report
 

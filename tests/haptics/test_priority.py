@@ -17,7 +17,7 @@ ASK = """
 import os, sys
 sys.path.append(sys.argv[1])
 from core.device.priority import request_priority
-print(request_priority(), os.sched_getscheduler(0) == os.SCHED_FIFO, os.getpriority(os.PRIO_PROCESS, 0), sep=",")
+print(request_priority(), os.sched_getscheduler(0) == os.SCHED_FIFO, sep=",")
 """
 
 KEEP_AWAKE = """
@@ -33,12 +33,9 @@ sys.stdin.read()
 def test_the_system_does_what_it_says_it_granted() -> None:
     """In a process of its own, for the priority stays."""
     command = [sys.executable, "-I", "-S", "-c", ASK, str(ROOT)]
-    granted, real_time, niceness = (
-        subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip().split(",")
-    )
-    assert (real_time == "True") == (granted == "real time")
-    assert (int(niceness) == -20) == (granted == "nice")
-    if granted != "real time":
+    granted, real_time = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip().split(",")
+    assert real_time == granted
+    if granted != "True":
         unable("this machine grants no real-time priority")
 
 

@@ -6,6 +6,7 @@ clock (test_servo_link.py). Here it is waited for.
 
 import contextlib
 import os
+import random
 import signal
 import subprocess
 import sys
@@ -24,7 +25,7 @@ from core.device.orders import LinkState, ServoReport
 from core.vectors import length
 from studies.device import haptics
 from tests.haptics.machine import NEEDS_PTY, unable
-from tests.haptics.pressing import Rig, drive, gone, press, pressed, ready, rig
+from tests.haptics.pressing import PATIENCE, Rig, drive, gone, press, pressed, ready, rig
 from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS
 from tools.environment import ROOT
 
@@ -63,7 +64,7 @@ def needs_a_new_arm(port: str) -> bool:
 def test_blender_is_killed(emulator: Rig) -> None:
     """Its pipe closes: the servo tells the device to let go, and ends."""
     blender = subprocess.Popen(
-        [sys.executable, "-m", "tests.haptics.pressing", emulator.port],
+        [sys.executable, "-m", "tests.haptics.pressing", emulator.port, emulator.secret],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT,
     )  # fmt: skip
     assert blender.stdout and blender.stderr
@@ -108,6 +109,57 @@ def test_the_servo_hangs(emulator: Rig) -> None:
     assert needs_a_new_arm(emulator.port)
     emulator.stop()
     assert emulator.force_left() < NOISE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("victim", ["Blender", "servo", "device"])
+@pytest.mark.parametrize("line", ["pty", "udp", "haply"])
+def test_ten_kills_at_random_moments_leave_no_force_and_no_process(tmp_path: Path, line: str, victim: str) -> None:
+    dice = random.Random(line + victim)
+    for i in range(10):
+        folder = tmp_path / str(i)
+        folder.mkdir()
+        made = rig(folder, line=line)
+        blender = subprocess.Popen(
+            [sys.executable, "-m", "tests.haptics.pressing", made.port, made.secret],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT,
+        )  # fmt: skip
+        assert blender.stdout and blender.stderr
+        servo = int(blender.stdout.readline() or unable(blender.stderr.read().decode()[-500:]))
+        time.sleep(dice.uniform(0.0, 1.5))
+        os.kill({"Blender": blender.pid, "servo": servo, "device": made.process.pid}[victim], signal.SIGKILL)
+        if victim == "Blender" or (victim == "device" and line != "udp"):  # a device on a network may come back
+            assert gone(servo)
+        time.sleep(0.3)  # until the device has let go
+        blender.kill()
+        blender.wait()
+        assert gone(servo)
+        if victim != "device":
+            made.stop()
+            assert made.force_left() < NOISE
+
+
+GO_ON = "flip garbage truncate drop duplicate reorder".split()
+END = "delay=0.03 stale wrong-baud unplug stall adc-range adc-frozen adc-jump".split()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", GO_ON + END)
+@pytest.mark.parametrize("line", ["pty", "udp"])
+def test_every_fault_by_either_line(tmp_path: Path, line: str, fault: str) -> None:
+    """A line that errs now and then presses on; what must end the force ends it, after 54 ms where a sensor freezes."""
+    begun = time.perf_counter()
+    when = "@8+1" if fault == "stale" else "@8"  # what waits must come some time
+    made = rig(tmp_path, "--fault", fault + when, "--seconds", "9.5", line=line)
+    device = Device(made.port, secret=made.secret)
+    press(device)
+    report = drive(device, lambda _: time.perf_counter() - begun > 9.0)
+    device.close()
+    made.process.wait(PATIENCE)  # until it has written its trace
+    if fault in END:
+        assert report.arming is not Arming.ON and made.force_after(8.06) < NOISE
+    elif report.arming is not Arming.ON:
+        unable(f"this machine stands still for too long: {report.note}")
 
 
 def test_the_mailbox_is_out_of_sight_once_both_have_it(emulator: Rig) -> None:

@@ -108,16 +108,10 @@ def test_soak(start: Start, port: Path, tmp_path: Path) -> None:
     while time.monotonic() - begin < 2.0:
         if link.wait(0.01):
             link.write(host.step(time.monotonic() - begin, link.read()))
-    deadline = time.monotonic() + LIMIT / 4
-    while host.report is None and time.monotonic() < deadline:
-        link.write(wire.encode(wire.Ping(session, 5)))
-        link.wait(0.01)
-        link.write(host.step(3.0, link.read()))
     end(process)
     link.close()
     record = json.loads((tmp_path / "device.json").read_text())
     print(record)
-    assert host.report is not None and host.report.nonce == 5
     assert len(host.states) > 500 and record["answered"] > 200  # 3000 on a quiet machine
     assert host.decoder.refused <= 2 * record["overflows"] and record["bad"] == 0
     assert all(a.t_us < b.t_us for a, b in zip(host.states, host.states[1:], strict=False))

@@ -21,7 +21,6 @@ def greeted(device: DeviceSeal) -> Seal:
     """Return a host that the device has heard and answered."""
     host = Seal(SECRET)
     assert device.open(host.close(b"hello")) == b"hello"
-    device.heard = network.time.monotonic()
     assert host.open(device.close(b"info")) == b"info"
     return host
 
@@ -41,6 +40,8 @@ def test_a_device_has_one_host_until_that_is_silent(now: list[float]) -> None:
     other = Seal(SECRET)
     assert device.open(other.close(b"hello")) == b""
     now[0] += 0.9 * OWNED
+    assert host.open(device.close(b"state")) == b"" == device.open(host.close(b"mine")), "to nobody: both were silent"
+    host.heard = now[0]
     assert device.open(other.close(b"hello")) == b"" and device.open(host.close(b"mine")) == b"mine"
     now[0] += OWNED + 0.01
     assert device.open(other.close(b"hello")) == b"hello", "its host is gone"
@@ -59,7 +60,8 @@ def test_a_host_follows_a_device_that_started_again_and_never_back(now: list[flo
     before.open(host.close(b"hello"))
     old = [before.close(b"state") for _ in range(3)]
     assert host.open(old[0]) == b"state"
-    after.other = host.own
+    now[0] += OWNED
+    assert after.open(host.close(b"hello")) == b"hello", "to nobody, for it heard nothing"
     assert host.open(after.close(b"info")) == b"info" and host.other == after.own
     assert host.open(old[1]) == b"" and host.other == after.own, "an end that was left is not followed again"
 

@@ -47,13 +47,18 @@ def network(tmp_path: Path) -> Iterator[Network]:
         free.bind(("127.0.0.1", 0))
         number = free.getsockname()[1]
     trace = tmp_path / "trace.csv"
+    made = Network(f"udp:127.0.0.1:{number}", trace, start(number, trace))
+    yield made
+    made.process.kill()
+    made.process.wait()
+
+
+def start(number: int, trace: Path) -> subprocess.Popen[bytes]:
+    """Start a device at a port."""
     words = [sys.executable, "-I", "-S", str(Path(__file__).with_name("network_device.py"))]
-    words += [str(number), str(trace), SECRET]
-    process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    process = subprocess.Popen([*words, str(number), str(trace), SECRET], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     assert process.stdout and process.stdout.readline() == b"ready\n"
-    yield Network(f"udp:127.0.0.1:{number}", trace, process)
-    process.kill()
-    process.wait()
+    return process
 
 
 def drive(device: Device, until: Callable[[ServoReport], bool], *, held: bool = True) -> ServoReport:
@@ -103,13 +108,17 @@ def test_without_the_key_a_device_on_the_network_never_gets_force(network: Netwo
     assert force.max() == 0 and not np.isin(mode, (2, 3)).any()
 
 
-def test_a_device_that_leaves_the_network_is_lost_and_blender_hears_of_it(network: Network) -> None:
+def test_a_device_that_leaves_the_network_is_lost_and_found_again_unarmed_when_it_starts(network: Network) -> None:
     device = Device(network.port, secret=SECRET)
     device.open()
     drive(device, lambda report: report.arming is Arming.ON)
     network.process.kill()
     report = drive(device, lambda report: report.link is LinkState.LOST)
     assert report.arming is Arming.OFF and "silent" in report.note
+    network.process.wait()
+    network.process = start(int(network.port.rpartition(":")[2]), network.trace)
+    assert drive(device, lambda report: report.link is LinkState.READY, held=False).arming is not Arming.ON
+    drive(device, lambda report: report.arming is Arming.ON)
     device.close()
 
 

@@ -27,7 +27,7 @@ def test_poking_the_stiffest_wall_gives_no_hand_a_millijoule() -> None:
     run = walls.poke(6.0)
     assert run.cap == pytest.approx(0.8 * walls.limit_by_formula(), rel=0.01)
     assert run.strongest > 2.0
-    assert run.energy > -1e-3 and run.observed > -1e-3
+    assert run.energy > -5e-4
 
 
 @pytest.mark.slow
@@ -36,7 +36,7 @@ def test_answers_late_now_and_then_leave_the_stiffness_and_give_no_hand_a_millij
     run = walls.poke(6.0, stuck=1 / 500)
     assert run.cap == pytest.approx(0.8 * walls.limit_by_formula(), rel=0.02)
     assert run.strongest > 2.0
-    assert run.energy > -1e-3 and run.observed > -1e-3
+    assert run.energy > -5e-4
 
 
 def test_the_more_answers_are_late_the_lower_is_the_stiffness_and_no_hand_gets_a_millijoule() -> None:
@@ -46,6 +46,6 @@ def test_the_more_answers_are_late_the_lower_is_the_stiffness_and_no_hand_gets_a
         run = walls.poke(3.0, stuck)
         caps.append(run.cap)
         assert run.strongest > 1.0
-        assert run.energy > -1e-3 and run.observed > -1e-3
+        assert run.energy > -5e-4
     best, third = 0.8 * walls.limit_by_formula(), 0.8 * 2.0 / 3.5e-3
     assert best == pytest.approx(caps[0], rel=0.01) and caps == sorted(caps, reverse=True) and caps[-1] > third

@@ -7,7 +7,7 @@ import zlib
 import pytest
 
 from core.device import wire
-from core.device.wire import Arm, Command, Decoder, DeviceState, Disarm, Fault, Frame, Hello, Info, LinkReport, Ping
+from core.device.wire import Arm, Command, Decoder, DeviceState, Disarm, Fault, Frame, Hello, Info
 from tests.haptics.bit_errors import lost_share, survey
 
 
@@ -34,9 +34,7 @@ def some_frames(seed: int) -> list[Frame]:
         Info(w(), b(), b(), b(), b(), w(), b(), b(), b(), w(), w(), b(), w()),
         Arm(b()),
         Disarm(b(), b()),
-        Ping(b(), w()),
         Fault(b(), b(), b(), w()),
-        LinkReport(b(), w(), long(), long(), long(), w(), w(), w(), w(), w(), w(), w()),
     ]  # fmt: skip
 
 

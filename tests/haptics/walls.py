@@ -29,8 +29,8 @@ BEGIN = 1.2  # [s] after the device's ramp
 class Unwatched(Passivity):
     """Observe, and never damp or yield: the limit of the wall itself is wanted."""
 
-    def observe(self, force: Vector, x: Vector, now: float) -> None:
-        Passivity.observe(self, force, x, now)
+    def observe(self, force: Vector, way: Vector) -> None:
+        Passivity.observe(self, force, way)
         self.floor, self.share = -math.inf, 1.0
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
