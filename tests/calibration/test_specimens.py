@@ -161,19 +161,6 @@ def test_noise_alone_is_no_error_of_the_law(make, write):
     assert to_record(calibrate(write(table(curve.depth, curve.force))))["largest_error"] < 0.15
 
 
-def test_pieces_that_are_said_to_rise_do(write):
-    for seed in range(30):
-        rng = np.random.default_rng(seed)
-        depth = np.linspace(0, 10, 150)
-        force = 20 * np.sin(depth / 10 * rng.uniform(0.5, 0.95) * np.pi) + rng.uniform(0, 2) * depth
-        try:
-            done = calibrate(write(table(depth, force + rng.normal(size=150))))
-        except DimpleError:
-            continue
-        if any("best of those that rise" in warning for warning in done.warnings):
-            assert min(done.fit.K1.value, done.fit.K2.value) > 0, seed
-
-
 def test_the_first_line_of_a_warning_says_what_is_wrong(write):
     depth = np.linspace(0, 10, 400)
     done = calibrate(write(table(depth, 50 * (depth / 10) ** 3)), length=0.005)
