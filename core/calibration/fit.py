@@ -7,7 +7,7 @@ knee are searched for on a grid, which then narrows round the best pair.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -38,6 +38,10 @@ class Constant:
     def text(self, unit: float) -> str:
         """Return value ± half-width of the interval in a unit, given as a multiple of the SI unit."""
         return plus_minus(self.value / unit, self.half_width / unit)
+
+    def widened(self, by: float) -> Constant:
+        """Return the constant with a wider interval."""
+        return replace(self, half_width=self.half_width + by)
 
 
 def plus_minus(value: float, half_width: float) -> str:

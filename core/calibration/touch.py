@@ -10,6 +10,7 @@ and tare.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -122,7 +123,11 @@ def _begun(x: Floats, f: Floats, touch: float | Floats, free: tuple[str, ...]) -
     if _squares(whole, u, v) <= max(noise, _squares(first, u, v) * math.exp(_VERY_STRONG / rows)):
         return _Begun(whole, whole)
     begins = min(first.contact.value, float(np.max(touch)))  # beyond it the force has risen already
-    return _Begun(fit_law(x, f, touch=begins, tare=first.tare.value), first)
+    fit = fit_law(x, f, touch=begins, tare=first.tare.value)
+    if "contact" in free and fit.K1.value > 0:  # how far off it is by the law, which misses the first row
+        off = abs(float(fit.fitted.residual(x[:1], f[:1])[0])) / fit.K1.value
+        fit = replace(fit, contact=fit.contact.widened(off), x0=fit.x0.widened(off))
+    return _Begun(fit, first)
 
 
 def _after_air(x: Floats, f: Floats) -> _Begun | None:
