@@ -75,7 +75,7 @@ def _likeliest(curve: LoadingCurve) -> Fit:
     if fit.model == "two" and fit.K1.value * fit.x0.value < SLIGHT * fit.full_scale and fit.x0.value > _FIRST * span:
         raise Undecided(_soft_or_air(curve, fit))
     if min(first - fit.contact.value, abs(fit.contact.value)) > _HARMLESS * span:  # and far from the file's 0
-        raise Undecided(_loaded(curve, fit.contact.value, force))
+        raise Undecided(_loaded(curve, max(fit.contact.value, first - span), force))
     return fit
 
 
@@ -141,8 +141,8 @@ def _after_air(x: Floats, f: Floats) -> _Begun | None:
 
 
 def _is_air(x: Floats, f: Floats, noise: float) -> bool:
-    """Return whether a force does not rise significantly, or by less than its noise."""
-    if len(np.unique(x)) < MIN_PIECE:
+    """Return whether a force is level but for its noise."""
+    if len(np.unique(x)) < MIN_PIECE or f.std() > SURE * noise:
         return False
     slope, error = slope_of(x, f)
     return slope < SURE * error or slope * float(np.ptp(x)) < noise
