@@ -64,7 +64,7 @@ def calibrate(
     """
     measurement = read_measurement(path, answers)
     loading, fit = settle(prepare(measurement, answers), answers)
-    loading.remarks.warnings += check_loss(loading, bool(answers and answers.order))
+    loading.remarks.warnings += check_loss(loading)
     return _calibration(measurement, loading, fit, length, tip)
 
 

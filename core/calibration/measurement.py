@@ -197,13 +197,8 @@ def _named(table: Table, name: str, role: str) -> int:
 
 def _alike(columns: Floats) -> bool:
     """Return whether columns (n, c) are equal except for sign and zero."""
-    finite = np.isfinite(columns)
-    if (finite != finite[:, :1]).any():
-        return False
-    centred = columns - np.nanmean(columns, axis=0)
-    first, others = centred[:, :1], centred[:, 1:]
-    apart = np.minimum(np.nanmax(np.abs(others - first), axis=0), np.nanmax(np.abs(others + first), axis=0))
-    return bool((apart <= SLIGHT * (np.nanmax(first) - np.nanmin(first))).all())
+    spans = np.ptp(columns, axis=0)
+    return bool(np.ptp(spans) <= SLIGHT * spans.max() and np.abs(np.corrcoef(columns.T)).min() > 1 - SLIGHT**2)
 
 
 def _clocks(table: Table) -> list[int]:

@@ -11,7 +11,7 @@ from ..base import DimpleError, Floats
 from ..messages import Message
 from .measurement import Measurement
 from .question import Answers, Question, Remarks, Undecided
-from .strokes import Cycle, dip, find_cycles, oriented, spikes, still, tear, which_order
+from .strokes import Cycle, dip, find_cycles, oriented, spikes, still, tear
 from .table import MIN_ROWS
 
 _AGREE = 10.0  # [% of full scale] RMS difference of two presses above which the object has changed in between
@@ -82,7 +82,7 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     """Return the press of a recording, still with the file's own zero.
 
     Raises:
-        Undecided: unclear signs or order of rows, several different cycles, or a possible tear.
+        Undecided: unclear signs, several different cycles, or a possible tear.
         DimpleError: there is no press in the recording.
     """
     answers, remarks = answers or Answers(), Remarks()
@@ -92,8 +92,6 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     depth, force, inward = oriented(depth, force, answers, remarks)
     depth, force = _in_range(depth, force, inward, answers, remarks)
     cycles = find_cycles(depth)
-    if not cycles and answers.order is None:
-        raise Undecided(which_order(Message("The depth only falls, which would be a way back and no press")))
     if not cycles:
         raise DimpleError("The depth never grows: the file holds unloading only, no press.")
     cycles = _long_enough(cycles, depth, remarks)
@@ -113,21 +111,18 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     return replace(curve, cycle=chosen + 1, cycles=len(cycles), remarks=remarks)
 
 
-def check_loss(curve: LoadingCurve, ordered: bool) -> tuple[str, ...]:
-    """Return a warning if unloading returns more work than the press took; none otherwise.
-
-    Args:
-        ordered: the user has confirmed the order of the rows.
-
-    Raises:
-        Undecided: unloading returns more work, and `ordered` is false; the question is about the order of the rows.
-    """
+def check_loss(curve: LoadingCurve) -> tuple[str, ...]:
+    """Return a warning if unloading returns more work than the press took; none otherwise."""
     if curve.loss is None or curve.loss >= -_GAINED:
         return ()
     why = Message("The way back returns {loss:.0f} % more work than the press takes", loss=-100 * curve.loss)
-    if not ordered:
-        raise Undecided(which_order(Message("{why}, which no object does", why=why)))
-    return (Message("{why}.\nNo object does that: force and depth may not be of one press.", why=why),)
+    return (
+        Message(
+            "{why}.\nNo object does that: the rows may stand from the last to the first, or force and depth may not be "
+            "of one press.",
+            why=why,
+        ),
+    )
 
 
 def _without_spikes(measurement: Measurement, remarks: Remarks) -> tuple[Floats, Floats]:
@@ -142,12 +137,8 @@ def _without_spikes(measurement: Measurement, remarks: Remarks) -> tuple[Floats,
 
 
 def _in_range(depth: Floats, force: Floats, inward: int, answers: Answers, remarks: Remarks) -> tuple[Floats, Floats]:
-    """Return the rows within the range that the user gave."""
-    keep = np.ones(len(depth), bool)
-    if answers.from_mm is not None:
-        keep &= depth >= inward * answers.from_mm / 1e3
-    if answers.until_mm is not None:
-        keep &= depth <= inward * answers.until_mm / 1e3
+    """Return the rows down to the depth that the user gave."""
+    keep = depth <= (math.inf if answers.until_mm is None else inward * answers.until_mm / 1e3)
     if (rows := int(keep.sum())) < MIN_ROWS:
         raise DimpleError(
             "Only {rows} rows lie in the range that was given; a fit needs {least}.", rows=rows, least=MIN_ROWS
@@ -158,11 +149,10 @@ def _in_range(depth: Floats, force: Floats, inward: int, answers: Answers, remar
 
 
 def _long_enough(cycles: list[Cycle], depth: Floats, remarks: Remarks) -> list[Cycle]:
-    """Leave out brief touches: less than half as deep as the deepest press, or with under a tenth of the most rows."""
+    """Leave out brief touches: less than half as deep as the deepest press, or with too few rows for a fit."""
     shallowest, deepest = float(depth.min()), max(float(depth[cycle.peak]) for cycle in cycles)
     deep = [cycle for cycle in cycles if depth[cycle.peak] - shallowest >= (deepest - shallowest) / 2]
-    least = max(MIN_ROWS, max(cycle.rows for cycle in deep) // 10)
-    whole = [cycle for cycle in deep if cycle.rows >= least] or deep
+    whole = [cycle for cycle in deep if cycle.rows >= MIN_ROWS] or deep
     if len(whole) < len(cycles):
         peaks = ", ".join(f"{1e3 * depth[cycle.peak]:.4g}" for cycle in cycles if cycle not in whole)
         remarks.note("Touches to {peaks} mm, less deep or of a few rows only, were left out.", peaks=peaks)

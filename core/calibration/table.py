@@ -141,9 +141,11 @@ def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect, remarks
     if stride > 1:
         remarks.note("Of {lines:,} rows one in {stride} was read.", lines=len(lines), stride=stride)
         lines = lines[::stride]
-    rows = _filled([split(line, dialect.delimiter) for line in lines if line.strip()])
-    width = Counter(map(len, rows)).most_common(1)[0][0]
-    whole = [row for row in rows if len(row) == width]
+    rows = [split(line, dialect.delimiter) for line in lines if line.strip()]
+    widths = Counter(map(len, rows))
+    # the widest rows that are many: of tests side by side some end earlier
+    width = max((each for each in widths if widths[each] >= MIN_ROWS), default=0)
+    whole = [row + [""] * (width - len(row)) for row in rows if len(row) <= width and widths[len(row)] >= MIN_ROWS]
     if len(whole) < len(rows):
         say, count = remarks.warn if len(whole) < 0.95 * len(rows) else remarks.note, len(rows) - len(whole)
         say("{count} of {rows} rows have another number of cells and were left out.", count=count, rows=len(rows))
@@ -158,15 +160,16 @@ def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect, remarks
     numeric = [i for i, column in enumerate(columns) if _is_numeric(column, numbers[i])]
     for i in numeric:
         beside = columns[i + 1] if i + 1 < len(columns) and i + 1 not in numeric and not units[i] else ()
-        kinds = {found and found[0] for found in map(unit_of, set(beside))}
+        cells = set(beside) - {""}
+        kinds = {found and found[0] for found in map(unit_of, cells)}
         if len(kinds) != 1 or None in kinds:
             continue
-        if len(set(beside)) > 1:
+        if len(cells) > 1:
             raise DimpleError(
                 "The unit of {title} changes within the file. Convert it to one unit first.",
                 title=title_of(names[i], "", i),
             )
-        units[i] = beside[0]
+        (units[i],) = cells
     listed = _listed_units(above)
     if len(listed) == len(numeric) and not any(units[i] for i in numeric):
         for i, unit in zip(numeric, listed, strict=True):
@@ -182,14 +185,6 @@ def _listed_units(above: Sequence[str]) -> list[str]:
         if listed and all(map(unit_of, listed)):
             return listed
     return []
-
-
-def _filled(rows: list[list[str]]) -> list[list[str]]:
-    """Pad rows that become shorter towards the end with empty cells: of tests side by side, some end earlier."""
-    widths = [len(row) for row in rows]
-    if widths != sorted(widths, reverse=True) or widths.count(widths[0]) < MIN_ROWS or widths[-MIN_ROWS] == widths[0]:
-        return rows
-    return [row + [""] * (widths[0] - len(row)) for row in rows]
 
 
 def _is_numeric(cells: Sequence[str], numbers: Floats) -> bool:

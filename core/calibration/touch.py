@@ -46,7 +46,7 @@ class _Begun(NamedTuple):
 
 
 def settle(curve: LoadingCurve, answers: Answers | None = None) -> tuple[LoadingCurve, Fit]:
-    """Fit a press, with the touch that the user gave or the most likely one.
+    """Fit a press, with the touch and the tare that the user gave or the most likely ones.
 
     Returns:
         the curve with depths from the touch and forces without the tare, and the fit.
@@ -55,8 +55,10 @@ def settle(curve: LoadingCurve, answers: Answers | None = None) -> tuple[Loading
         Undecided: two touches are plausible, and would give different constants.
         DimpleError: too few rows, or a touch far outside them.
     """
-    given = None if answers is None else answers.contact_mm
-    fit = _likeliest(curve) if given is None else _as_given(curve, curve.inward * given / 1e3)
+    touch, tare = (None, None) if answers is None else (answers.contact_mm, answers.tare_n)
+    fit = _likeliest(curve) if touch is None else _as_given(curve, curve.inward * touch / 1e3)
+    if tare is not None:
+        fit = fit_law(curve.depth, curve.force, touch=fit.contact.value, tare=tare)
     return curve.begun_at(fit.contact.value, fit.tare.value), fit
 
 
@@ -165,11 +167,8 @@ def _as_given(curve: LoadingCurve, touch: float) -> Fit:
         return found
     if after:
         return fit_law(x, f, touch=touch, free=("tare",))
-    untared = _begun(x, f, touch, ("tare",))
-    force, error = _force_at_first(f, untared)
-    pulls = force < -max(SURE * error, SLIGHT * float(np.ptp(f)))
     late = touch > first - _HARMLESS * span  # then a force there was on the load cell before the touch
-    return untared.whole if late or pulls else fit_law(x, f, touch=touch)
+    return _begun(x, f, touch, ("tare",)).whole if late else fit_law(x, f, touch=touch)
 
 
 def _near(curve: LoadingCurve, touch: float) -> Fit | None:
