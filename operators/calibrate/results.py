@@ -37,21 +37,15 @@ def to_text(calibration: Calibration) -> str:
     from ...core.material import NOTICEABLE_FORCE
 
     record = to_record(calibration)
-    loading, surface = calibration.loading, calibration.surface
+    loading = calibration.loading
     record["date"], record["noticeable"] = date.today().isoformat(), NOTICEABLE_FORCE
     record["provenance"] = Message(
         "{provenance}, calibrated {date}", provenance=record["provenance"], date=record["date"]
     )
     record["points"] = thinned(1e3 * loading.depth, loading.force, POINTS)
     record["band"] = band(calibration)
-    record["k_to_use"] = surface.k.value / 1e3 if surface else None
     record["unusable"] = _unusable(record)
     return to_json(record)
-
-
-def source(record: dict[str, Any], k: str) -> str:
-    """Return the line that states the source of a material's constants; k: the source of its k, or ""."""
-    return Message("{provenance}; {k}", provenance=record["provenance"], k=k) if k else record["provenance"]
 
 
 def band(calibration: Calibration) -> list[list[float]]:
@@ -76,9 +70,8 @@ def _unusable(record: dict[str, Any]) -> str:
     from ...core.base import DimpleError
     from ...core.material import Material
 
-    k = record["k_to_use"] or 1.0
     try:
-        Material(K1=1e3 * record["K1"], K2=1e3 * record["K2"], x0=record["x0"] / 1e3, k=1e3 * k, density=1.0)
+        Material(K1=1e3 * record["K1"], K2=1e3 * record["K2"], x0=record["x0"] / 1e3, k=1.0, density=1.0)
     except DimpleError as error:
         return str(error)
     return ""
