@@ -16,7 +16,7 @@ from ..base import DimpleError, Floats
 PARAMETERS = ("K1", "K2", "x0", "contact", "tare")
 MIN_PIECE = 3  # distinct depths in a piece, at least: one more than determine a line
 _KNEES = 100  # depths of rows tried as a knee at first, at most
-_TOUCH_STEP = 1 / 80  # of the range of depth: how far round a touch it is searched for at first
+TOUCH_STEP = 1 / 80  # of the range of depth: between touches, and how far round one it is searched for at first
 _AROUND = np.linspace(-1, 1, 7)  # the grid round the best pair, in units of a width that is halved
 _STEPS = 40  # grids: some thirty halvings, to a billionth of the first width
 _EXACT = 1e-9  # share of the largest force: smaller residuals are rounding, not noise
@@ -193,7 +193,7 @@ def _least_squares(
     u, v = (x[order] - low) / span, (f[order] - tare) / high
     distinct = np.unique(u)
     cs, ts = (touches - low) / span, distinct[:: -(-len(distinct) // _KNEES)] if knee else distinct[-1:]
-    around = np.array([_TOUCH_STEP if len(free) == 2 else 0.0, max(np.diff(ts), default=0.0)])
+    around = np.array([TOUCH_STEP if len(free) == 2 else 0.0, max(np.diff(ts), default=0.0)])
     terms, best = [0, *([1] if knee else []), *([2] if free else [])], np.empty(0)
     for _ in range(_STEPS):
         c, t = (each.ravel() for each in np.meshgrid(cs, ts, indexing="ij"))

@@ -182,16 +182,9 @@ def _named(table: Table, name: str, role: str) -> int:
                 "No single column is called “{name}”. Give its number, 1 to {most}.", name=name, most=len(table.names)
             )
         at = found[0]
-    count, rows = int(np.isfinite(table.numbers[:, at]).sum()), len(table.numbers)
-    if count < MIN_ROWS:
-        few = "numbers in {count} of {rows:,} rows only" if count else "no numbers"
-        raise DimpleError(
-            "Column {number} ({title}) holds {few}, so it cannot be the {role}.",
-            number=at + 1,
-            title=table.title(at),
-            few=Message(few, count=count, rows=rows),
-            role=Message(role),
-        )
+    if (count := int(np.isfinite(table.numbers[:, at]).sum())) < MIN_ROWS:
+        said = "Column {number} ({title}) has numbers in {count} rows only, so it cannot be the {role}."
+        raise DimpleError(said, number=at + 1, title=table.title(at), count=count, role=Message(role))
     return at
 
 

@@ -129,10 +129,8 @@ def _without_spikes(measurement: Measurement, remarks: Remarks) -> tuple[Floats,
     depth, force = measurement.depth, measurement.force
     wrong = spikes(depth) | spikes(force)
     if wrong.any():
-        rows = ", ".join(str(row + 1) for row in np.flatnonzero(wrong)[:5])
-        more = " ..." if wrong.sum() > 5 else ""
-        said = "{count} rows stand apart from their neighbours and were left out ({rows}{more})."
-        remarks.warn(said, count=int(wrong.sum()), rows=rows, more=more)
+        said = "{count} rows stand apart from their neighbours and were left out, the first of them row {row}."
+        remarks.warn(said, count=int(wrong.sum()), row=int(wrong.argmax()) + 1)
     return depth[~wrong], force[~wrong]
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message
-from .fit import MIN_PIECE, Fit, fit_law, independent_rows, slope_of
+from .fit import MIN_PIECE, TOUCH_STEP, Fit, fit_law, independent_rows, slope_of
 from .press import LoadingCurve
 from .question import Answers, Question, Undecided
 from .strokes import roughness
@@ -26,7 +26,6 @@ from .table import MIN_ROWS, SLIGHT
 SURE = 3.0  # [standard errors] significant: by chance once in 400 files
 _LIKELY = 2.0  # [standard errors] a force at the first row that may still be 0
 _FIRST = 0.1  # share of the range of force, or of depth: the beginning of a press, far from any knee
-_TOUCHES = 80  # depths that are tried as the touch; Gauss-Newton finds the place between them
 _WITHIN = 1.5  # times the noise: RMS residual up to which a law follows its rows
 _HARMLESS = 0.02  # share of the range of depth: touches closer together give the same constants
 # differences of the criterion that are positive and very strong evidence. Source: Kass and Raftery 1995
@@ -98,19 +97,15 @@ def _from_the_first_row(x: Floats, f: Floats) -> tuple[_Begun, float]:
     first = float(x[0])
     at = 0.0 if abs(first) < _HARMLESS * float(np.ptp(x)) else first
     untared = _begun(x, f, first, ("tare",))
-    force, error = _force_at_first(f, untared)
+    tare = untared.first.tare
+    by_row, by_fit = (float(f[0]), roughness(f)), (tare.value, tare.half_width / 2)
+    force, error = min(by_row, by_fit, key=lambda pair: pair[1])  # the more accurate one
     if abs(force) <= max(_LIKELY * error, SLIGHT * float(np.ptp(f))):
         fit = fit_law(x, f, touch=at)
         return _Begun(fit, fit), force
     if force < 0:
         return _begun(x, f, at, ("tare",)), force
     return _begun(x, f, first, ("contact",)), force
-
-
-def _force_at_first(f: Floats, untared: _Begun) -> tuple[float, float]:
-    """Return the force at the first row [N] and its error, from that row or a fit: the more accurate one."""
-    tare = untared.first.tare
-    return min((float(f[0]), roughness(f)), (tare.value, tare.half_width / 2), key=lambda pair: pair[1])
 
 
 def _begun(x: Floats, f: Floats, touch: float | Floats, free: tuple[str, ...]) -> _Begun:
@@ -134,7 +129,7 @@ def _begun(x: Floats, f: Floats, touch: float | Floats, free: tuple[str, ...]) -
 
 def _after_air(x: Floats, f: Floats) -> _Begun | None:
     """Fit a press that begins in the air, None if its first rows show no air."""
-    touches, noise = x[0] + float(np.ptp(x)) * np.arange(1, _TOUCHES) / _TOUCHES, roughness(f)
+    touches, noise = x[0] + float(np.ptp(x)) * np.arange(TOUCH_STEP, 1, TOUCH_STEP), roughness(f)
     after = np.array([touch for touch in touches if _is_air(x[x < touch], f[x < touch], noise)])
     try:
         return _begun(x, f, after, ("contact", "tare")) if len(after) else None

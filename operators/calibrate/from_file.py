@@ -8,7 +8,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper
 
 from ...core.calibration.question import Answers, Undecided
 from ...core.messages import to_json
@@ -201,6 +202,15 @@ DIMPLE_OT_calibrate.__annotations__ |= {field.name: _property(field) for field i
 _NUMBERS = ("contact_mm", "tare_n", "until_mm")
 _ANSWERS = tuple(field.name for field in fields(Answers) if field.name not in _NUMBERS)
 _KEPT = (*_NUMBERS, "tip", "tip_radius_mm")
+
+
+class Saved(ExportHelper):
+    """Give an operator a file to write; its name is completed before Blender asks whether to overwrite the file."""
+
+    filepath: StringProperty(name="File", description="Where it goes", subtype="FILE_PATH", options={"SKIP_SAVE"})
+    check_existing: BoolProperty(
+        name="Check Existing", description="Ask before a file is overwritten", options={"HIDDEN"}, default=True
+    )
 
 
 class Dropped:

@@ -6,7 +6,6 @@ from typing import Any
 
 import bpy
 from bpy.props import StringProperty
-from bpy_extras.io_utils import ExportHelper
 
 from ...core.errors import DimpleError
 from ...core.messages import from_json, to_json
@@ -14,7 +13,7 @@ from ..names import Op
 from ..press import polls
 from . import results
 from .apply_preset import material_of
-from .from_file import Dropped
+from .from_file import Dropped, Saved
 
 ENDING = ".dimple"
 LARGEST = 2**20  # [bytes] read at most; a material has some 20 kB
@@ -25,7 +24,7 @@ VALUES = (
 )  # fmt: skip
 
 
-class DIMPLE_OT_save_material(polls.Declared, ExportHelper, bpy.types.Operator):
+class DIMPLE_OT_save_material(polls.Declared, Saved, bpy.types.Operator):
     """Save the active material as a small file to share: constants, intervals, source, tip, date and license"""
 
     bl_idname = Op.SAVE_MATERIAL
@@ -42,7 +41,7 @@ class DIMPLE_OT_save_material(polls.Declared, ExportHelper, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the file."""
         self.filepath = bpy.path.clean_name(context.object.active_material.name) + ENDING
-        return ExportHelper.invoke(self, context, event)
+        return Saved.invoke(self, context, event)
 
     def run(self, context: bpy.types.Context) -> None:
         material = context.object.active_material

@@ -2,7 +2,6 @@
 
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
-from bpy_extras.io_utils import ExportHelper
 
 from ...core.messages import Message, about
 from ..messages import say
@@ -10,12 +9,13 @@ from ..names import PLACES, Op
 from ..press import modal_runs, polls, sessions
 from ..press.progress import Working
 from . import results
+from .from_file import Saved
 
 BEYOND = 1.5  # [knee depths] depth of the press if that of the measurement is unknown
 _ASKED = ("tip_radius_mm", "place", "depth_mm", "rows")
 
 
-class DIMPLE_OT_measure(Working, ExportHelper, bpy.types.Operator):
+class DIMPLE_OT_measure(Working, Saved, bpy.types.Operator):
     """Press the active object with a round tip, virtually, and write force against depth as a CSV file"""
 
     bl_idname = Op.MEASURE
@@ -23,7 +23,6 @@ class DIMPLE_OT_measure(Working, ExportHelper, bpy.types.Operator):
     filename_ext = ".csv"
     verb, stopped = "Measuring", "The measurement was stopped; nothing was written"
 
-    filepath: StringProperty(name="File", description="Where the CSV goes", subtype="FILE_PATH", options={"SKIP_SAVE"})
     filter_glob: StringProperty(name="Filter", description="Files that are shown", options={"HIDDEN"}, default="*.csv")
     tip_radius_mm: FloatProperty(
         name="Tip Radius (mm)", description="Radius of the tip; 0 is that of the tip that measured the material",
@@ -47,7 +46,7 @@ class DIMPLE_OT_measure(Working, ExportHelper, bpy.types.Operator):
             return Working.invoke(self, context, event)
         self.filepath = bpy.path.clean_name(context.object.name) + self.filename_ext
         self._browsing = True
-        return ExportHelper.invoke(self, context, event)
+        return Saved.invoke(self, context, event)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Measure in one go; after the file browser, start a new call, because this one cannot become modal."""
