@@ -27,8 +27,6 @@ class LoadingCurve:
     unloading_depth: (m,) from the first touch [m], empty without unloading.
     unloading_force: (m,) without the tare [N].
     inward: 1 if the file's own depth grows inward, -1 if it falls.
-    cycle: number of the press, counted from 1.
-    cycles: number of presses in the recording.
     touch: the file's own depth at the first touch, with the sign changed if needed to grow inward [m].
     tare: force at the first touch [N].
     remarks: notes and warnings from preparing the press.
@@ -39,8 +37,6 @@ class LoadingCurve:
     unloading_depth: Floats
     unloading_force: Floats
     inward: int
-    cycle: int = 1
-    cycles: int = 1
     touch: float = 0.0
     tare: float = 0.0
     remarks: Remarks = field(default_factory=Remarks)
@@ -103,12 +99,11 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
             rows=len(depth),
         )
     curves = [_curve(depth, force, cycle, inward) for cycle in cycles]
-    chosen = _choose(curves, answers, remarks)
-    curve = curves[chosen]
+    curve = curves[_choose(curves, answers, remarks)]
     if (at := tear(curve.force)) is not None and answers.until_mm is None:
         raise Undecided(_torn(curve, at))
     remarks.notes += curve.remarks.notes
-    return replace(curve, cycle=chosen + 1, cycles=len(cycles), remarks=remarks)
+    return replace(curve, remarks=remarks)
 
 
 def check_loss(curve: LoadingCurve) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from ..base import DimpleError, Floats
 from ..messages import Message
 from .known_words_and_units import is_known, role_of, split_unit, unit_of
 from .question import Answers, Question, Remarks, Undecided
-from .reader import Dialect, is_row, number, number_and_unit, split
+from .reader import Dialect, is_row, number_and_unit, split
 
 MAX_ROWS = 100_000  # rows kept of a table, far more than a fit needs; of a larger table, every n-th row
 MIN_ROWS = 8  # smallest number of rows: two for each piece of the law, one each for touch and tare, two to spare
@@ -195,13 +195,10 @@ def _is_numeric(cells: Sequence[str], numbers: Floats) -> bool:
 
 def _column(cells: Sequence[str], decimal: str) -> tuple[Floats, str]:
     """Return the numbers of a column, NaN for cells without one, and the unit in its cells ("12.5 gf"), if any."""
-    values = [number(cell, decimal) for cell in cells]
-    if sum(value is None for value in values) > len(values) / 2:
-        pairs = [number_and_unit(cell, decimal) for cell in cells]
-        carried = {pair[1] for pair in pairs if pair is not None}
-        if len(carried) == 1 and unit_of(unit := carried.pop()):
-            return np.array([np.nan if pair is None else pair[0] for pair in pairs]), unit
-    return np.array([np.nan if value is None else value for value in values]), ""
+    pairs = [number_and_unit(cell, decimal) for cell in cells]
+    carried = Counter(pair[1] for pair in pairs if pair)
+    unit = next((unit for unit in carried if carried[unit] > len(cells) / 2 and unit_of(unit)), "")
+    return np.array([pair[0] if pair and pair[1] == unit else np.nan for pair in pairs]), unit
 
 
 def _header(above: Sequence[str], width: int, dialect: Dialect) -> tuple[tuple[str, ...], tuple[str, ...]]:

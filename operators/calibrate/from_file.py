@@ -81,7 +81,7 @@ class Tip:
         say(self, {"INFO"}, record["provenance"])
 
 
-class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
+class DIMPLE_OT_calibrate(Tip, polls.Declared, bpy.types.Operator):
     """Fit a material to a force-depth file of an instrument: CSV or text, unedited"""
 
     bl_idname = Op.CALIBRATE
@@ -102,12 +102,7 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
     answer_2: _answer(2)
     answer_3: _answer(3)
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Require Object Mode, in which the result is one undo step."""
-        if context.mode != "OBJECT":
-            return polls.refuse(cls, "Go back to Object Mode to calibrate")
-        return True
+    needs = (polls.in_object_mode,)  # there the result is one undo step
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the file, or the questions that it leaves open; a dropped file is read at once."""
@@ -122,23 +117,18 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> set[str] | None:
         """Read the file and fit the law; if that fails, the last result stays."""
-        from ...core.base import DimpleError
         from ...core.calibration.calibrate import calibrate
 
         try:
             if not self._take_answers():
                 return self._ask(context, self.asked, "")
             found = calibrate(self.filepath, self._answers(), tip=self.indenter())
-            self.keep(context, found)
-            self._show(contact_mm=found.loading.reading(0.0), tare_n=found.loading.tare)
         except Undecided as undecided:
             return self._ask(context, to_json(undecided.to_record()), str(undecided))
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+        self.keep(context, found)
+        return self._show(contact_mm=found.loading.reading(0.0), tare_n=found.loading.tare)
 
     def draw(self, _context: bpy.types.Context) -> None:
         """Draw the questions, or if there are none the touch, the tare, the tip and options of the file."""

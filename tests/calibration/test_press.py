@@ -89,7 +89,6 @@ def test_a_hold_at_the_bottom_and_one_on_the_way_are_dropped():
 def test_cycles_that_agree_need_no_question_and_the_first_is_fitted():
     one = np.concatenate([np.linspace(0, 22, 200), np.linspace(22, 0, 200)])
     press = prepare(recording(np.tile(one, 3), law(np.tile(one, 3)), noise=0.005))
-    assert (press.cycle, press.cycles) == (1, 3)
     assert "3 presses agree" in " ".join(press.remarks.notes)
 
 

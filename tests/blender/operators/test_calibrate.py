@@ -165,7 +165,7 @@ class Asked:
         rna = self.rna.properties
         values = {name: rna[name].default for name in (*self.calibrate._ANSWERS, *self.calibrate._KEPT)}
         values |= {"asked": "", "found": "", **given, **{f"answer_{i}": choice for i, choice in enumerate(choices)}}
-        methods = vars(self.calibrate.Tip) | vars(operator)
+        methods = vars(self.calibrate.polls.Declared) | vars(self.calibrate.Tip) | vars(operator)
         stub = type("Stub", (), {k: v for k, v in methods.items() if callable(v) and not k.startswith("__")})()
         for name, value in values.items():
             setattr(stub, name, value)
