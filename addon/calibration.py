@@ -58,14 +58,10 @@ def sentences(record: dict[str, Any]) -> list[str]:
 
 
 def _with_error(record: dict[str, Any], name: str) -> str:
-    low, high = record[f"{name}_interval"]
-    return _plus_minus(record[name], (high - low) / 2)
-
-
-def _plus_minus(value: float, half_width: float) -> str:
     from ..core.calibration.fit import plus_minus  # imports numpy, so only if there is something to show
 
-    return plus_minus(value, half_width)
+    low, high = record[f"{name}_interval"]
+    return plus_minus(record[name], (high - low) / 2)
 
 
 class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):

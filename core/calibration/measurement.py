@@ -194,14 +194,10 @@ def _alike(columns: Floats) -> bool:
     return bool(np.ptp(spans) <= SLIGHT * spans.max() and np.abs(np.corrcoef(columns.T)).min() > 1 - SLIGHT**2)
 
 
-def _clocks(table: Table) -> list[int]:
-    """Return a list of the first column that may be the time and is complete; empty if there is none."""
-    return [i for i in _options(table, "time") if np.isfinite(table.numbers[:, i]).all()][:1]
-
-
 def _check_clock(table: Table, depth_at: int) -> None:
     """Ask for the columns if the one called time does not run like a clock, or the depth does so in its place."""
-    for at in _clocks(table):
+    clocks = [i for i in _options(table, "time") if np.isfinite(table.numbers[:, i]).all()]
+    for at in clocks[:1]:
         time, driven = table.numbers[:, at], table.numbers[:, depth_at]
         steps = np.diff(driven[np.isfinite(driven)])
         like_a_clock = driven[0] == 0 and len(steps) > 0 and steps.min() > 0 and np.ptp(steps) < SLIGHT * steps.mean()

@@ -94,21 +94,20 @@ def decode(data: bytes) -> tuple[str, str]:
 
 def _read(path: Path) -> bytes:
     try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
+        if not stat.S_ISREG(path.stat().st_mode):
             raise DimpleError("{name} is not a file.", name=path.name)
-        if status.st_size <= MAX_BYTES:
-            with path.open("rb") as file:
-                data = file.read(MAX_BYTES + 1)
-            if len(data) <= MAX_BYTES:
-                return data
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
     except OSError as error:
         raise DimpleError("{name} cannot be read: {error}.", name=path.name, error=error.strerror or error) from None
-    raise DimpleError(
-        "{name} is larger than {size} MB, the most a measurement may have. Export one test, or fewer samples a second.",
-        name=path.name,
-        size=MAX_BYTES // 2**20,
-    )
+    if len(data) > MAX_BYTES:
+        raise DimpleError(
+            "{name} is larger than {size} MB, the most a measurement may have. Export one test, or fewer samples a "
+            "second.",
+            name=path.name,
+            size=MAX_BYTES // 2**20,
+        )
+    return data
 
 
 def _names(text: str) -> int:

@@ -157,21 +157,14 @@ def _as_given(curve: LoadingCurve, touch: float) -> Fit:
             "The touch at {contact_mm} mm lies outside the depths of the file.", contact_mm=curve.reading(touch)
         )
     after = (x < touch).sum() >= MIN_PIECE
-    found = _near(curve, touch) if after else _from_the_first_row(x, f)[0].whole
-    if found is not None and abs(found.contact.value - touch) < 1e-5 * (abs(touch) + span):
+    free = ("contact", "tare")
+    found = fit_law(x, f, touch=touch, free=free) if after else _from_the_first_row(x, f)[0].whole
+    if abs(found.contact.value - touch) < 1e-5 * (abs(touch) + span):
         return found
     if after:
         return fit_law(x, f, touch=touch, free=("tare",))
     late = touch > first - _HARMLESS * span  # then a force there was on the load cell before the touch
     return _begun(x, f, touch, ("tare",)).whole if late else fit_law(x, f, touch=touch)
-
-
-def _near(curve: LoadingCurve, touch: float) -> Fit | None:
-    """Return the best fit of touch and tare, starting from a touch [m] nearby; None if too few rows lie beyond it."""
-    try:
-        return fit_law(curve.depth, curve.force, touch=touch, free=("contact", "tare"))
-    except DimpleError:
-        return None
 
 
 def _squares(fit: Fit, x: Floats, f: Floats) -> float:
@@ -222,7 +215,6 @@ def _hidden(curve: LoadingCurve, fit: Fit, air: Fit) -> Question:
 
 def _soft_or_air(curve: LoadingCurve, fit: Fit) -> Question:
     touch, rise = fit.contact.value, fit.K1.value * fit.x0.value
-    air = _near(curve, touch + fit.x0.value)
     return _which_touch(
         curve,
         Message(
@@ -231,6 +223,6 @@ def _soft_or_air(curve: LoadingCurve, fit: Fit) -> Question:
             rise=rise,
             depth=1e3 * fit.x0.value,
         ),
-        (touch + fit.x0.value if air is None else air.contact.value, "where it begins to rise: there was air before"),
+        (touch + fit.x0.value, "where it begins to rise: there was air before"),
         (touch, "before: the object is that soft at first"),
     )
