@@ -82,7 +82,6 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
         draw_rows(layout, rows(record))
         draw_notes(context, layout, headlines(record), "ERROR")
         if settings is None:
-            draw_notes(context, layout, [record["unusable"]] if record["unusable"] else [], "ERROR")
             row = layout.row(align=True)
             row.operator(Op.APPLY_CALIBRATION, icon="CHECKMARK")
             row.operator(Op.DISCARD_CALIBRATION, text="", icon="X")

@@ -17,7 +17,7 @@ from ..base import DimpleError, Floats
 from ..material import Material
 from ..mesh.surface import Mesh
 from ..messages import Message
-from .known_words_and_units import KIND, unit_of
+from .known_words_and_units import UNITS, unit_of
 from .question import Answers, Remarks
 from .reader import find_dialect, load_lines
 from .table import Table, find_table
@@ -148,10 +148,9 @@ def _columns(table: Table) -> dict[str, int]:
 
 
 def _in_si(table: Table, at: int, name: str) -> Floats:
-    usual, kind = ("N", "force") if name == "force" else ("mm", KIND["depth"])
-    known = unit_of(table.units[at] if table.kind(at) == kind else usual)
-    assert known is not None
-    return np.asarray(table.numbers[:, at] * known[1])
+    usual = "N" if name == "force" else "mm"
+    _, to_si = UNITS[usual] if table.kind(at) != UNITS[usual][0] else unit_of(table.units[at]) or UNITS[usual]
+    return np.asarray(table.numbers[:, at] * to_si)
 
 
 def _near_means(

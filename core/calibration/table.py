@@ -59,12 +59,10 @@ def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers, remarks
     """Find the table; of several, the one that the user chose.
 
     Raises:
-        DimpleError: no table, or too few rows.
+        DimpleError: too few rows.
         Undecided: several tables, and no choice.
     """
     runs = _find_runs(lines, dialect)
-    if not runs:
-        raise DimpleError("There is no table in this file: no run of rows with two or more numbers.")
     if len(runs) > 1 and answers.table is None:
         raise Undecided(_which_table(lines, runs))
     chosen = 0 if answers.table is None else answers.table - 1

@@ -44,7 +44,6 @@ def to_text(calibration: Calibration) -> str:
     )
     record["points"] = thinned(1e3 * loading.depth, loading.force, POINTS)
     record["band"] = band(calibration)
-    record["unusable"] = _unusable(record)
     return to_json(record)
 
 
@@ -63,15 +62,3 @@ def thinned(depth_mm: Any, force: Any, most: int) -> list[list[float]]:
     step = max(math.ceil(len(depth_mm) / most), 1)
     pairs = zip(depth_mm[::step].tolist(), force[::step].tolist(), strict=True)
     return [[float(f"{x:.6g}"), float(f"{f:.6g}")] for x, f in pairs]
-
-
-def _unusable(record: dict[str, Any]) -> str:
-    """Return why no material can have these constants, "" if one can."""
-    from ...core.base import DimpleError
-    from ...core.material import Material
-
-    try:
-        Material(K1=1e3 * record["K1"], K2=1e3 * record["K2"], x0=record["x0"] / 1e3, k=1.0, density=1.0)
-    except DimpleError as error:
-        return str(error)
-    return ""
