@@ -72,10 +72,13 @@ def drag_the_touch(out: Path, check: Check) -> robot.Waits:
         bpy.ops.dimple.calibrate("INVOKE_DEFAULT", True, filepath=str(path))  # as a click does: one step of undo
     found = json.loads(scene.calibration)
     yield from robot.redrawn(6)
+    corner = robot.region("HUD")
+    yield from robot.click(corner.x + corner.width // 2, corner.y + corner.height // 2)  # Blender shows its title alone
+    yield from robot.redrawn(6)
     robot.screenshot(out / "9-touch-found.png")
     corner = robot.region("HUD")
     x, top = corner.x + corner.width * 3 // 4, corner.y + corner.height
-    for y in range(top - 30, top - 90, -10):  # the touch is the first field under the title
+    for y in range(top - 36, max(top - 100, corner.y), -10):  # the touch is the first field under the title
         yield from robot.move(x, y)
         yield from robot.button(x, y, "PRESS")
         for step in range(1, 9):
