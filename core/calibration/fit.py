@@ -15,7 +15,7 @@ from ..base import DimpleError, Floats
 
 PARAMETERS = ("K1", "K2", "x0", "contact", "tare")
 MIN_PIECE = 3  # distinct depths in a piece, at least: one more than determine a line
-_KNEES = 100  # depths of rows tried as a knee at first, at most
+_KNEES = np.linspace(0, 1, 201)[1:]  # tried at first, as shares of the range of depth
 TOUCH_STEP = 1 / 80  # of the range of depth: between touches, and how far round one it is searched for at first
 _AROUND = np.linspace(-1, 1, 7)  # the grid round the best pair, in units of a width that is halved
 _STEPS = 40  # grids: some thirty halvings, to a billionth of the first width
@@ -192,8 +192,8 @@ def _least_squares(
     order = np.argsort(x, kind="stable")
     u, v = (x[order] - low) / span, (f[order] - tare) / high
     distinct = np.unique(u)
-    cs, ts = (touches - low) / span, distinct[:: -(-len(distinct) // _KNEES)] if knee else distinct[-1:]
-    around = np.array([TOUCH_STEP if len(free) == 2 else 0.0, max(np.diff(ts), default=0.0)])
+    cs, ts = (touches - low) / span, _KNEES if knee else _KNEES[-1:]
+    around = np.array([TOUCH_STEP if len(free) == 2 else 0.0, _KNEES[0] if knee else 0.0])
     terms, best = [0, *([1] if knee else []), *([2] if free else [])], np.empty(0)
     for _ in range(_STEPS):
         c, t = (each.ravel() for each in np.meshgrid(cs, ts, indexing="ij"))
@@ -220,7 +220,7 @@ def _least_squares(
     contact, join, offset = low + best[0] * span, low + best[1] * span, high * best[-1] if free else 0.0
     if free == ("contact",):  # all rows are in contact: extend the first piece back to zero force
         contact, offset = contact - offset / K1 if K1 > 0 else contact, 0.0
-        if (x > contact).sum() < _ROWS:
+        if (x > contact).sum() < _ROWS or contact >= join:
             return None
     values = np.array([K1, K2, join - contact if knee else math.inf, contact, tare + offset])
     return Law(values, (*(("K1", "K2", "x0") if knee else ("K1",)), *free))
