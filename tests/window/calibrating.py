@@ -64,13 +64,17 @@ def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.
     yield from by_hand(at, body, out, check)
 
 
+def record() -> dict:
+    """Return the result in the scene, looked up each time: the corner undoes and does again, and frees what there was."""
+    return json.loads(bpy.context.scene.dimple.calibration)
+
+
 def drag_the_touch(out: Path, check: Check) -> robot.Waits:
     """Read a file with air before the touch, and drag the touch in the corner of the viewport."""
-    scene = bpy.context.scene.dimple
     path = press_file("Distance x (mm),Force F (N)\n", air=5.0)
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.dimple.calibrate("INVOKE_DEFAULT", True, filepath=str(path))  # as a click does: one step of undo
-    found = json.loads(scene.calibration)
+    found = record()
     yield from robot.redrawn(6)
     corner = robot.region("HUD")
     yield from robot.click(corner.x + corner.width // 2, corner.y + corner.height // 2)  # Blender shows its title alone
@@ -85,10 +89,10 @@ def drag_the_touch(out: Path, check: Check) -> robot.Waits:
             yield from robot.move(x + 5 * step, y)
         yield from robot.button(x + 40, y, "RELEASE")
         yield from robot.redrawn()
-        if json.loads(scene.calibration)["contact"] != found["contact"]:
+        if record()["contact"] != found["contact"]:
             break
     robot.screenshot(out / "9-touch-dragged.png")
-    dragged = json.loads(scene.calibration)
+    dragged = record()
     text = "touch {:.2f} mm, K1 {:.3f} N/mm; dragged to {:.2f} mm, K1 {:.3f} N/mm"
     text = text.format(found["contact"], found["K1"], dragged["contact"], dragged["K1"])
     check("the touch is dragged in the corner, and the fit and its chart follow", dragged["K1"] != found["K1"], text)
