@@ -65,7 +65,7 @@ def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.
 
 
 def record() -> dict:
-    """Return the result in the scene, looked up each time: the corner undoes and does again, and frees what there was."""
+    """Return the result in the scene, looked up each time: an undo frees what there was."""
     return json.loads(bpy.context.scene.dimple.calibration)
 
 
