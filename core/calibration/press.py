@@ -11,8 +11,8 @@ from ..base import DimpleError, Floats
 from ..messages import Message
 from .measurement import Measurement
 from .question import Answers, Question, Remarks, Undecided
-from .strokes import Cycle, dip, find_cycles, oriented, spikes, still, tear
-from .table import MIN_ROWS
+from .strokes import CLEAR, Cycle, dip, find_cycles, oriented, roughness, spikes, still, tear
+from .table import MIN_ROWS, SLIGHT
 
 _AGREE = 10.0  # [% of full scale] RMS difference of two presses above which the object has changed in between
 _GAINED = 0.03  # share of the work: if unloading returns more than this in excess, it is no error of measurement
@@ -103,6 +103,7 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     if (at := tear(curve.force)) is not None and answers.until_mm is None:
         raise Undecided(_torn(curve, at))
     remarks.notes += curve.remarks.notes
+    remarks.warnings += curve.remarks.warnings
     return replace(curve, remarks=remarks)
 
 
@@ -142,10 +143,11 @@ def _in_range(depth: Floats, force: Floats, inward: int, answers: Answers, remar
 
 
 def _long_enough(cycles: list[Cycle], depth: Floats, remarks: Remarks) -> list[Cycle]:
-    """Leave out brief touches: less than half as deep as the deepest press, or with too few rows for a fit."""
+    """Leave out brief touches: less than half as deep as the deepest press, or with under a tenth of the most rows."""
     shallowest, deepest = float(depth.min()), max(float(depth[cycle.peak]) for cycle in cycles)
     deep = [cycle for cycle in cycles if depth[cycle.peak] - shallowest >= (deepest - shallowest) / 2]
-    whole = [cycle for cycle in deep if cycle.rows >= MIN_ROWS] or deep
+    least = max(MIN_ROWS, max(cycle.rows for cycle in deep) // 10)
+    whole = [cycle for cycle in deep if cycle.rows >= least] or deep
     if len(whole) < len(cycles):
         peaks = ", ".join(f"{1e3 * depth[cycle.peak]:.4g}" for cycle in cycles if cycle not in whole)
         remarks.note("Touches to {peaks} mm, less deep or of a few rows only, were left out.", peaks=peaks)
@@ -162,10 +164,10 @@ def _curve(depth: Floats, force: Floats, cycle: Cycle, inward: int) -> LoadingCu
     x, f = x[~stands], f[~stands]
     if len(x) < MIN_ROWS:
         raise DimpleError("A press has {rows} rows; a fit needs at least {least}.", rows=len(x), least=MIN_ROWS)
-    pulled = dip(x, f)
-    if pulled.any():
+    pulled, depth_of_dip = dip(x, f), float(np.median(f[:3]) - f.min())
+    if pulled.any() or depth_of_dip > max(2 * CLEAR * roughness(f), SLIGHT * float(np.ptp(f))):
         said = "The force dips by {dip:.3g} N before the press, as where a tip sticks; {rows} rows of it were left out."
-        remarks.note(said, dip=f[~pulled][0] - f.min(), rows=int(pulled.sum()))
+        remarks.warn(said, dip=depth_of_dip, rows=int(pulled.sum()))
     back = slice(cycle.peak, cycle.end + 1)
     return LoadingCurve(
         depth=x[~pulled], force=f[~pulled], unloading_depth=depth[back], unloading_force=force[back], inward=inward,

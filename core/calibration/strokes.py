@@ -12,7 +12,7 @@ from .question import Answers, Question, Remarks, Undecided
 from .table import MIN_ROWS, SLIGHT
 
 _TURN = 0.1  # share of the range of depth: a smaller reversal is a tremor
-_CLEAR = 5.0  # times the noise: beyond chance; the largest of 100,000 Gaussian values is about 4.4 times
+CLEAR = 5.0  # times the noise: beyond chance; the largest of 100,000 Gaussian values is about 4.4 times
 
 
 def oriented(depth: Floats, force: Floats, answers: Answers, remarks: Remarks) -> tuple[Floats, Floats, int]:
@@ -114,7 +114,7 @@ def spikes(values: Floats) -> Bools:
         return found
     middle = values[1:-1] - (values[2:] + values[:-2]) / 2
     usual = 1.4826 * float(np.median(np.abs(middle - np.median(middle))))
-    least = _CLEAR * max(usual, 0.002 * float(np.ptp(np.sort(values)[2:-2])))
+    least = CLEAR * max(usual, 0.002 * float(np.ptp(np.sort(values)[2:-2])))
     found[1:-1] = np.abs(middle) > np.maximum(least, 2 * np.abs(values[2:] - values[:-2]))
     return found
 
@@ -133,11 +133,11 @@ def dip(depth: Floats, force: Floats) -> Bools:
     rest = float(np.median(force[: max(3, lowest // 4)]))
     depressed = rest - float(force[lowest])
     found = np.zeros(len(force), bool)
-    if lowest < 6 or depressed < max(_CLEAR * noise, SLIGHT * float(np.ptp(force))) or depth[lowest] <= depth[0]:
+    if lowest < 6 or depressed < max(CLEAR * noise, SLIGHT * float(np.ptp(force))) or depth[lowest] <= depth[0]:
         return found
     level = force >= rest
     before, after = np.flatnonzero(level[:lowest]), np.flatnonzero(level[lowest:])
-    if len(after) and len(before) and before[-1] > lowest // 2:  # else it falls all the way: the load cell drifts
+    if len(after) and len(before) > 2 and after[0] > (lowest - before[-1]) // 2:  # else the cell drifts
         found[before[-1] + 1 : lowest + after[0]] = True
     return found
 

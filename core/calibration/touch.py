@@ -174,10 +174,10 @@ def _squares(fit: Fit, x: Floats, f: Floats) -> float:
 def _gain(one: Fit, other: Fit, x: Floats, f: Floats) -> float:
     """Return the advantage of one fit over another by the Bayesian information criterion.
 
-    The touch of the first one was searched for, so it counts as two parameters, as a knee does.
+    The touch of the first one was searched for, so it counts as two parameters, and so does a knee.
     """
     rows = independent_rows(len(x), one.correlation)
-    more = 1 + len(one.fitted.free) - len(other.fitted.free)
+    more = 1 + len(one.fitted.free) + one.fitted.knee - len(other.fitted.free) - other.fitted.knee
     return rows * math.log(_squares(other, x, f) / _squares(one, x, f)) - more * math.log(rows)
 
 
