@@ -124,4 +124,5 @@ def test_the_intervals_hold_the_truth_and_nothing_is_wrong_in_silence(files: int
             silent.append((seed, press.kind, off))
     assert silent == []
     for name, held in inside.items():
-        assert 0.90 <= np.mean(held) <= 0.98, (name, np.mean(held))
+        least = 0.90 if files == 300 else 0.85  # of 36 that are no drift, 95 % less two standard errors is 0.88
+        assert least <= np.mean(held) <= 0.98, (name, np.mean(held))
