@@ -13,6 +13,7 @@ from core.base import DimpleError
 from core.calibration.calibrate import Calibration, calibrate, to_record
 from core.calibration.doubts import Miss
 from core.calibration.question import Answers, Undecided
+from core.calibration.surface_constant import ASSUMES
 from core.material import POINT, TIPS, Indenter
 
 from .calibration_plot import save_plot
@@ -24,6 +25,7 @@ def add_command(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run)
     command.add_argument("file", type=Path, metavar="FILE", help="file of an instrument")
+    command.add_argument("--length-mm", type=float, metavar="L", help="edge of the object, for k")
     command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT.radius, help="of the tip")
     command.add_argument("--indenter", choices=TIPS, default="point", help="shape of the tip; a point is a small punch")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")
@@ -45,7 +47,8 @@ def run(options: argparse.Namespace) -> int:
     tip = Indenter(shape=options.indenter, radius=1e-3 * options.tip_radius_mm)
     try:
         answers = Answers(**{field.name: getattr(options, field.name) for field in fields(Answers)})
-        calibration = calibrate(options.file, answers, tip=tip)
+        length = None if options.length_mm is None else 1e-3 * options.length_mm
+        calibration = calibrate(options.file, answers, length=length, tip=tip)
     except Undecided as undecided:
         print("\n".join(question_lines(undecided)), file=sys.stderr)
         if options.json:
@@ -74,6 +77,9 @@ def to_lines(calibration: Calibration) -> list[str]:
     if loading.damping_ratio is not None:
         lost = 100 * (loading.loss or 0)
         lines.append(f"  {lost:.0f} % of the work is lost: damping ratio about {loading.damping_ratio:.2f}")
+    if c.surface is not None:
+        k = f"{c.surface.k.text(1e3)} N/mm over {c.surface.pretension:.3g} N of tension"
+        lines.append(f"  k = {k}. {ASSUMES}")
     lines += [f"  Note: {note}" for note in c.notes]
     lines += ["  Warning: " + warning.replace("\n", "\n    ") for warning in c.warnings]
     return lines

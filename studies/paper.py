@@ -19,6 +19,7 @@ import numpy as np
 from core.base import DimpleError, Floats
 from core.body.model import build_model
 from core.calibration.calibrate import Calibration, calibrate
+from core.calibration.surface_constant import string_balance
 from core.calibration.virtual_press import find_site, press_rows, write_press
 from core.material import PRESETS, Preset
 from core.mesh.surface import base_vertices
@@ -47,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
     except OSError as error:
         raise DimpleError(f"{options.out} cannot be made: {error.strerror or error}.") from None
     announce("Three presses of Table 2")
-    curves = [calibrate(path) for path in write_samples(options.out)]
+    curves = [calibrate(p, length=preset.size) for p, preset in zip(write_samples(options.out), PRESETS, strict=True)]
     announce("Virtual presses")
     virtual = [virtual_press(preset, options.out) for preset in PRESETS]
     table_2 = list(constants(curves, virtual))
@@ -91,7 +92,9 @@ def constants(curves: Sequence[Calibration], virtual: Sequence[Calibration]) -> 
             fitted, pressed = getattr(curve.fit, name), getattr(again.fit, name)
             printed = getattr(preset.material, name)
             yield number, name, printed / unit, fitted.value / unit, fitted.half_width / unit, pressed.value / unit
-        yield number, "k", preset.material.k / 1e3, None, None, None
+        balance = curve.surface.k if curve.surface else None
+        values = (balance.value / 1e3, balance.half_width / 1e3) if balance else (None, None)
+        yield number, "k", preset.material.k / 1e3, *values, None
 
 
 def forces(preset: Preset, curve: Calibration, virtual: Calibration) -> Iterable[Series]:
@@ -112,8 +115,8 @@ def tensions(preset: Preset) -> Iterable[Series]:
     modulus = preset.material.k * preset.size / (2 * SECTION)  # such that Eq. (10) has the printed slope
     stretch = np.array([surface_stretch(s, preset.size, SECTION, modulus) for s in tension.tolist()])
     yield "by Eqs. (9) and (10), A E from the printed k", preset.label, 1e3 * stretch, tension
-    half = np.hypot(preset.size / 2, depth)  # of a string, pressed in its middle
-    yield "by the force balance of a string", preset.label, 1e3 * (2 * half - preset.size), force * half / (2 * depth)
+    pulled, balance = string_balance(depth, force, preset.size)
+    yield "by the force balance of a string", preset.label, 1e3 * pulled, balance
 
 
 def table_lines(rows: Sequence[tuple[Any, ...]]) -> list[str]:
@@ -131,7 +134,7 @@ def table_lines(rows: Sequence[tuple[Any, ...]]) -> list[str]:
     products = ", ".join(f"{preset.material.k * preset.size / 2:.0f} N" for preset in PRESETS)
     return [
         *lines,
-        "No curve determines k. By Eqs. (9), (10) k = 2 A E / l, whatever is measured:",
+        "k from the curve is by the force balance of a string. By Eqs. (9), (10) k = 2 A E / l, whatever is measured:",
         f"the printed k stand for A E = {products}, which is not printed; (10) alone makes Fig. 7(b) straight.",
     ]
 

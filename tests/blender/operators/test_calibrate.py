@@ -52,6 +52,7 @@ def test_the_sample_becomes_the_constants_it_was_made_from_within_their_errors(b
         low, high = result[f"{name}_interval"]
         assert low < truth < high and high - low < 0.1 * truth
     assert result["model"] == "two" and result["source"] == SAMPLE.name
+    assert result["k"] is None, "without a length there is no k"
     assert len(result["points"]) <= 160
 
 
@@ -241,6 +242,7 @@ def test_the_likeliest_answer_is_chosen_when_the_dialog_opens(
         asked=asked.opened[-1]["asked"], properties=SimpleNamespace(is_property_set=lambda name: False)
     )
     manager = SimpleNamespace(invoke_props_dialog=lambda *args, **how: {"RUNNING_MODAL"})
+    shown.take_size = lambda context: None
     context = SimpleNamespace(object=None, window_manager=manager)
     asked.calibrate.DIMPLE_OT_calibrate.invoke(shown, context, None)
     (question,) = questions_of(shown.asked)
