@@ -33,7 +33,7 @@ def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
     lines.append((iface_("Tare"), f"{record['tare']:.3g} N"))
     lines.append((iface_("Measured Range"), f"{record['deepest']:.4g} mm, {record['full_scale']:.4g} N"))
     if k := record["k"]:
-        lines.append((iface_("k, Force Balance"), f"{_plus_minus(k['value'], k['half_width'])} N/mm"))
+        lines.append((iface_("k, Force Balance"), f"{k['value']:.3g} N/mm"))
         lines.append((iface_("Pretension"), f"{k['pretension']:.3g} N"))
     if record["damping_ratio_hint"] is not None:
         lines.append((iface_("Hysteresis Loss"), f"{record['loss']:.0%}"))
@@ -61,14 +61,10 @@ def sentences(record: dict[str, Any]) -> list[str]:
 
 
 def _with_error(record: dict[str, Any], name: str) -> str:
-    low, high = record[f"{name}_interval"]
-    return _plus_minus(record[name], (high - low) / 2)
-
-
-def _plus_minus(value: float, half_width: float) -> str:
     from ..core.calibration.fit import plus_minus  # imports numpy, so only if there is something to show
 
-    return plus_minus(value, half_width)
+    low, high = record[f"{name}_interval"]
+    return plus_minus(record[name], (high - low) / 2)
 
 
 class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
@@ -89,7 +85,6 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
         draw_rows(layout, rows(record))
         draw_notes(context, layout, headlines(record), "ERROR")
         if settings is None:
-            draw_notes(context, layout, [record["unusable"]] if record["unusable"] else [], "ERROR")
             row = layout.row(align=True)
             row.operator(Op.APPLY_CALIBRATION, icon="CHECKMARK")
             row.operator(Op.DISCARD_CALIBRATION, text="", icon="X")

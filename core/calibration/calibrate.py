@@ -64,7 +64,7 @@ def calibrate(
     """
     measurement = read_measurement(path, answers)
     loading, fit = settle(prepare(measurement, answers), answers)
-    loading.remarks.warnings += check_loss(loading, bool(answers and answers.order))
+    loading.remarks.warnings += check_loss(loading)
     return _calibration(measurement, loading, fit, length, tip)
 
 
@@ -140,9 +140,9 @@ def provenance(calibration: Calibration) -> str:
 
 
 def source_of_k(calibration: Calibration) -> str:
-    """Return how k was found, with its uncertainty; "" if it was not found."""
+    """Return k and how it was found; "" if it was not found."""
     surface = calibration.surface
-    return Message("k {k} N/mm (95 %) by the force balance", k=surface.k.text(1e3)) if surface else ""
+    return Message("k {k} N/mm by the force balance", k=f"{surface.k.value / 1e3:.3g}") if surface else ""
 
 
 def to_record(calibration: Calibration) -> dict[str, Any]:

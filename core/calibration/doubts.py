@@ -75,11 +75,6 @@ def doubts(fit: Fit, loading: LoadingCurve, miss: Miss | None, as_solid: Miss | 
             "the deepest row.",
             depth=1e3 * deepest,
         )
-    elif fit.falls:
-        yield (
-            "The force falls while the depth grows.\nThe best two pieces would fall; these are the best of those that "
-            "rise, as a body of the model must."
-        )
     elif fit.K2.value < fit.K1.value:
         yield (
             "The object softens beyond the knee (K2 < K1).\nThat is unusual: see whether it buckles or is torn, and "

@@ -1,7 +1,7 @@
 """Least-squares fit of the law of Eq. (1), with a touch and a tare, and the uncertainty of its constants.
 
-For a given touch and knee the law is linear in the other parameters. So running sums give the squares of every pair of
-a touch and a knee at a row, and Gauss-Newton refines the best few.
+For a given touch and knee the law is linear in the other parameters, and running sums give its squares. So touch and
+knee are searched for on a grid, which then narrows round the best pair.
 """
 
 from __future__ import annotations
@@ -15,8 +15,10 @@ from ..base import DimpleError, Floats
 
 PARAMETERS = ("K1", "K2", "x0", "contact", "tare")
 MIN_PIECE = 3  # distinct depths in a piece, at least: one more than determine a line
-_KNEES = 100  # depths of rows tried as a knee, at most; Gauss-Newton finds the place between them
-_STARTS = 3  # starting points of Gauss-Newton: each interval between two rows has its own optimal knee
+_KNEES = np.linspace(0, 1, 201)[1:]  # tried at first, as shares of the range of depth
+TOUCH_STEP = 1 / 80  # of the range of depth: between touches, and how far round one it is searched for at first
+_AROUND = np.linspace(-1, 1, 7)  # the grid round the best pair, in units of a width that is halved
+_STEPS = 40  # grids: some thirty halvings, to a billionth of the first width
 _EXACT = 1e-9  # share of the largest force: smaller residuals are rounding, not noise
 _ROWS = MIN_PIECE + 1  # rows beyond the touch, at least: one more than in a piece
 _LEAST = 20.0  # effective number of independent rows, at least, however strongly a systematic misfit correlates them
@@ -36,6 +38,10 @@ class Constant:
     def text(self, unit: float) -> str:
         """Return value ± half-width of the interval in a unit, given as a multiple of the SI unit."""
         return plus_minus(self.value / unit, self.half_width / unit)
+
+    def widened(self, by: float) -> Constant:
+        """Return the constant with a wider interval."""
+        return replace(self, half_width=self.half_width + by)
 
 
 def plus_minus(value: float, half_width: float) -> str:
@@ -67,14 +73,6 @@ class Law:
         """Return the depth of the first touch [m]."""
         return float(self.values[3])
 
-    def moved(self, step: Floats) -> Law:
-        """Return the law with a step (p,) added to its free parameters."""
-        values = self.values.copy()
-        values[[PARAMETERS.index(name) for name in self.free]] += step
-        if not self.knee:
-            values[1] = values[0]
-        return replace(self, values=values)
-
     def force(self, x: Floats) -> Floats:
         """Return K(x) of Eq. (1), (n,) [N], at depths (n,) below the contact [m]."""
         K1, K2, x0 = self.values[:3]
@@ -92,10 +90,6 @@ class Law:
     def residual(self, x: Floats, f: Floats) -> Floats:
         """Return forces (n,) [N] at depths (n,) [m] minus the law and the tare, (n,) [N]."""
         return np.asarray(f - self.values[4] - self.force(x - self.contact))
-
-    def pressed_residual(self, x: Floats, f: Floats) -> Floats:
-        """Return the residuals of the rows in contact only: the rows before it may be many, and have less noise."""
-        return self.residual(x, f)[x > self.contact]
 
     def squares(self, x: Floats, f: Floats) -> float:
         """Return the sum of the squared residuals [N2]."""
@@ -118,7 +112,6 @@ class Fit:
     rows: number of rows in contact.
     fitted: the law with its free parameters.
     spread: (p, p) covariance of the free parameters, scaled up to 95 % intervals.
-    falls: the best unconstrained pair of slopes contains a falling one, so the constants are the best rising pair.
     """
 
     model: str
@@ -133,7 +126,6 @@ class Fit:
     rows: int
     fitted: Law
     spread: Floats
-    falls: bool = False
 
     @property
     def misfit(self) -> float:
@@ -170,20 +162,14 @@ def fit_law(
         free = ("contact",)
     if not free:
         x, f = x[x > touches[0]], f[x > touches[0]]
-    rows = int((x > touches.min()).sum())
-    if rows < _ROWS or len(np.unique(x[x > touches.min()])) <= MIN_PIECE:
-        raise _too_few(rows)
-    laws, falls = [], False
-    for knee in (False, True):
-        starts, falls = _best_starts(x, f, touches, tare, free, knee=knee)
-        settled = [_settled(start, x, f) for start in starts if _has_rows(start, x)]
-        laws += [min(settled, key=lambda law: law.squares(x, f))] if settled else []
-    if not laws or laws[0].knee:
-        raise _too_few(rows)
-    if len(laws) == 1:
-        return _result(laws[0], x, f)
-    bic = _knee_gain(laws[0], laws[1], x, f)
-    return replace(_result(laws[bic > 0], x, f), falls=falls and bic > 0)
+    one, two = (_least_squares(x, f, touches, tare, free, knee=knee) for knee in (False, True))
+    if one is None:
+        raise DimpleError(
+            "Only {rows} rows lie beyond the first touch; a fit needs at least {least}.",
+            rows=int((x > touches.min()).sum()),
+            least=_ROWS,
+        )
+    return _result(two if two and _knee_gain(one, two, x, f) > 0 else one, x, f)
 
 
 def slope_of(x: Floats, y: Floats) -> tuple[float, float]:
@@ -195,39 +181,49 @@ def slope_of(x: Floats, y: Floats) -> tuple[float, float]:
     return slope, float(np.sqrt(residual @ residual / max(len(x) - 2, 1) / squares))
 
 
-def _best_starts(
+def _least_squares(
     x: Floats, f: Floats, touches: Floats, tare: float, free: tuple[str, ...], *, knee: bool
-) -> tuple[list[Law], bool]:
-    """Return the least-squares laws with one of the given touches and a knee at a row, the best first.
+) -> Law | None:
+    """Return the least-squares law with one or two slopes, None if too few rows lie on a piece.
 
-    A law with a knee must rise on both pieces, as a body of the model must. The second return value says whether the
-    best law without this constraint has a falling piece.
+    The law must rise on both pieces, as a body of the model must; a single slope may fall, for want of a better one.
     """
     low, span, high = float(x.min()), float(np.ptp(x)) or 1.0, float(np.abs(f - tare).max()) or 1.0
     order = np.argsort(x, kind="stable")
     u, v = (x[order] - low) / span, (f[order] - tare) / high
     distinct = np.unique(u)
-    tries = distinct[:: -(-len(distinct) // _KNEES)] if knee else distinct[-1:]
-    c, t = (each.ravel() for each in np.meshgrid((touches - low) / span, tries, indexing="ij"))
-    left, right = (np.searchsorted(distinct, each, "right") for each in (c, t))
-    enough = len(u) - np.searchsorted(u, c, "right") >= _ROWS
-    if knee:
-        enough &= (right - left >= MIN_PIECE) & (len(distinct) - right >= MIN_PIECE)
-    c, t = c[enough], t[enough]
-    if not len(c):
-        return [], False
-    solution, squares = _solutions(u, v, c, t, [0, *([1] if knee else []), *([2] if free else [])])
-    rises = solution[:, : 1 + knee].min(axis=1) > 0
-    falls, starts = bool(knee and not rises[squares.argmin()]), []
-    taken = rises if knee or rises.any() else ~rises
-    for at in np.argsort(np.where(taken, squares, np.inf))[: min(_STARTS, int(taken.sum()))]:
-        K1, K2 = (float(solution[at, i]) * high / span for i in (0, int(knee)))
-        contact, join, offset = low + c[at] * span, low + t[at] * span, high * float(solution[at, -1]) if free else 0.0
-        if free == ("contact",):  # all rows are in contact: extend the first piece back to zero force
-            contact, offset = contact - offset / K1 if K1 > 0 else contact, 0.0
-        values = np.array([K1, K2, join - contact if knee else math.inf, contact, tare + offset])
-        starts.append(Law(values, (*(("K1", "K2", "x0") if knee else ("K1",)), *free)))
-    return starts, falls
+    cs, ts = (touches - low) / span, _KNEES if knee else _KNEES[-1:]
+    around = np.array([TOUCH_STEP if len(free) == 2 else 0.0, _KNEES[0] if knee else 0.0])
+    terms, best = [0, *([1] if knee else []), *([2] if free else [])], np.empty(0)
+    for _ in range(_STEPS):
+        c, t = (each.ravel() for each in np.meshgrid(cs, ts, indexing="ij"))
+        left, right = (np.searchsorted(distinct, each, "right") for each in (c, t))
+        enough = (len(distinct) - left > MIN_PIECE) & (left >= MIN_PIECE * (len(free) - 1))
+        if knee:
+            enough &= (right - left >= MIN_PIECE) & (len(distinct) - right >= MIN_PIECE)
+        c, t = c[enough], t[enough]
+        if not len(c):
+            return None
+        solution, squares = _solutions(u, v, c, t, terms)
+        rises = solution[:, : 1 + knee].min(axis=1) > 0
+        if knee and not rises.any():
+            return None
+        at = int(np.where(rises | ~rises.any(), squares, np.inf).argmin())
+        found = np.array([c[at], t[at], *solution[at]])
+        if not len(best) or (np.abs(found - best)[:2] <= 0.9 * around).all():  # else it lies at the edge: move on first
+            around = around / 2
+        best = found
+        cs, ts = best[:2, None] + around[:, None] * _AROUND
+        if not around.any():
+            break
+    K1, K2 = best[2] * high / span, best[2 + knee] * high / span
+    contact, join, offset = low + best[0] * span, low + best[1] * span, high * best[-1] if free else 0.0
+    if free == ("contact",):  # all rows are in contact: extend the first piece back to zero force
+        contact, offset = contact - offset / K1 if K1 > 0 else contact, 0.0
+        if (x > contact).sum() < _ROWS or contact >= join:
+            return None
+    values = np.array([K1, K2, join - contact if knee else math.inf, contact, tare + offset])
+    return Law(values, (*(("K1", "K2", "x0") if knee else ("K1",)), *free))
 
 
 def _solutions(u: Floats, v: Floats, c: Floats, t: Floats, terms: list[int]) -> tuple[Floats, Floats]:
@@ -254,42 +250,6 @@ def _solutions(u: Floats, v: Floats, c: Floats, t: Floats, terms: list[int]) -> 
     normal = normal + 1e-15 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(len(terms))
     solution = np.linalg.solve(normal, rhs[..., None])[..., 0]
     return solution, products[:, 3, 3] - (solution * rhs).sum(axis=1)
-
-
-def _has_rows(law: Law, x: Floats) -> bool:
-    """Return whether enough rows lie on each piece; a step may move the touch or the knee beyond the rows."""
-    pressed, beyond = int((x > law.contact).sum()), int((x > law.contact + law.values[2]).sum())
-    return min(pressed - beyond, beyond) >= 2 if law.knee else pressed >= _ROWS
-
-
-def _holds(law: Law, start: Law, x: Floats) -> bool:
-    """Return whether slopes that were positive at the start still are, and contact and tare are still determined."""
-    rises = law.values[:2].min() > 0 or start.values[:2].min() <= 0
-    both = {"contact", "tare"} <= set(law.free)
-    return bool(rises and (not both or len(np.unique(x[x <= law.contact])) >= MIN_PIECE))
-
-
-def _too_few(rows: int) -> DimpleError:
-    return DimpleError(
-        "Only {rows} rows lie beyond the first touch; a fit needs at least {least}.", rows=rows, least=_ROWS
-    )
-
-
-def _settled(start: Law, x: Floats, f: Floats) -> Law:
-    """Return the law after a Gauss-Newton least-squares fit of all free parameters to all rows."""
-    best, least = start, start.squares(x, f)
-    for _ in range(20):
-        slopes = best.slopes(x - best.contact)
-        scale = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
-        step = np.linalg.lstsq(slopes / scale, best.residual(x, f), rcond=None)[0] / scale
-        law = min((best.moved(share * step) for share in (1.0, 0.5, 0.2, 0.05)), key=lambda each: each.squares(x, f))
-        gained = least - law.squares(x, f)
-        if not gained > 0 or not _has_rows(law, x) or not _holds(law, start, x):
-            break
-        best, least = law, least - gained
-        if gained < 1e-14 * (least + gained):
-            break
-    return best
 
 
 def _correlation(residual: Floats) -> float:
@@ -329,7 +289,8 @@ def t_95(freedom: float) -> float:
 
 def _result(law: Law, x: Floats, f: Floats) -> Fit:
     """Return the fit of a law with its errors: the covariance of its parameters is s^2 (J^T J)^-1."""
-    residual, slopes = law.pressed_residual(x, f), law.slopes(x - law.contact)
+    # of the rows in contact only: those before it may be many, and have less noise
+    residual, slopes = law.residual(x, f)[x > law.contact], law.slopes(x - law.contact)
     rows, r, p = len(residual), _correlation(residual), len(law.free)
     count = independent_rows(rows, r)
     reach = t_95(max(count - p, 1.0)) * math.sqrt(rows / count)

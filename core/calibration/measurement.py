@@ -182,38 +182,22 @@ def _named(table: Table, name: str, role: str) -> int:
                 "No single column is called “{name}”. Give its number, 1 to {most}.", name=name, most=len(table.names)
             )
         at = found[0]
-    count, rows = int(np.isfinite(table.numbers[:, at]).sum()), len(table.numbers)
-    if count < MIN_ROWS:
-        few = "numbers in {count} of {rows:,} rows only" if count else "no numbers"
-        raise DimpleError(
-            "Column {number} ({title}) holds {few}, so it cannot be the {role}.",
-            number=at + 1,
-            title=table.title(at),
-            few=Message(few, count=count, rows=rows),
-            role=Message(role),
-        )
+    if (count := int(np.isfinite(table.numbers[:, at]).sum())) < MIN_ROWS:
+        said = "Column {number} ({title}) has numbers in {count} rows only, so it cannot be the {role}."
+        raise DimpleError(said, number=at + 1, title=table.title(at), count=count, role=Message(role))
     return at
 
 
 def _alike(columns: Floats) -> bool:
     """Return whether columns (n, c) are equal except for sign and zero."""
-    finite = np.isfinite(columns)
-    if (finite != finite[:, :1]).any():
-        return False
-    centred = columns - np.nanmean(columns, axis=0)
-    first, others = centred[:, :1], centred[:, 1:]
-    apart = np.minimum(np.nanmax(np.abs(others - first), axis=0), np.nanmax(np.abs(others + first), axis=0))
-    return bool((apart <= SLIGHT * (np.nanmax(first) - np.nanmin(first))).all())
-
-
-def _clocks(table: Table) -> list[int]:
-    """Return a list of the first column that may be the time and is complete; empty if there is none."""
-    return [i for i in _options(table, "time") if np.isfinite(table.numbers[:, i]).all()][:1]
+    spans = np.ptp(columns, axis=0)
+    return bool(np.ptp(spans) <= SLIGHT * spans.max() and np.abs(np.corrcoef(columns.T)).min() > 1 - SLIGHT**2)
 
 
 def _check_clock(table: Table, depth_at: int) -> None:
     """Ask for the columns if the one called time does not run like a clock, or the depth does so in its place."""
-    for at in _clocks(table):
+    clocks = [i for i in _options(table, "time") if np.isfinite(table.numbers[:, i]).all()]
+    for at in clocks[:1]:
         time, driven = table.numbers[:, at], table.numbers[:, depth_at]
         steps = np.diff(driven[np.isfinite(driven)])
         like_a_clock = driven[0] == 0 and len(steps) > 0 and steps.min() > 0 and np.ptp(steps) < SLIGHT * steps.mean()

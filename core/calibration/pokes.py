@@ -7,6 +7,7 @@ the mean of the nearest places; predicting each place from the others (cross-val
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from ..base import DimpleError, Floats
 from ..material import Material
 from ..mesh.surface import Mesh
 from ..messages import Message
-from .known_words_and_units import KIND, unit_of
+from .known_words_and_units import UNITS, unit_of
 from .question import Answers, Remarks
 from .reader import find_dialect, load_lines
 from .table import Table, find_table
@@ -42,7 +43,6 @@ class Pokes:
 class PokeMap:
     """Softness over a mesh.
 
-    stiffness: (n,) stiffness of each vertex relative to the material.
     weights: (n,) painted softness: 0.5 as the material, 1 four times softer, 0 four times stiffer.
     places: number of different places.
     pokes: number of pokes.
@@ -51,7 +51,6 @@ class PokeMap:
     outside: share of the vertices whose softness exceeds the range of a map.
     """
 
-    stiffness: Floats
     weights: Floats
     places: int
     pokes: int
@@ -97,12 +96,15 @@ def read_pokes(path: str | Path) -> Pokes:
     return Pokes(places=places[pressed], depths=depth[pressed], forces=force[pressed])
 
 
-def map_pokes(mesh: Mesh, material: Material, pokes: Pokes) -> PokeMap:
+def map_pokes(
+    mesh: Mesh, material: Material, pokes: Pokes, progress: Callable[[float], object] = lambda _: None
+) -> PokeMap:
     """Compute the softness over a mesh.
 
     Args:
         mesh: at the size and the place of the poked object [m].
         material: its law is compared with the measured forces.
+        progress: is called with the fraction of the vertices that is done.
 
     Raises:
         DimpleError: the places are too few or not on this object, or one softness predicts as well as a map.
@@ -126,10 +128,10 @@ def map_pokes(mesh: Mesh, material: Material, pokes: Pokes) -> PokeMap:
             error=error,
             without=without,
         )
-    mean = _near_means(mesh.rest_positions, places, logs, _NEAREST)
+    mean = _near_means(mesh.rest_positions, places, logs, _NEAREST, progress)
     weights = 0.5 - mean / _PER_WEIGHT
     return PokeMap(
-        stiffness=np.exp(mean), weights=np.clip(weights, 0.0, 1.0), places=len(places), pokes=len(law),
+        weights=np.clip(weights, 0.0, 1.0), places=len(places), pokes=len(law),
         error=error, without=without, outside=float(((weights < 0) | (weights > 1)).mean()),
     )  # fmt: skip
 
@@ -146,18 +148,20 @@ def _columns(table: Table) -> dict[str, int]:
 
 
 def _in_si(table: Table, at: int, name: str) -> Floats:
-    usual, kind = ("N", "force") if name == "force" else ("mm", KIND["depth"])
-    known = unit_of(table.units[at] if table.kind(at) == kind else usual)
-    assert known is not None
-    return np.asarray(table.numbers[:, at] * known[1])
+    usual = "N" if name == "force" else "mm"
+    _, to_si = UNITS[usual] if table.kind(at) != UNITS[usual][0] else unit_of(table.units[at]) or UNITS[usual]
+    return np.asarray(table.numbers[:, at] * to_si)
 
 
-def _near_means(points: Floats, places: Floats, logs: Floats, count: int) -> Floats:
+def _near_means(
+    points: Floats, places: Floats, logs: Floats, count: int, progress: Callable[[float], object] = lambda _: None
+) -> Floats:
     """Return the means (n,) of `logs` (p,) at the `count` places (p, 3) nearest to each of the points (n, 3)."""
     means = np.empty(len(points))
     squares = (places**2).sum(axis=1) / 2
     for part in np.array_split(np.arange(len(points)), len(points) // 2000 + 1):  # 2,000 rows at a time
         distances = squares - points[part] @ places.T
+        progress(part[0] / len(points))
         means[part] = logs[np.argpartition(distances, count - 1, axis=1)[:, :count]].mean(axis=1)
     return means
 

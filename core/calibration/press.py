@@ -11,8 +11,8 @@ from ..base import DimpleError, Floats
 from ..messages import Message
 from .measurement import Measurement
 from .question import Answers, Question, Remarks, Undecided
-from .strokes import Cycle, dip, find_cycles, oriented, spikes, still, tear, which_order
-from .table import MIN_ROWS
+from .strokes import CLEAR, Cycle, dip, find_cycles, oriented, roughness, spikes, still, tear
+from .table import MIN_ROWS, SLIGHT
 
 _AGREE = 10.0  # [% of full scale] RMS difference of two presses above which the object has changed in between
 _GAINED = 0.03  # share of the work: if unloading returns more than this in excess, it is no error of measurement
@@ -27,8 +27,6 @@ class LoadingCurve:
     unloading_depth: (m,) from the first touch [m], empty without unloading.
     unloading_force: (m,) without the tare [N].
     inward: 1 if the file's own depth grows inward, -1 if it falls.
-    cycle: number of the press, counted from 1.
-    cycles: number of presses in the recording.
     touch: the file's own depth at the first touch, with the sign changed if needed to grow inward [m].
     tare: force at the first touch [N].
     remarks: notes and warnings from preparing the press.
@@ -39,8 +37,6 @@ class LoadingCurve:
     unloading_depth: Floats
     unloading_force: Floats
     inward: int
-    cycle: int = 1
-    cycles: int = 1
     touch: float = 0.0
     tare: float = 0.0
     remarks: Remarks = field(default_factory=Remarks)
@@ -82,7 +78,7 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     """Return the press of a recording, still with the file's own zero.
 
     Raises:
-        Undecided: unclear signs or order of rows, several different cycles, or a possible tear.
+        Undecided: unclear signs, several different cycles, or a possible tear.
         DimpleError: there is no press in the recording.
     """
     answers, remarks = answers or Answers(), Remarks()
@@ -92,8 +88,6 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     depth, force, inward = oriented(depth, force, answers, remarks)
     depth, force = _in_range(depth, force, inward, answers, remarks)
     cycles = find_cycles(depth)
-    if not cycles and answers.order is None:
-        raise Undecided(which_order(Message("The depth only falls, which would be a way back and no press")))
     if not cycles:
         raise DimpleError("The depth never grows: the file holds unloading only, no press.")
     cycles = _long_enough(cycles, depth, remarks)
@@ -105,49 +99,40 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
             rows=len(depth),
         )
     curves = [_curve(depth, force, cycle, inward) for cycle in cycles]
-    chosen = _choose(curves, answers, remarks)
-    curve = curves[chosen]
+    curve = curves[_choose(curves, answers, remarks)]
     if (at := tear(curve.force)) is not None and answers.until_mm is None:
         raise Undecided(_torn(curve, at))
     remarks.notes += curve.remarks.notes
-    return replace(curve, cycle=chosen + 1, cycles=len(cycles), remarks=remarks)
+    remarks.warnings += curve.remarks.warnings
+    return replace(curve, remarks=remarks)
 
 
-def check_loss(curve: LoadingCurve, ordered: bool) -> tuple[str, ...]:
-    """Return a warning if unloading returns more work than the press took; none otherwise.
-
-    Args:
-        ordered: the user has confirmed the order of the rows.
-
-    Raises:
-        Undecided: unloading returns more work, and `ordered` is false; the question is about the order of the rows.
-    """
+def check_loss(curve: LoadingCurve) -> tuple[str, ...]:
+    """Return a warning if unloading returns more work than the press took; none otherwise."""
     if curve.loss is None or curve.loss >= -_GAINED:
         return ()
     why = Message("The way back returns {loss:.0f} % more work than the press takes", loss=-100 * curve.loss)
-    if not ordered:
-        raise Undecided(which_order(Message("{why}, which no object does", why=why)))
-    return (Message("{why}.\nNo object does that: force and depth may not be of one press.", why=why),)
+    return (
+        Message(
+            "{why}.\nNo object does that: the rows may stand from the last to the first, or force and depth may not be "
+            "of one press.",
+            why=why,
+        ),
+    )
 
 
 def _without_spikes(measurement: Measurement, remarks: Remarks) -> tuple[Floats, Floats]:
     depth, force = measurement.depth, measurement.force
     wrong = spikes(depth) | spikes(force)
     if wrong.any():
-        rows = ", ".join(str(row + 1) for row in np.flatnonzero(wrong)[:5])
-        more = " ..." if wrong.sum() > 5 else ""
-        said = "{count} rows stand apart from their neighbours and were left out ({rows}{more})."
-        remarks.warn(said, count=int(wrong.sum()), rows=rows, more=more)
+        said = "{count} rows stand apart from their neighbours and were left out, the first of them row {row}."
+        remarks.warn(said, count=int(wrong.sum()), row=int(wrong.argmax()) + 1)
     return depth[~wrong], force[~wrong]
 
 
 def _in_range(depth: Floats, force: Floats, inward: int, answers: Answers, remarks: Remarks) -> tuple[Floats, Floats]:
-    """Return the rows within the range that the user gave."""
-    keep = np.ones(len(depth), bool)
-    if answers.from_mm is not None:
-        keep &= depth >= inward * answers.from_mm / 1e3
-    if answers.until_mm is not None:
-        keep &= depth <= inward * answers.until_mm / 1e3
+    """Return the rows down to the depth that the user gave."""
+    keep = depth <= (math.inf if answers.until_mm is None else inward * answers.until_mm / 1e3)
     if (rows := int(keep.sum())) < MIN_ROWS:
         raise DimpleError(
             "Only {rows} rows lie in the range that was given; a fit needs {least}.", rows=rows, least=MIN_ROWS
@@ -179,10 +164,10 @@ def _curve(depth: Floats, force: Floats, cycle: Cycle, inward: int) -> LoadingCu
     x, f = x[~stands], f[~stands]
     if len(x) < MIN_ROWS:
         raise DimpleError("A press has {rows} rows; a fit needs at least {least}.", rows=len(x), least=MIN_ROWS)
-    pulled = dip(x, f)
-    if pulled.any():
+    pulled, depth_of_dip = dip(x, f), float(np.median(f[:3]) - f.min())
+    if pulled.any() or depth_of_dip > max(2 * CLEAR * roughness(f), SLIGHT * float(np.ptp(f))):
         said = "The force dips by {dip:.3g} N before the press, as where a tip sticks; {rows} rows of it were left out."
-        remarks.note(said, dip=f[~pulled][0] - f.min(), rows=int(pulled.sum()))
+        remarks.warn(said, dip=depth_of_dip, rows=int(pulled.sum()))
     back = slice(cycle.peak, cycle.end + 1)
     return LoadingCurve(
         depth=x[~pulled], force=f[~pulled], unloading_depth=depth[back], unloading_force=force[back], inward=inward,

@@ -8,8 +8,6 @@ from typing import Any, NamedTuple
 from ..errors import DimpleError
 from ..messages import Message, in_a_row
 
-SIGNS = ("positive", "negative")
-
 
 def _asked(label: str, text: str, *choices: str) -> Any:
     """Declare an answer, None by default: its label, its meaning, and its possible values if they are limited."""
@@ -26,12 +24,10 @@ class Answers:
     force_unit: str | None = _asked("Force Unit", "N, gf, kgf, mN, kN or lbf")
     decimal: str | None = _asked("Decimal", "The decimal mark", ".", ",")
     table: int | None = _asked("Table", "Which of several tables, counted from 1")
-    press: str | None = _asked("Sign of Force", "Sign of a pressing force", *SIGNS)
-    inward: str | None = _asked("Inward", "Sign of a depth that grows as the tip goes in", *SIGNS)
-    order: str | None = _asked("Order", "Whether the rows stand as they were measured", "written", "reversed")
+    press: str | None = _asked("Sign of Force", "Sign of a pressing force", "positive", "negative")
     cycle: int | None = _asked("Cycle", "Which of several presses, counted from 1")
-    contact_mm: float | None = _asked("Contact (mm)", "Depth reading at first touch; detected unless set")
-    from_mm: float | None = _asked("From (mm)", "Depth reading before which rows are left out; all are used unless set")
+    contact_mm: float | None = _asked("Touch (mm)", "Depth reading at the first touch; found unless set")
+    tare_n: float | None = _asked("Tare (N)", "Force reading without a touch; found unless set")
     until_mm: float | None = _asked(
         "Until (mm)", "Depth reading beyond which rows are left out, as where the object was torn"
     )

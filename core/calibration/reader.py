@@ -94,21 +94,20 @@ def decode(data: bytes) -> tuple[str, str]:
 
 def _read(path: Path) -> bytes:
     try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
+        if not stat.S_ISREG(path.stat().st_mode):
             raise DimpleError("{name} is not a file.", name=path.name)
-        if status.st_size <= MAX_BYTES:
-            with path.open("rb") as file:
-                data = file.read(MAX_BYTES + 1)
-            if len(data) <= MAX_BYTES:
-                return data
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
     except OSError as error:
         raise DimpleError("{name} cannot be read: {error}.", name=path.name, error=error.strerror or error) from None
-    raise DimpleError(
-        "{name} is larger than {size} MB, the most a measurement may have. Export one test, or fewer samples a second.",
-        name=path.name,
-        size=MAX_BYTES // 2**20,
-    )
+    if len(data) > MAX_BYTES:
+        raise DimpleError(
+            "{name} is larger than {size} MB, the most a measurement may have. Export one test, or fewer samples a "
+            "second.",
+            name=path.name,
+            size=MAX_BYTES // 2**20,
+        )
+    return data
 
 
 def _names(text: str) -> int:
@@ -150,7 +149,9 @@ def number(cell: str, decimal: str) -> float | None:
 
 
 def number_and_unit(cell: str, decimal: str) -> tuple[float, str] | None:
-    """Return the number and the text after it in a cell such as "12.5 gf", or None."""
+    """Return the number in a cell and the text after it, as in "12.5 gf", or None."""
+    if (plain := number(cell, decimal)) is not None:
+        return plain, ""
     found = _WITH_UNIT.match(cell.strip())
     value = number(found[1], decimal) if found else None
     return None if value is None or found is None else (value, found[2])
@@ -162,7 +163,7 @@ def is_row(cells: Sequence[str], dialect: Dialect) -> bool:
     for cell in cells:
         if any(d in cell for d in ";\t|"):
             return False
-        if number(cell, dialect.decimal) is not None or number_and_unit(cell, dialect.decimal) is not None:
+        if number_and_unit(cell, dialect.decimal) is not None:
             count += 1
         elif _NUMBERLIKE.match(cell) and not _DATE.match(cell):
             return False
@@ -181,16 +182,10 @@ def pairs(text: str) -> list[tuple[float, float]]:
     except Undecided:
         raise DimpleError("1.000 may be one or a thousand. Copy the numbers with fewer decimals.") from None
     rows = [cells for line in lines if is_row(cells := split(line, dialect.delimiter), dialect)]
-    found = [[value for cell in cells if (value := _value(cell, dialect.decimal)) is not None] for cells in rows]
-    if not found:
+    if not rows:
         raise DimpleError("The copied text has no rows of two numbers: depth and grams.")
+    found = [[pair[0] for cell in cells if (pair := number_and_unit(cell, dialect.decimal))] for cells in rows]
     return [(values[0], values[1]) for values in found]
-
-
-def _value(cell: str, decimal: str) -> float | None:
-    """Return the number in a cell that may have a unit, or None."""
-    plain, with_unit = number(cell, decimal), number_and_unit(cell, decimal)
-    return with_unit[0] if plain is None and with_unit else plain
 
 
 def find_dialect(lines: Sequence[str], decimal: str | None = None) -> Dialect:

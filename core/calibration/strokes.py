@@ -6,53 +6,33 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..base import Bools, DimpleError, Floats
+from ..base import Bools, Floats
 from ..messages import Message
 from .question import Answers, Question, Remarks, Undecided
 from .table import MIN_ROWS, SLIGHT
 
 _TURN = 0.1  # share of the range of depth: a smaller reversal is a tremor
-_CLEAR = 8.0  # times the noise: beyond chance; the largest of 100,000 Gaussian values is about 4.4 times
+CLEAR = 5.0  # times the noise: beyond chance; the largest of 100,000 Gaussian values is about 4.4 times
 
 
 def oriented(depth: Floats, force: Floats, answers: Answers, remarks: Remarks) -> tuple[Floats, Floats, int]:
     """Return depth (n,) growing inward [m], force (n,) growing with a press [N], and the sign of the file's depth.
 
     Raises:
-        Undecided: the order of the rows or the sign of a press is ambiguous.
-        DimpleError: the recording holds unloading only.
+        Undecided: the sign of a press is ambiguous.
     """
-    depth, force = _in_order(depth, force, answers, remarks)
+    first, last = (float(np.median(np.abs(part))) for part in (force[:5], force[-5:]))
+    if first > 0.8 * float(np.abs(force).max()) and first > 2 * last and len(turns(depth)) == 2:
+        remarks.warn(
+            "The file begins with its largest force, so its rows were read from the last to the first.\nIf they stand "
+            "as they were measured, they are the way back alone, which is softer than the press."
+        )
+        depth, force = depth[::-1], force[::-1]
     force = _pressing_sign(force, answers, remarks)
-    inward = _inward(depth, force, answers)
+    inward = _inward(depth, force)
     if inward < 0:
         remarks.note("The depth falls as the force grows and was turned round.")
     return inward * depth, force, inward
-
-
-def _in_order(depth: Floats, force: Floats, answers: Answers, remarks: Remarks) -> tuple[Floats, Floats]:
-    """Return the rows in the order of measurement; ask if the file seems to list them from the last to the first."""
-    if answers.order == "reversed":
-        remarks.note("The rows were turned round, from the last to the first.")
-        return depth[::-1], force[::-1]
-    first, last = (float(np.median(np.abs(part))) for part in (force[:5], force[-5:]))
-    begins_deepest = first > 0.8 * float(np.abs(force).max()) and first > 2 * last and len(turns(depth)) == 2
-    if not begins_deepest:
-        return depth, force
-    if answers.order == "written":
-        raise DimpleError("The depth never grows: the file holds unloading only, no press.")
-    raise Undecided(
-        which_order(
-            Message("The file begins with its largest force, {force:.4g} N, and ends with little", force=force[0])
-        )
-    )
-
-
-def which_order(why: str) -> Question:
-    """Return the question about the order of the rows, with the reason for asking."""
-    text = Message("{why}. In what order do its rows stand?", why=why)
-    either = ("reversed", "from the last to the first"), ("written", "as they were measured")
-    return Question("order", text, *either, default="reversed")
 
 
 def _pressing_sign(force: Floats, answers: Answers, remarks: Remarks) -> Floats:
@@ -72,10 +52,8 @@ def _pressing_sign(force: Floats, answers: Answers, remarks: Remarks) -> Floats:
     return force
 
 
-def _inward(depth: Floats, force: Floats, answers: Answers) -> int:
+def _inward(depth: Floats, force: Floats) -> int:
     """Return the sign of a depth that grows inward: that of its stronger correlation with the force."""
-    if answers.inward is not None:
-        return 1 if answers.inward == "positive" else -1
     peak, enough, trend = int(force.argmax()), min(2 * MIN_ROWS, len(force) // 2), 0.0
     for x, f in ((depth[side], force[side]) for side in (slice(peak + 1), slice(peak, None))):
         if len(x) >= enough and min(np.ptp(x), np.ptp(f)) > 0:  # a tear weakens the correlation
@@ -136,11 +114,8 @@ def spikes(values: Floats) -> Bools:
         return found
     middle = values[1:-1] - (values[2:] + values[:-2]) / 2
     usual = 1.4826 * float(np.median(np.abs(middle - np.median(middle))))
-    least = _CLEAR * max(usual, 0.002 * float(np.ptp(np.sort(values)[2:-2])))
+    least = CLEAR * max(usual, 0.002 * float(np.ptp(np.sort(values)[2:-2])))
     found[1:-1] = np.abs(middle) > np.maximum(least, 2 * np.abs(values[2:] - values[:-2]))
-    # the ends have one neighbour only: extrapolate from the next two
-    found[0] = abs(values[0] - 2 * values[1] + values[2]) > 2 * least and not found[1:3].any()
-    found[-1] = abs(values[-1] - 2 * values[-2] + values[-3]) > 2 * least and not found[-3:-1].any()
     return found
 
 
@@ -158,11 +133,11 @@ def dip(depth: Floats, force: Floats) -> Bools:
     rest = float(np.median(force[: max(3, lowest // 4)]))
     depressed = rest - float(force[lowest])
     found = np.zeros(len(force), bool)
-    if lowest < 6 or depressed < max(_CLEAR * noise, SLIGHT * float(np.ptp(force))) or depth[lowest] <= depth[0]:
+    if lowest < 6 or depressed < max(CLEAR * noise, SLIGHT * float(np.ptp(force))) or depth[lowest] <= depth[0]:
         return found
-    level = force > rest - max(3 * noise, 0.02 * depressed)
+    level = force >= rest
     before, after = np.flatnonzero(level[:lowest]), np.flatnonzero(level[lowest:])
-    if len(before) > 2 and len(after):
+    if len(after) and len(before) > 2 and after[0] > (lowest - before[-1]) // 2:  # else the cell drifts
         found[before[-1] + 1 : lowest + after[0]] = True
     return found
 

@@ -13,7 +13,7 @@ from ..base import DimpleError, Floats
 from ..messages import Message
 from .known_words_and_units import is_known, role_of, split_unit, unit_of
 from .question import Answers, Question, Remarks, Undecided
-from .reader import Dialect, is_row, number, number_and_unit, split
+from .reader import Dialect, is_row, number_and_unit, split
 
 MAX_ROWS = 100_000  # rows kept of a table, far more than a fit needs; of a larger table, every n-th row
 MIN_ROWS = 8  # smallest number of rows: two for each piece of the law, one each for touch and tare, two to spare
@@ -59,12 +59,10 @@ def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers, remarks
     """Find the table; of several, the one that the user chose.
 
     Raises:
-        DimpleError: no table, or too few rows.
+        DimpleError: too few rows.
         Undecided: several tables, and no choice.
     """
     runs = _find_runs(lines, dialect)
-    if not runs:
-        raise DimpleError("There is no table in this file: no run of rows with two or more numbers.")
     if len(runs) > 1 and answers.table is None:
         raise Undecided(_which_table(lines, runs))
     chosen = 0 if answers.table is None else answers.table - 1
@@ -141,9 +139,11 @@ def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect, remarks
     if stride > 1:
         remarks.note("Of {lines:,} rows one in {stride} was read.", lines=len(lines), stride=stride)
         lines = lines[::stride]
-    rows = _filled([split(line, dialect.delimiter) for line in lines if line.strip()])
-    width = Counter(map(len, rows)).most_common(1)[0][0]
-    whole = [row for row in rows if len(row) == width]
+    rows = [split(line, dialect.delimiter) for line in lines if line.strip()]
+    widths = Counter(map(len, rows))
+    # the widest rows that are many: of tests side by side some end earlier
+    width = max((each for each in widths if widths[each] >= MIN_ROWS), default=0)
+    whole = [row + [""] * (width - len(row)) for row in rows if len(row) <= width and widths[len(row)] >= MIN_ROWS]
     if len(whole) < len(rows):
         say, count = remarks.warn if len(whole) < 0.95 * len(rows) else remarks.note, len(rows) - len(whole)
         say("{count} of {rows} rows have another number of cells and were left out.", count=count, rows=len(rows))
@@ -158,15 +158,16 @@ def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect, remarks
     numeric = [i for i, column in enumerate(columns) if _is_numeric(column, numbers[i])]
     for i in numeric:
         beside = columns[i + 1] if i + 1 < len(columns) and i + 1 not in numeric and not units[i] else ()
-        kinds = {found and found[0] for found in map(unit_of, set(beside))}
+        cells = set(beside) - {""}
+        kinds = {found and found[0] for found in map(unit_of, cells)}
         if len(kinds) != 1 or None in kinds:
             continue
-        if len(set(beside)) > 1:
+        if len(cells) > 1:
             raise DimpleError(
                 "The unit of {title} changes within the file. Convert it to one unit first.",
                 title=title_of(names[i], "", i),
             )
-        units[i] = beside[0]
+        (units[i],) = cells
     listed = _listed_units(above)
     if len(listed) == len(numeric) and not any(units[i] for i in numeric):
         for i, unit in zip(numeric, listed, strict=True):
@@ -184,14 +185,6 @@ def _listed_units(above: Sequence[str]) -> list[str]:
     return []
 
 
-def _filled(rows: list[list[str]]) -> list[list[str]]:
-    """Pad rows that become shorter towards the end with empty cells: of tests side by side, some end earlier."""
-    widths = [len(row) for row in rows]
-    if widths != sorted(widths, reverse=True) or widths.count(widths[0]) < MIN_ROWS or widths[-MIN_ROWS] == widths[0]:
-        return rows
-    return [row + [""] * (widths[0] - len(row)) for row in rows]
-
-
 def _is_numeric(cells: Sequence[str], numbers: Floats) -> bool:
     """Return whether a column is numeric: most cells are numbers, or MIN_ROWS cells and most of those not empty."""
     count, filled = int(np.isfinite(numbers).sum()), sum(cell.strip().lower() not in _NOTHING for cell in cells)
@@ -200,13 +193,10 @@ def _is_numeric(cells: Sequence[str], numbers: Floats) -> bool:
 
 def _column(cells: Sequence[str], decimal: str) -> tuple[Floats, str]:
     """Return the numbers of a column, NaN for cells without one, and the unit in its cells ("12.5 gf"), if any."""
-    values = [number(cell, decimal) for cell in cells]
-    if sum(value is None for value in values) > len(values) / 2:
-        pairs = [number_and_unit(cell, decimal) for cell in cells]
-        carried = {pair[1] for pair in pairs if pair is not None}
-        if len(carried) == 1 and unit_of(unit := carried.pop()):
-            return np.array([np.nan if pair is None else pair[0] for pair in pairs]), unit
-    return np.array([np.nan if value is None else value for value in values]), ""
+    pairs = [number_and_unit(cell, decimal) for cell in cells]
+    carried = Counter(pair[1] for pair in pairs if pair)
+    unit = next((unit for unit in carried if carried[unit] > len(cells) / 2 and unit_of(unit)), "")
+    return np.array([pair[0] if pair and pair[1] == unit else np.nan for pair in pairs]), unit
 
 
 def _header(above: Sequence[str], width: int, dialect: Dialect) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -10,13 +10,14 @@ and tare.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ..base import DimpleError, Floats
 from ..messages import Message
-from .fit import MIN_PIECE, Fit, fit_law, independent_rows, slope_of
+from .fit import MIN_PIECE, TOUCH_STEP, Fit, fit_law, independent_rows, slope_of
 from .press import LoadingCurve
 from .question import Answers, Question, Undecided
 from .strokes import roughness
@@ -25,7 +26,6 @@ from .table import MIN_ROWS, SLIGHT
 SURE = 3.0  # [standard errors] significant: by chance once in 400 files
 _LIKELY = 2.0  # [standard errors] a force at the first row that may still be 0
 _FIRST = 0.1  # share of the range of force, or of depth: the beginning of a press, far from any knee
-_TOUCHES = 80  # depths that are tried as the touch; Gauss-Newton finds the place between them
 _WITHIN = 1.5  # times the noise: RMS residual up to which a law follows its rows
 _HARMLESS = 0.02  # share of the range of depth: touches closer together give the same constants
 # differences of the criterion that are positive and very strong evidence. Source: Kass and Raftery 1995
@@ -45,7 +45,7 @@ class _Begun(NamedTuple):
 
 
 def settle(curve: LoadingCurve, answers: Answers | None = None) -> tuple[LoadingCurve, Fit]:
-    """Fit a press, with the touch that the user gave or the most likely one.
+    """Fit a press, with the touch and the tare that the user gave or the most likely ones.
 
     Returns:
         the curve with depths from the touch and forces without the tare, and the fit.
@@ -54,8 +54,10 @@ def settle(curve: LoadingCurve, answers: Answers | None = None) -> tuple[Loading
         Undecided: two touches are plausible, and would give different constants.
         DimpleError: too few rows, or a touch far outside them.
     """
-    given = None if answers is None else answers.contact_mm
-    fit = _likeliest(curve) if given is None else _as_given(curve, curve.inward * given / 1e3)
+    touch, tare = (None, None) if answers is None else (answers.contact_mm, answers.tare_n)
+    fit = _likeliest(curve) if touch is None else _as_given(curve, curve.inward * touch / 1e3)
+    if tare is not None:
+        fit = fit_law(curve.depth, curve.force, touch=fit.contact.value, tare=tare)
     return curve.begun_at(fit.contact.value, fit.tare.value), fit
 
 
@@ -74,7 +76,7 @@ def _likeliest(curve: LoadingCurve) -> Fit:
     if fit.model == "two" and fit.K1.value * fit.x0.value < SLIGHT * fit.full_scale and fit.x0.value > _FIRST * span:
         raise Undecided(_soft_or_air(curve, fit))
     if min(first - fit.contact.value, abs(fit.contact.value)) > _HARMLESS * span:  # and far from the file's 0
-        raise Undecided(_loaded(curve, fit.contact.value, force))
+        raise Undecided(_loaded(curve, max(fit.contact.value, first - span), force))
     return fit
 
 
@@ -95,19 +97,15 @@ def _from_the_first_row(x: Floats, f: Floats) -> tuple[_Begun, float]:
     first = float(x[0])
     at = 0.0 if abs(first) < _HARMLESS * float(np.ptp(x)) else first
     untared = _begun(x, f, first, ("tare",))
-    force, error = _force_at_first(f, untared)
+    tare = untared.first.tare
+    by_row, by_fit = (float(f[0]), roughness(f)), (tare.value, tare.half_width / 2)
+    force, error = min(by_row, by_fit, key=lambda pair: pair[1])  # the more accurate one
     if abs(force) <= max(_LIKELY * error, SLIGHT * float(np.ptp(f))):
         fit = fit_law(x, f, touch=at)
         return _Begun(fit, fit), force
     if force < 0:
         return _begun(x, f, at, ("tare",)), force
     return _begun(x, f, first, ("contact",)), force
-
-
-def _force_at_first(f: Floats, untared: _Begun) -> tuple[float, float]:
-    """Return the force at the first row [N] and its error, from that row or a fit: the more accurate one."""
-    tare = untared.first.tare
-    return min((float(f[0]), roughness(f)), (tare.value, tare.half_width / 2), key=lambda pair: pair[1])
 
 
 def _begun(x: Floats, f: Floats, touch: float | Floats, free: tuple[str, ...]) -> _Begun:
@@ -122,12 +120,16 @@ def _begun(x: Floats, f: Floats, touch: float | Floats, free: tuple[str, ...]) -
     if _squares(whole, u, v) <= max(noise, _squares(first, u, v) * math.exp(_VERY_STRONG / rows)):
         return _Begun(whole, whole)
     begins = min(first.contact.value, float(np.max(touch)))  # beyond it the force has risen already
-    return _Begun(fit_law(x, f, touch=begins, tare=first.tare.value), first)
+    fit = fit_law(x, f, touch=begins, tare=first.tare.value)
+    if "contact" in free and fit.K1.value > 0:  # how far off it is by the law, which misses the first row
+        off = abs(float(fit.fitted.residual(x[:1], f[:1])[0])) / fit.K1.value
+        fit = replace(fit, contact=fit.contact.widened(off), x0=fit.x0.widened(off))
+    return _Begun(fit, first)
 
 
 def _after_air(x: Floats, f: Floats) -> _Begun | None:
     """Fit a press that begins in the air, None if its first rows show no air."""
-    touches, noise = x[0] + float(np.ptp(x)) * np.arange(1, _TOUCHES) / _TOUCHES, roughness(f)
+    touches, noise = x[0] + float(np.ptp(x)) * np.arange(TOUCH_STEP, 1, TOUCH_STEP), roughness(f)
     after = np.array([touch for touch in touches if _is_air(x[x < touch], f[x < touch], noise)])
     try:
         return _begun(x, f, after, ("contact", "tare")) if len(after) else None
@@ -136,8 +138,8 @@ def _after_air(x: Floats, f: Floats) -> _Begun | None:
 
 
 def _is_air(x: Floats, f: Floats, noise: float) -> bool:
-    """Return whether a force does not rise significantly, or by less than its noise."""
-    if len(np.unique(x)) < MIN_PIECE:
+    """Return whether a force is level but for its noise."""
+    if len(np.unique(x)) < MIN_PIECE or f.std() > SURE * noise:
         return False
     slope, error = slope_of(x, f)
     return slope < SURE * error or slope * float(np.ptp(x)) < noise
@@ -155,24 +157,14 @@ def _as_given(curve: LoadingCurve, touch: float) -> Fit:
             "The touch at {contact_mm} mm lies outside the depths of the file.", contact_mm=curve.reading(touch)
         )
     after = (x < touch).sum() >= MIN_PIECE
-    found = _near(curve, touch) if after else _from_the_first_row(x, f)[0].whole
-    if found is not None and abs(found.contact.value - touch) < 1e-5 * (abs(touch) + span):
+    free = ("contact", "tare")
+    found = fit_law(x, f, touch=touch, free=free) if after else _from_the_first_row(x, f)[0].whole
+    if abs(found.contact.value - touch) < 1e-5 * (abs(touch) + span):
         return found
     if after:
         return fit_law(x, f, touch=touch, free=("tare",))
-    untared = _begun(x, f, touch, ("tare",))
-    force, error = _force_at_first(f, untared)
-    pulls = force < -max(SURE * error, SLIGHT * float(np.ptp(f)))
     late = touch > first - _HARMLESS * span  # then a force there was on the load cell before the touch
-    return untared.whole if late or pulls else fit_law(x, f, touch=touch)
-
-
-def _near(curve: LoadingCurve, touch: float) -> Fit | None:
-    """Return the best fit of touch and tare, starting from a touch [m] nearby; None if too few rows lie beyond it."""
-    try:
-        return fit_law(curve.depth, curve.force, touch=touch, free=("contact", "tare"))
-    except DimpleError:
-        return None
+    return _begun(x, f, touch, ("tare",)).whole if late else fit_law(x, f, touch=touch)
 
 
 def _squares(fit: Fit, x: Floats, f: Floats) -> float:
@@ -182,10 +174,10 @@ def _squares(fit: Fit, x: Floats, f: Floats) -> float:
 def _gain(one: Fit, other: Fit, x: Floats, f: Floats) -> float:
     """Return the advantage of one fit over another by the Bayesian information criterion.
 
-    The touch of the first one was searched for, so it counts as two parameters, as a knee does.
+    The touch of the first one was searched for, so it counts as two parameters, and so does a knee.
     """
     rows = independent_rows(len(x), one.correlation)
-    more = 1 + len(one.fitted.free) - len(other.fitted.free)
+    more = 1 + len(one.fitted.free) + one.fitted.knee - len(other.fitted.free) - other.fitted.knee
     return rows * math.log(_squares(other, x, f) / _squares(one, x, f)) - more * math.log(rows)
 
 
@@ -223,7 +215,6 @@ def _hidden(curve: LoadingCurve, fit: Fit, air: Fit) -> Question:
 
 def _soft_or_air(curve: LoadingCurve, fit: Fit) -> Question:
     touch, rise = fit.contact.value, fit.K1.value * fit.x0.value
-    air = _near(curve, touch + fit.x0.value)
     return _which_touch(
         curve,
         Message(
@@ -232,6 +223,6 @@ def _soft_or_air(curve: LoadingCurve, fit: Fit) -> Question:
             rise=rise,
             depth=1e3 * fit.x0.value,
         ),
-        (touch + fit.x0.value if air is None else air.contact.value, "where it begins to rise: there was air before"),
+        (touch + fit.x0.value, "where it begins to rise: there was air before"),
         (touch, "before: the object is that soft at first"),
     )

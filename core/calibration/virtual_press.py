@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -25,21 +24,10 @@ HEADER = ("Distance x (mm)", "Force F (N)")
 ROW_S = 0.014  # [s] from one row to the next
 
 
-class Site(NamedTuple):
-    """The place where a body is pressed.
-
-    point: (3,) on the surface at rest [m].
-    inward: (3,) unit vector, the direction of the press.
-    thickness: distance to the far side [m], inf if there is none.
-    """
-
-    point: Floats
-    inward: Floats
-    thickness: float
-
-
-def find_site(mesh: Mesh, above: Sequence[float] | None = None, inward: Sequence[float] = (0.0, 0.0, -1.0)) -> Site:
-    """Find the place where a tip meets a body.
+def find_site(
+    mesh: Mesh, above: Sequence[float] | None = None, inward: Sequence[float] = (0.0, 0.0, -1.0)
+) -> tuple[Floats, Floats, float]:
+    """Return where a tip meets a body (3,) [m], its direction (3,), and the thickness there [m], inf if it is open.
 
     Args:
         above: (3,) a point on the path of the tip [m]; None: the middle of the body.
@@ -58,20 +46,23 @@ def find_site(mesh: Mesh, above: Sequence[float] | None = None, inward: Sequence
         raise DimpleError("The tip misses the object. Move it over the place to be pressed.")
     point = np.array(hit[1])
     beyond = ray_hit(tuple(point + 1e-6 * mesh.size * way), tuple(way), x, mesh.triangles)
-    return Site(point, way, beyond[0] if beyond else math.inf)
+    return point, way, beyond[0] if beyond else math.inf
 
 
-def press_rows(model: Model, radius: float, site: Site, deepest: float, rows: int) -> Iterator[tuple[float, float]]:
+def press_rows(
+    model: Model, radius: float, site: tuple[Floats, Floats, float], deepest: float, rows: int
+) -> Iterator[tuple[float, float]]:
     """Yield depth [m] and force [N] from the touch on; stop short of the far side, or when the tip loses contact.
 
     Args:
         radius: radius of the tip [m].
+        site: place, direction and thickness, as `find_site` returns them.
         deepest: depth of the last row [m].
         rows: number of rows.
     """
-    session = Session(model)
-    for depth in (min(deepest, CLEAR * site.thickness) * np.arange(rows) / (rows - 1)).tolist():
-        x, y, z = (site.point + (depth - radius) * site.inward).tolist()
+    session, (point, inward, thickness) = Session(model), site
+    for depth in (min(deepest, CLEAR * thickness) * np.arange(rows) / (rows - 1)).tolist():
+        x, y, z = (point + (depth - radius) * inward).tolist()
         session.set_fingers([Finger((x, y, z), radius)])
         touch = session.step(ROW_S).touches[0]
         if touch is None:

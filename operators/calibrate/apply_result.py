@@ -37,7 +37,7 @@ class DIMPLE_OT_apply_calibration(polls.Declared, bpy.types.Operator):
 
     needs = (
         has_result,
-        polls.need(lambda context: not _result(context)["unusable"], "There is no material with these constants"),
+        polls.need(lambda context: _result(context)["K1"] > 0, "There is no material with these constants"),
         polls.needs_mesh,
         polls.is_own,
     )

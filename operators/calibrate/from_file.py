@@ -8,7 +8,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper
 
 from ...core.calibration.question import Answers, Undecided
 from ...core.messages import to_json
@@ -90,7 +91,7 @@ class Tip:
         say(self, {"INFO"}, results.source(record, record["source_of_k"]))
 
 
-class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
+class DIMPLE_OT_calibrate(Tip, polls.Declared, bpy.types.Operator):
     """Fit a material to a force-depth file of an instrument: CSV or text, unedited"""
 
     bl_idname = Op.CALIBRATE
@@ -105,17 +106,13 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
         default=results.FILTER,
     )  # fmt: skip
     asked: StringProperty(name="Question", description="What the file does not say", options=HIDDEN)
+    found: StringProperty(name="Found", description="Touch and tare that the fit found", options=HIDDEN)
     answer_0: _answer(0)
     answer_1: _answer(1)
     answer_2: _answer(2)
     answer_3: _answer(3)
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Require Object Mode, in which the result is one undo step."""
-        if context.mode != "OBJECT":
-            return polls.refuse(cls, "Go back to Object Mode to calibrate")
-        return True
+    needs = (polls.in_object_mode,)  # there the result is one undo step
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the file, or the questions that it leaves open; a dropped file is read at once."""
@@ -131,29 +128,28 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> set[str] | None:
         """Read the file and fit the law; if that fails, the last result stays."""
-        from ...core.base import DimpleError
         from ...core.calibration.calibrate import calibrate
 
         try:
             if not self._take_answers():
                 return self._ask(context, self.asked, "")
-            self.keep(context, calibrate(self.filepath, self._answers(), **self.measured()))
+            found = calibrate(self.filepath, self._answers(), **self.measured())
         except Undecided as undecided:
             return self._ask(context, to_json(undecided.to_record()), str(undecided))
-        except DimpleError as error:
-            say(self, {"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+        self.keep(context, found)
+        return self._show(contact_mm=found.loading.reading(0.0), tare_n=found.loading.tare)
 
     def draw(self, _context: bpy.types.Context) -> None:
-        """Draw the questions, or if there are none the tip, the size of the object and options of the file."""
+        """Draw the questions, or if there are none the touch, the tare, the tip, the size of the object and
+        options of the file.
+        """
         layout = self.layout
         if self.asked:
             return self._draw_questions(layout)
         layout.use_property_split = True
-        for name in (*_KEPT, "press", "inward"):
+        for name in (*_KEPT, "press"):
             layout.prop(self, name)
         return None
 
@@ -180,15 +176,25 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
     def _answers(self) -> Answers:
         """Return the answers that are given."""
         given = {name: getattr(self, name) for name in _ANSWERS if getattr(self, name) not in ("", 0, DETECTED)}
-        given |= {name: getattr(self, name) for name in _DEPTHS if self.properties.is_property_set(name)}
-        return Answers(**given)
+        return Answers(**given, **{name: getattr(self, name) for name in _NUMBERS if self._is_typed(name)})
+
+    def _is_typed(self, name: str) -> bool:
+        """Return whether a property was set to another value than the fit found."""
+        return self.properties.is_property_set(name) and getattr(self, name) != results.load(self.found).get(name)
+
+    def _show(self, **used: float) -> None:
+        """Show what the fit found in the fields, where it can be changed while the chart follows."""
+        found = [name for name in used if not self._is_typed(name)]
+        for name in found:
+            setattr(self, name, used[name])
+        self.found = to_json({name: getattr(self, name) for name in found})
 
     def _ask(self, context: bpy.types.Context, asked: str, message: str) -> set[str]:
         """Open the dialog with the open questions; in background mode, report an error instead."""
         if bpy.app.background:
             say(self, {"ERROR"}, message or "A question of the dialog has no answer.")
             return {"CANCELLED"}
-        given = {name: getattr(self, name) for name in _KEPT if self.properties.is_property_set(name)}
+        given = {name: getattr(self, name) for name in _KEPT if self._is_typed(name)}
         given |= {name: getattr(self, name) for name in _ANSWERS if getattr(self, name)}
         bpy.ops.dimple.calibrate("INVOKE_DEFAULT", **(given | {"filepath": self.filepath, "asked": asked}))
         return {"CANCELLED"}  # the new call continues
@@ -196,9 +202,18 @@ class DIMPLE_OT_calibrate(Tip, bpy.types.Operator):
 
 # a property for each answer to a question that a file may leave open
 DIMPLE_OT_calibrate.__annotations__ |= {field.name: _property(field) for field in fields(Answers)}
-_DEPTHS = ("contact_mm", "from_mm", "until_mm")
-_ANSWERS = tuple(field.name for field in fields(Answers) if field.name not in _DEPTHS)
-_KEPT = ("tip", "tip_radius_mm", "length_mm", *_DEPTHS)
+_NUMBERS = ("contact_mm", "tare_n", "until_mm")
+_ANSWERS = tuple(field.name for field in fields(Answers) if field.name not in _NUMBERS)
+_KEPT = (*_NUMBERS, "tip", "tip_radius_mm", "length_mm")
+
+
+class Saved(ExportHelper):
+    """Give an operator a file to write; its name is completed before Blender asks whether to overwrite the file."""
+
+    filepath: StringProperty(name="File", description="Where it goes", subtype="FILE_PATH", options={"SKIP_SAVE"})
+    check_existing: BoolProperty(
+        name="Check Existing", description="Ask before a file is overwritten", options={"HIDDEN"}, default=True
+    )
 
 
 class Dropped:

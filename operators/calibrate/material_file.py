@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, StringProperty
+from bpy.props import StringProperty
 
 from ...core.errors import DimpleError
 from ...core.messages import from_json, to_json
@@ -13,7 +13,7 @@ from ..names import Op
 from ..press import polls
 from . import results
 from .apply_preset import material_of
-from .from_file import Dropped
+from .from_file import Dropped, Saved
 
 ENDING = ".dimple"
 LARGEST = 2**20  # [bytes] read at most; a material has some 20 kB
@@ -24,33 +24,24 @@ VALUES = (
 )  # fmt: skip
 
 
-class DIMPLE_OT_save_material(polls.Declared, bpy.types.Operator):
+class DIMPLE_OT_save_material(polls.Declared, Saved, bpy.types.Operator):
     """Save the active material as a small file to share: constants, intervals, source, tip, date and license"""
 
     bl_idname = Op.SAVE_MATERIAL
     bl_label = "Save Material to File"
+    filename_ext = ENDING
 
-    filepath: StringProperty(name="File", description="Where the material goes", subtype="FILE_PATH")
     filter_glob: StringProperty(
         name="Filter", description="Files that are shown", options={"HIDDEN"}, default=f"*{ENDING}"
-    )
-    check_existing: BoolProperty(
-        name="Check Existing", description="Ask before a file is overwritten", options={"HIDDEN"}, default=True
     )
     license: StringProperty(name="License", description="What others may do with the constants", default="CC0-1.0")
 
     needs = (polls.need(lambda context: context.object and context.object.active_material, "Apply a material first"),)
 
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the file."""
         self.filepath = bpy.path.clean_name(context.object.active_material.name) + ENDING
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def check(self, _context: bpy.types.Context) -> bool:
-        """Complete the typed name, so that Blender asks before it overwrites the file that is really written."""
-        typed, self.filepath = self.filepath, bpy.path.ensure_ext(self.filepath, ENDING)
-        return self.filepath != typed
+        return Saved.invoke(self, context, event)
 
     def run(self, context: bpy.types.Context) -> None:
         material = context.object.active_material

@@ -1,7 +1,7 @@
 """The virtual press: press the active body with a round tip and write the file that an instrument would write."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...core.messages import Message, about
 from ..messages import say
@@ -9,23 +9,21 @@ from ..names import PLACES, Op
 from ..press import modal_runs, polls, sessions
 from ..press.progress import Working
 from . import results
+from .from_file import Saved
 
 BEYOND = 1.5  # [knee depths] depth of the press if that of the measurement is unknown
 _ASKED = ("tip_radius_mm", "place", "depth_mm", "rows")
 
 
-class DIMPLE_OT_measure(Working, bpy.types.Operator):
+class DIMPLE_OT_measure(Working, Saved, bpy.types.Operator):
     """Press the active object with a round tip, virtually, and write force against depth as a CSV file"""
 
     bl_idname = Op.MEASURE
     bl_label = "Measure"
+    filename_ext = ".csv"
     verb, stopped = "Measuring", "The measurement was stopped; nothing was written"
 
-    filepath: StringProperty(name="File", description="Where the CSV goes", subtype="FILE_PATH", options={"SKIP_SAVE"})
     filter_glob: StringProperty(name="Filter", description="Files that are shown", options={"HIDDEN"}, default="*.csv")
-    check_existing: BoolProperty(
-        name="Check Existing", description="Ask before a file is overwritten", options={"HIDDEN"}, default=True
-    )
     tip_radius_mm: FloatProperty(
         name="Tip Radius (mm)", description="Radius of the tip; 0 is that of the tip that measured the material",
         default=0.0, min=0.0, soft_max=50.0,
@@ -46,10 +44,9 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         """Ask for the file, then measure between Blender's events."""
         if self.properties.is_property_set("filepath"):
             return Working.invoke(self, context, event)
-        self.filepath = f"{bpy.path.clean_name(context.object.name)}.csv"
+        self.filepath = bpy.path.clean_name(context.object.name) + self.filename_ext
         self._browsing = True
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+        return Saved.invoke(self, context, event)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Measure in one go; after the file browser, start a new call, because this one cannot become modal."""
@@ -117,7 +114,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         from ...core.calibration.virtual_press import write_press
 
         depth, force = np.array(self._rows).T
-        path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".csv")
+        path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), self.filename_ext)
         write_press(path, depth, force, about=self._about)
         deepest, wanted = float(depth[-1]), self._deepest
         if deepest < 0.999 * wanted:

@@ -37,11 +37,15 @@ class DIMPLE_OT_softness_from_pokes(polls.Declared, bpy.types.Operator):
         from ...core.calibration.pokes import map_pokes, read_pokes
         from ..bridge import scene_objects, write_back
 
-        body = context.object
+        body, manager = context.object, context.window_manager
         sessions.stop(body.session_uid)
         pokes = read_pokes(self.filepath)
         link, model = scene_objects.read_body(context, body)
-        found = map_pokes(model.mesh, model.materials[0], pokes)
+        manager.progress_begin(0, 1)
+        try:
+            found = map_pokes(model.mesh, model.materials[0], pokes, manager.progress_update)
+        finally:
+            manager.progress_end()
         own = model.mesh.source[scene_objects.nearest_final(link)]
         write_back.paint(body, GROUP, found.weights[own])
         body.dimple.softness_group = GROUP

@@ -33,19 +33,21 @@ def load(text: str) -> dict[str, Any]:
 
 def to_text(calibration: Calibration) -> str:
     """Return the text that stores a calibration: the core's record, and the data for the chart and the material."""
+    import numpy as np
+
     from ...core.calibration.calibrate import to_record
     from ...core.material import NOTICEABLE_FORCE
 
     record = to_record(calibration)
-    loading, surface = calibration.loading, calibration.surface
+    loading, fit, surface = calibration.loading, calibration.fit, calibration.surface
     record["date"], record["noticeable"] = date.today().isoformat(), NOTICEABLE_FORCE
     record["provenance"] = Message(
         "{provenance}, calibrated {date}", provenance=record["provenance"], date=record["date"]
     )
-    record["points"] = thinned(1e3 * loading.depth, loading.force, POINTS)
-    record["band"] = band(calibration)
+    step, x = math.ceil(len(loading.depth) / POINTS), np.linspace(0, loading.depth.max(), BAND)
+    record["points"] = _rounded(1e3 * loading.depth[::step], loading.force[::step])
+    record["band"] = _rounded(1e3 * x, fit.law(x) - fit.band(x), fit.law(x) + fit.band(x))
     record["k_to_use"] = surface.k.value / 1e3 if surface else None
-    record["unusable"] = _unusable(record)
     return to_json(record)
 
 
@@ -54,31 +56,5 @@ def source(record: dict[str, Any], k: str) -> str:
     return Message("{provenance}; {k}", provenance=record["provenance"], k=k) if k else record["provenance"]
 
 
-def band(calibration: Calibration) -> list[list[float]]:
-    """Return rows [mm, N, N] of depth and the bounds of the law's 95 % interval there, for the chart."""
-    import numpy as np
-
-    fit = calibration.fit
-    x = np.linspace(0, calibration.loading.depth.max(), BAND)
-    rows = zip(1e3 * x, fit.law(x) - fit.band(x), fit.law(x) + fit.band(x), strict=True)
-    return [[float(f"{value:.6g}") for value in row] for row in rows]
-
-
-def thinned(depth_mm: Any, force: Any, most: int) -> list[list[float]]:
-    """Return at most `most` rows [mm, N] of a curve, evenly picked."""
-    step = max(math.ceil(len(depth_mm) / most), 1)
-    pairs = zip(depth_mm[::step].tolist(), force[::step].tolist(), strict=True)
-    return [[float(f"{x:.6g}"), float(f"{f:.6g}")] for x, f in pairs]
-
-
-def _unusable(record: dict[str, Any]) -> str:
-    """Return why no material can have these constants, "" if one can."""
-    from ...core.base import DimpleError
-    from ...core.material import Material
-
-    k = record["k_to_use"] or 1.0
-    try:
-        Material(K1=1e3 * record["K1"], K2=1e3 * record["K2"], x0=record["x0"] / 1e3, k=1e3 * k, density=1.0)
-    except DimpleError as error:
-        return str(error)
-    return ""
+def _rounded(*columns: Any) -> list[list[float]]:
+    return [[float(f"{value:.6g}") for value in row] for row in zip(*columns, strict=True)]

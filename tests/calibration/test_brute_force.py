@@ -90,8 +90,8 @@ def by_brute_force(press: Press) -> tuple[Floats, Floats]:
     return values[[0, 1, 3]], errors[:3]
 
 
-def by_default(path: Path) -> tuple[list[str], Calibration]:
-    """Calibrate with the likeliest answer to every question."""
+def by_one_who_saw_it(path: Path, press: Press) -> tuple[list[str], Calibration]:
+    """Calibrate; answer every question with the touch nearest to that of the press."""
     answers, asked = Answers(), []
     while True:
         try:
@@ -99,28 +99,30 @@ def by_default(path: Path) -> tuple[list[str], Calibration]:
         except Undecided as undecided:
             (question,) = undecided.questions
             asked.append(question.name)
-            answers = replace(answers, **{question.name: float(question.default)})
+            touches = [float(candidate.value) for candidate in question.candidates]
+            nearest = min(touches, key=lambda each: abs(each - 1e3 * press.touch))
+            answers = replace(answers, **{question.name: nearest})
 
 
 @pytest.mark.parametrize("files", [42, pytest.param(300, marks=pytest.mark.slow)])
 def test_the_intervals_hold_the_truth_and_nothing_is_wrong_in_silence(files: int, tmp_path: Path) -> None:
-    inside = {"K1": [], "K2": [], "brute K1": [], "brute K2": []}
-    silent, apart = [], []
+    names, silent = ("K1", "K2", "x0"), []
+    inside: dict[str, list[bool]] = {name: [] for name in names}
     for seed in range(files):
         press = made(seed)
         write_press(tmp_path / "x.csv", press.depth, press.force)
-        asked, done = by_default(tmp_path / "x.csv")
+        asked, done = by_one_who_saw_it(tmp_path / "x.csv", press)
         brute, errors = by_brute_force(press)
         off = []
-        for i, name in enumerate(("K1", "K2")):
+        for i, name in enumerate(names):
             constant, truth = getattr(done.fit, name), getattr(press, name)
             off.append(abs(constant.value - truth) / max(constant.half_width, 1e-300))
             if press.kind != "drift":  # that of the force changes both slopes, as is said where it shows
                 inside[name].append(off[-1] <= 1)
-                inside[f"brute {name}"].append(abs(brute[i] - truth) <= 1.97 * errors[i])
-            apart.append(abs(constant.value - brute[i]) / constant.half_width)
+                inside.setdefault(f"brute {name}", []).append(abs(brute[i] - truth) <= 1.97 * errors[i])
         if max(off) > 3 and not asked and not done.warnings:
             silent.append((seed, press.kind, off))
     assert silent == []
-    for name in ("K1", "K2"):
-        assert 0.90 <= np.mean(inside[name]) <= 0.98
+    for name, held in inside.items():
+        least = 0.90 if files == 300 else 0.85  # of 36 that are no drift, 95 % less two standard errors is 0.88
+        assert least <= np.mean(held) <= 0.98, (name, np.mean(held))

@@ -34,8 +34,8 @@ FILES = {
     "both signs turned, nothing tared": (H, lambda i, d, f: f"{100 - d:.5f},{3 - f:.5f}", "right"),
     "the gap of the plates": ("Gap (mm),Normal force (N)", lambda i, d, f: f"{30 - d:.5f},{f:.5f}", "right"),
     "words for no number": (H, lambda i, d, f: f"{d:.5f},{'NaN' if i % 7 == 0 else f'{f:.5f}'}", "right"),
-    "a number for no number": (H, lambda i, d, f: f"{d:.5f},{-9999 if i % 20 == 0 else f:.5f}", "right"),
-    "a run of numbers for no number": (H, lambda i, d, f: f"{d:.5f},{-9999 if 50 < i < 60 else f:.5f}", "asked"),
+    "a number for no number": (H, lambda i, d, f: f"{d:.5f},{-9999 if i % 20 == 0 else f:.5f}", "warned"),
+    "a run of numbers for no number": (H, lambda i, d, f: f"{d:.5f},{-9999 if 50 < i < 60 else f:.5f}", "refused"),
     "a force that drops out": (H, lambda i, d, f: f"{d:.5f},{0 if 150 < i < 170 else f:.5f}", "right"),
     "a load cell at its end": (H, lambda i, d, f: f"{d:.5f},{min(f, 25):.5f}", "warned"),
     "dates first": (

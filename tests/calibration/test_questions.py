@@ -85,7 +85,6 @@ PRESSES: dict[str, Callable] = {
     "cycle": two_presses,
     "table": lambda curve: table(curve.depth, curve.force) + table(curve.depth, curve.force / 2, "Weg (mm),Kraft (N)"),
     "press": both_ways,
-    "order": lambda curve: table(curve.depth[::-1], curve.force[::-1]),
     "contact_mm": lambda curve: table(curve.depth[60:] - curve.depth[60], curve.force[60:]),
 }
 

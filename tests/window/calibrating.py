@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,10 +16,11 @@ LAW = 0.6, 7.0, 12.0  # K1, K2 [N/mm], x0 [mm]
 Check = Callable[..., None]
 
 
-def press_file(header: str) -> Path:
-    """Write a press of the law above, with 1 % of noise."""
-    depth = np.linspace(0, 20, 81)
-    force = LAW[0] * np.minimum(depth, LAW[2]) + LAW[1] * np.maximum(depth - LAW[2], 0)
+def press_file(header: str, air: float = 0.0) -> Path:
+    """Write a press of the law above, with 1 % of noise, after some air [mm]."""
+    depth = np.linspace(0, 20 + air, 81)
+    x = np.maximum(depth - air, 0)
+    force = LAW[0] * np.minimum(x, LAW[2]) + LAW[1] * np.maximum(x - LAW[2], 0)
     force = force + 0.01 * force.max() * np.random.default_rng(2).normal(size=len(depth))
     path = Path("/tmp") / ("cushion.csv" if header else "bare.csv")
     path.write_text(header + "".join(f"{x:.3f},{f:.4f}\n" for x, f in zip(depth, force, strict=True)))
@@ -59,7 +61,44 @@ def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.
     chart = round(view.x + left + wide * scale / 2), round(view.y + bottom + high * scale / 2)
     gap = robot.differing(bare, robot.screenshot(out / "9-calibrated.png"), chart, robot.HALF)
     check("its chart is seen in the viewport", gap > robot.SEEN, f"{gap} pixels differ")
+    yield from drag_the_touch(out, check)
     yield from by_hand(at, body, out, check)
+
+
+def record() -> dict:
+    """Return the result in the scene, looked up each time: an undo frees what there was."""
+    return json.loads(bpy.context.scene.dimple.calibration)
+
+
+def drag_the_touch(out: Path, check: Check) -> robot.Waits:
+    """Read a file with air before the touch, and drag the touch in the corner of the viewport."""
+    path = press_file("Distance x (mm),Force F (N)\n", air=5.0)
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.calibrate("INVOKE_DEFAULT", True, filepath=str(path))  # as a click does: one step of undo
+    found = record()
+    yield from robot.redrawn(6)
+    corner = robot.region("HUD")
+    yield from robot.click(corner.x + corner.width // 2, corner.y + corner.height // 2)  # Blender shows its title alone
+    yield from robot.redrawn(6)
+    robot.screenshot(out / "9-touch-found.png")
+    corner = robot.region("HUD")
+    x, top = corner.x + corner.width * 3 // 4, corner.y + corner.height
+    for y in range(top - 36, max(top - 100, corner.y), -10):  # the touch is the first field under the title
+        yield from robot.move(x, y)
+        yield from robot.button(x, y, "PRESS")
+        for step in range(1, 9):
+            yield from robot.move(x + 5 * step, y)
+        yield from robot.button(x + 40, y, "RELEASE")
+        yield from robot.redrawn()
+        if record()["contact"] != found["contact"]:
+            break
+    robot.screenshot(out / "9-touch-dragged.png")
+    dragged = record()
+    text = "touch {:.2f} mm, K1 {:.3f} N/mm; dragged to {:.2f} mm, K1 {:.3f} N/mm"
+    text = text.format(found["contact"], found["K1"], dragged["contact"], dragged["K1"])
+    check("the touch is dragged in the corner, and the fit and its chart follow", dragged["K1"] != found["K1"], text)
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.discard_calibration()
 
 
 def by_hand(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.Waits:

@@ -117,9 +117,7 @@ def test_a_torn_specimen_is_asked_about_and_its_range_can_be_cut(bpy: ModuleType
         bpy.ops.dimple.calibrate(filepath=path)
     assert bpy.ops.dimple.calibrate(filepath=path, until_mm=17.1) == {"FINISHED"}
     assert record_of(scene)["K2"] == pytest.approx(7, rel=1e-3) and record_of(scene)["deepest"] < 17
-    assert bpy.ops.dimple.calibrate(filepath=path, until_mm=17.1, press="positive", inward="positive") == {"FINISHED"}
-    with pytest.raises(RuntimeError):
-        bpy.ops.dimple.calibrate(filepath=path, until_mm=17.1, press="positive", inward="negative")
+    assert bpy.ops.dimple.calibrate(filepath=path, until_mm=17.1, press="positive") == {"FINISHED"}
 
 
 def test_the_result_names_its_columns_and_warnings_have_headlines(bpy: ModuleType, scene: Any, tmp_path: Path) -> None:
@@ -167,13 +165,14 @@ class Asked:
         operator = self.calibrate.DIMPLE_OT_calibrate
         rna = self.rna.properties
         values = {name: rna[name].default for name in (*self.calibrate._ANSWERS, *self.calibrate._KEPT)}
-        values |= {"asked": "", **given, **{f"answer_{i}": choice for i, choice in enumerate(choices)}}
-        methods = vars(self.calibrate.Tip) | vars(operator)
+        values |= {"asked": "", "found": "", **given, **{f"answer_{i}": choice for i, choice in enumerate(choices)}}
+        methods = vars(self.calibrate.polls.Declared) | vars(self.calibrate.Tip) | vars(operator)
         stub = type("Stub", (), {k: v for k, v in methods.items() if callable(v) and not k.startswith("__")})()
         for name, value in values.items():
             setattr(stub, name, value)
         stub.report = lambda level, text: self.reports.append((*level, text))
         stub.properties = SimpleNamespace(is_property_set=lambda name: getattr(stub, name) != rna[name].default)
+        self.shown = stub
         return stub.execute(self.bpy.context)
 
 
@@ -196,6 +195,31 @@ def test_the_dialog_asks_until_nothing_is_open(
     units = [candidate["value"] for candidate in questions[1]["candidates"]]
     assert asked.answer("0", str(units.index("N"))) == {"FINISHED"}
     assert record_of(scene)["K2"] == pytest.approx(7, rel=1e-3)
+
+
+def test_touch_and_tare_that_were_found_stand_in_their_fields_and_the_fit_follows_them(
+    bpy: ModuleType, scene: Any, write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    noise = np.random.default_rng(0).normal(size=len(DEPTH)).tolist()
+
+    def row(x: float, f: float) -> str:
+        tared = 0.6 * max(x - 5, 0) + 6.4 * max(x - 14, 0) + 2 + 0.02 * noise.pop()
+        return f"{x:.4f},{tared:.4f}"
+
+    asked = Asked(bpy, monkeypatch, write("air.csv", "Depth (mm),Force (N)", row))
+    assert asked.answer() == {"FINISHED"}
+    shown, found = asked.shown, record_of(scene)
+    assert (shown.contact_mm, shown.tare_n) == pytest.approx((found["contact"], found["tare"]))
+    assert (shown.contact_mm, shown.tare_n) == pytest.approx((5, 2), abs=0.3)
+    shown.execute(bpy.context)
+    assert record_of(scene) == found, "nothing was changed"
+    shown.contact_mm = 6.0
+    shown.execute(bpy.context)
+    moved = record_of(scene)
+    assert moved["contact"] == pytest.approx(6) and shown.tare_n == pytest.approx(moved["tare"]) != found["tare"]
+    shown.tare_n = 1.5
+    shown.execute(bpy.context)
+    assert (record_of(scene)["contact"], record_of(scene)["tare"]) == pytest.approx((6, 1.5))
 
 
 def test_the_likeliest_answer_is_chosen_when_the_dialog_opens(
