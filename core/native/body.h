@@ -137,7 +137,6 @@ struct dm_state {
     double rest_volume, rest_area, size, gravity[3], ground, volume, pressure, rest_pressure;
     double comes_back; /* [s] remaining time in which the skin recovers, since nothing touches it */
     int pins_met;      /* something held a pin back */
-    double jumped; /* [m] farthest that a pin was moved after the last tick, exactly onto its path */
     int free, led, carried; /* the shape at rest follows the body; pins were moved, and carry it */
     int rigged, moving;     /* the shape at rest stays where it is set; it changes in the next motion, */
     dm_vec3 *rest_rate;     /* (groups,) at this rate [m/s], */
@@ -151,7 +150,6 @@ struct dm_state {
     dm_inertia moments;
     double resisted[3]; /* rolling resistance of the surfaces that it touches, in the next substep [N m] */
     double dt, skin_travel; /* [s]; [m] farthest that a vertex may move in a step, 0: no limit */
-    double way;             /* [m] farthest that a vertex moved in the last step, before contact */
 
     uint32_t (*triangles)[4], *box_start, *box_vertex;
     dm_quad (*boxes)[2];

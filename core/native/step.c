@@ -27,7 +27,7 @@ static void dm_substep(dm_state *b, int64_t left, dm_frame *frame) {
     DM_TIMED(DM_RINGS, dm_run_rings(b));
     if (b->free) dm_take_moment(b);
     DM_TIMED(DM_IRREGULAR_AND_FILL, dm_apply_fill(b));
-    DM_TIMED(DM_ADVANCE, dm_advance(b));
+    DM_TIMED(DM_ADVANCE, dm_run_pass(b, dm_pass_advance));
 }
 
 DM_SMALL
@@ -85,7 +85,7 @@ static void dm_rest_pins(dm_state *b) {
 /* After the last tick: put the pins that have arrived exactly at the end of their paths. */
 static void dm_finish_pins(dm_state *b, const dm_motion *m) {
     int64_t used = 0, whole = m->pins_last >= 1, count = b->pinned_count, n = b->n, stride = b->groups * DM_LANES;
-    double *rest = b->pin_room, *here = rest + 3 * stride, farthest = 0;
+    double *rest = b->pin_room, *here = rest + 3 * stride;
     for (int64_t k = 0; k < count; k++) {
         uint32_t vertex = b->pinned[k], i = b->place[vertex];
         double x[3], local[3], behind = 0;
@@ -102,11 +102,9 @@ static void dm_finish_pins(dm_state *b, const dm_motion *m) {
             rest[c * stride + used] = b->rest[c * n + vertex], here[c * stride + used] = x[c];
         }
         used += !b->loose[vertex];
-        if (!there) continue;
-        dm_set_vertex(b, i, dm_quad_of(local), b->records[i].v);
-        farthest = behind > farthest ? behind : farthest;
+        if (there) dm_set_vertex(b, i, dm_quad_of(local), b->records[i].v);
     }
-    b->led = 1, b->jumped = 2 * farthest; /* bound for three coordinates, each at most `farthest` */
+    b->led = 1;
     if (whole && !b->free && !b->rigged) dm_fit_points(used, stride, rest, here, b->pose), dm_place_pose(b);
 }
 
