@@ -151,9 +151,7 @@ struct dm_state {
     double resisted[3]; /* rolling resistance of the surfaces that it touches, in the next substep [N m] */
     double dt, skin_travel; /* [s]; [m] farthest that a vertex may move in a step, 0: no limit */
 
-    uint32_t (*triangles)[4], *box_start, *box_vertex;
-    dm_quad (*boxes)[2];
-    int64_t box_count;
+    uint32_t (*triangles)[4];
     dm_real *inverse_mass, *friction, *compliance;
     int finger_count;
     dm_near touches[DM_MAX_FINGERTIPS];
@@ -209,6 +207,10 @@ DM_INLINE double dm_inner3(const double *a, const double *b) { return a[0] * b[0
 
 DM_INLINE void dm_cross3(const double *a, const double *b, double *r) {
     r[0] = a[1] * b[2] - a[2] * b[1], r[1] = a[2] * b[0] - a[0] * b[2], r[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+DM_INLINE void dm_add3(double *a, double by, const double *b) {
+    for (int c = 0; c < 3; c++) a[c] += by * b[c];
 }
 
 /* Return zeroed and aligned memory for `count` items, null if there is none left; count 0 is allowed. */

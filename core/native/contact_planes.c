@@ -25,15 +25,15 @@ DM_INLINE double dm_closest_of(const dm_surface *f, const dm_surface *g) {
 
 /* Set the plane of a pair from its nearest points and distance; return how far a side may move. Beside a rigid side the
  * skin keeps a part of the whole distance; of two soft sides, each keeps a part of half of it. */
-static double dm_set_plane(dm_plane *plane, const dm_pair *p, const double *const *x, const double *w,
-                         const double *between, double gap, double closest) {
+static double dm_set_plane(dm_plane *plane, const dm_pair *p, const double (*x)[3], const uint32_t *at, const double *w,
+                           const double *between, double gap, double closest) {
     double whole = p->rigid ? gap : gap / 2, least = (whole < closest ? whole : closest) / 2;
     plane->level = 0;
     plane->keep = gap > closest ? least + (1 - DM_BOUND) * (whole - least) : whole * (1 - DM_ROUNDING);
     for (int c = 0; c < 3; c++) {
         double other = 0;
         plane->normal[c] = gap > 0 ? between[c] / gap : 0;
-        for (uint32_t k = p->ones; k < 4; k++) other -= w[k] * x[k][c];
+        for (uint32_t k = p->ones; k < 4; k++) other -= w[k] * x[at[k]][c];
         plane->level += plane->normal[c] * (other + between[c] / 2);
     }
     return whole - plane->keep;
@@ -44,9 +44,9 @@ static void dm_renew_plane(dm_scene_state *s, uint32_t pair) {
     double x[4][3], w[4], between[3];
     const dm_pair *p = s->pairs + pair;
     for (uint32_t j = 0; j < 4; j++) dm_corner(s, p, j, x[j]);
-    const double *at[4] = {x[0], x[1], x[2], x[3]};
-    double gap = dm_measure_pair(at, p->ones, w, between);
-    dm_set_plane(s->planes + pair, p, at, w, between, gap, dm_closest_of(dm_surface_of(s, p, 0), dm_surface_of(s, p, 3)));
+    double gap = dm_measure_pair((const double(*)[3])x, dm_four, p->ones, w, between);
+    double closest = dm_closest_of(dm_surface_of(s, p, 0), dm_surface_of(s, p, 3));
+    if (gap > 0) dm_set_plane(s->planes + pair, p, (const double(*)[3])x, dm_four, w, between, gap, closest);
     s->next[pair] = 0;
 }
 

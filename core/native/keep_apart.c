@@ -60,7 +60,7 @@ static dm_surface *dm_pusher_of(const dm_scene_state *s, uint32_t near, const do
     if (worst == DM_NO_VERTEX) return NULL;
     const dm_pair *p = s->pairs + worst / 4;
     for (uint32_t j = 0; j < 4; j++) dm_corner(s, p, j, at[j]);
-    dm_measure_pair((const double *[4]){at[0], at[1], at[2], at[3]}, p->ones, w, between);
+    dm_measure_pair((const double(*)[3])at, dm_four, p->ones, w, between);
     dm_surface *g = dm_rigid_beside(s, worst);
     for (uint32_t j = 0; j < 4 && dm_goes(g); j++) {
         const dm_neighbour *n = s->near + p->at[j];

@@ -1,7 +1,6 @@
 /* A substep: semi-implicit Euler, then contact. Source: studies/reference/semi_implicit.py, laws.py. A tick: the
  * pins, the origin of the positions, and the test for divergence. */
 #include "body.h"
-#include "profile.h"
 
 static void dm_fit_body(dm_state *b) {
     double sums[DM_MOMENTS];
@@ -21,16 +20,15 @@ static void dm_take_moment(dm_state *b) {
 
 static void dm_substep(dm_state *b, int64_t left, dm_frame *frame) {
     if (b->free) {
-        DM_TIMED(DM_FITS, dm_fit_body(b));
+        dm_fit_body(b);
         dm_press_free(b, left, frame);
     }
-    DM_TIMED(DM_RINGS, dm_run_rings(b));
+    dm_run_rings(b);
     if (b->free) dm_take_moment(b);
-    DM_TIMED(DM_IRREGULAR_AND_FILL, dm_apply_fill(b));
-    DM_TIMED(DM_ADVANCE, dm_run_pass(b, dm_pass_advance));
+    dm_apply_fill(b);
+    dm_run_pass(b, dm_pass_advance);
 }
 
-DM_SMALL
 enum { DM_PINS_AHEAD = 8 };
 
 /* Prefetch a later pin: pins are scattered in memory. */
@@ -174,7 +172,7 @@ static void dm_enter_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
     frame->moved = 1;
     if (b->moving) dm_move_places(b, t ? 1 : (1 - 1 / (double)m->substeps) / 2 - (double)m->ticks, m->tick);
     if (m->pins_to) dm_drive_pins(b, m, m->pins_first + (double)t * way);
-    DM_TIMED(DM_REACH, dm_find_near(b, m));
+    dm_find_near(b, m);
 }
 
 static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
@@ -184,15 +182,13 @@ static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
     if (!b->asleep) dm_enter_tick(b, m, t, frame);
 }
 
-DM_FAST
 /* Run a substep. left: number of substeps that follow it in the tick. */
 static void dm_run_substep(dm_state *b, int64_t left, dm_frame *frame) {
     dm_substep(b, left, frame);
-    DM_TIMED(DM_CONTACT, dm_resolve_contact(b, (double)left * b->dt));
+    dm_resolve_contact(b, (double)left * b->dt);
     if (b->free && b->finger_count) dm_react(b);
 }
 
-DM_SMALL
 static void dm_end_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     double centre[3];
     frame->ticks = t + 1;
@@ -225,4 +221,3 @@ static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
     }
     dm_end_motion(b, m, frame);
 }
-DM_FAST

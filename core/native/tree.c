@@ -1,8 +1,6 @@
 /* The surfaces of a scene: a tree of boxes over runs of triangles, and the neighbours of each triangle. */
 #include "scene.h"
 
-DM_SMALL
-
 static int dm_by_word(const void *a, const void *b) {
     const uint64_t *p = a, *q = b;
     return p[0] != q[0] ? (p[0] < q[0] ? -1 : 1) : p[1] < q[1] ? -1 : p[1] > q[1];
@@ -83,8 +81,6 @@ static uint32_t dm_lay_tree(dm_scene_state *s, uint32_t node, uint32_t start, ui
     }
     return node;
 }
-
-DM_FAST
 
 /* Fit the boxes of a surface to its vertices at the query; children come after their parent. */
 static void dm_fit_boxes(dm_scene_state *s, const dm_surface *f) {

@@ -9,7 +9,6 @@ from importlib import import_module
 from pathlib import Path
 
 ALONE = {  # option: its help, and the module that measures it and prints the result
-    "profile": ("the cost of each part of a step", "profile"),
     "tension": ("the cost of the tension", "tension"),
     "enabling": ("the cost of enabling the extension in Blender", "enabling"),
     "show": ("a press shown by a modifier, beside writing it into the mesh", "showing"),
