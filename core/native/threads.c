@@ -118,7 +118,8 @@ void dm_share_out(int64_t count, dm_part *run, void *of) {
         return;
     }
     dm_pool.count = count, dm_pool.run = run, dm_pool.of = of;
-    dm_pool.ranges = workers, dm_pool.undone = count;
+    dm_pool.ranges = workers;
+    dm_pool.undone = count;
     for (int64_t r = 0; r < workers; r++)
         atomic_store_explicit(&dm_pool.range[r].left, (r + 1) * count / workers - r * count / workers, memory_order_release);
     dm_pool.posted++;
