@@ -207,7 +207,7 @@ static void dm_watch_way(dm_scene_state *s, dm_surface *f) {
     s->due |= f->gone > f->stale;
 }
 
-/* Find how far the vertices of bodies that are near something have moved in this substep. Others may move farther. */
+/* Find how far the skin that is near something has moved in this substep, after contact has brought it back. */
 static void dm_find_ways(dm_scene_state *s) {
     for (const dm_neighbour *n = s->near; n < s->near + s->near_count; n++) {
         if (!n->body) continue;

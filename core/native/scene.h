@@ -22,7 +22,7 @@ typedef struct { /* the surface of a body, or a collider */
     double offset, edge, closest, friction;
     double low[3], high[3]; /* its bounding box at the last query */
     double slack, stale;    /* [m] travel of a vertex since the query: greatest allowed; at which the next is due */
-    double gone, way;       /* [m] greatest displacement of a vertex since the query; of one near something, just now */
+    double gone, way;       /* [m] greatest displacement: since the query; since pairs were checked, of skin near something */
     double share, tried;    /* of a rigid surface's motion in this substep: share covered, and share tried first */
     double pace, pace_now;  /* of a keyframed collider: share of its remaining path, in this tick, this substep */
     double late, place[3];  /* [m] its lag behind its path, and where the skin last could not get away */
