@@ -57,34 +57,23 @@ static void dm_add_meeting(dm_scene_state *s, const dm_meeting *m) {
     memcpy(of->surface[l], m->surface, sizeof m->surface);
 }
 
-/* Return whether all eight lanes are between the same two surfaces, in the same order. */
-DM_INLINE int dm_is_between_two(const dm_batch_sides *of) {
-    return !memcmp(of->surface, of->surface + 1, sizeof of->surface - sizeof *of->surface);
-}
-
 /* Add the impulses of the meetings to those of their surfaces and vertices. */
 static void dm_sum_meetings(dm_scene_state *s) {
-    dm_wide sum[6] = {{0}};
-    for (uint32_t k = 0; k < s->batch_count; k++) {
-        dm_batch *b = s->batches + k;
-        const dm_batch_sides *of = s->sides + k, *next = of + 1;
-        const dm_wide j[3] = {dm_widen(b->sum.x), dm_widen(b->sum.y), dm_widen(b->sum.z)}, *x = of->point;
-        for (uint32_t i = 0; i < 4 * of->count; i++) {
-            uint32_t l = i / 4, at = b->at[i % 4][l] / (uint32_t)sizeof(dm_record);
-            for (int c = 0; c < 3; c++) s->given[s->near[at].vertex][c] += (double)b->weight[i % 4][l] * j[c][l];
+    for (uint32_t i = 0; i < DM_LANES * s->batch_count; i++) {
+        dm_batch *b = s->batches + i / DM_LANES;
+        const dm_batch_sides *of = s->sides + i / DM_LANES;
+        uint32_t l = i % DM_LANES;
+        if (l >= of->count) continue;
+        double j[3] = {(double)b->sum.x[l], (double)b->sum.y[l], (double)b->sum.z[l]}, moment[3];
+        dm_cross3((double[]){of->point[0][l], of->point[1][l], of->point[2][l]}, j, moment);
+        for (int k = 0; k < 4; k++)
+            dm_add3(s->given[s->near[b->at[k][l] / sizeof(dm_record)].vertex], (double)b->weight[k][l], j);
+        for (int k = 0; k < 2; k++) {
+            dm_surface *f = s->surfaces + of->surface[l][k];
+            dm_add3(f->impulse, k ? -1 : 1, j), dm_add3(f->moment, k ? -1 : 1, moment);
         }
-        for (int c = 0, d = 1, e = 2; c < 3; d = e, e = c++) sum[c] += j[c], sum[3 + c] += x[d] * j[e] - x[e] * j[d];
-        b->sum = dm_splat3((double[3]){0, 0, 0});
-        if (k + 1 < s->batch_count && dm_is_between_two(of) && !memcmp(of->surface, next->surface, sizeof of->surface))
-            continue; /* the next batch is between the same two surfaces */
-        for (uint32_t l = 0; l < DM_LANES; l++)
-            for (int c = 0; c < 6; c++) {
-                dm_surface *f = s->surfaces + of->surface[l][0], *g = s->surfaces + of->surface[l][1];
-                if (c < 3) f->impulse[c] += sum[c][l], g->impulse[c] -= sum[c][l];
-                else f->moment[c - 3] += sum[c][l], g->moment[c - 3] -= sum[c][l];
-            }
-        memset(sum, 0, sizeof sum);
     }
+    for (dm_batch *b = s->batches; b < s->batches + s->batch_count; b++) b->sum = dm_splat3((double[3]){0, 0, 0});
 }
 
 DM_INLINE dm_vec3 dm_plus(dm_vec3 a, dm_lanes by, dm_vec3 b) {

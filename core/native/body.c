@@ -6,7 +6,7 @@ static void dm_state_destroy(dm_state *b) {
         b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next,
         b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
         b->tension, b->rest_rate, b->pull_rate,
-        b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
+        b->fans, b->caps, b->cap_hole, b->holes, b->triangles,
         b->inverse_mass, b->friction, b->compliance, b->hits, b->before, b->still, b->listed, b->sums, b->pin_room, b->shares, b->moved,
         b->is_moved, b->facets, b->facet_boxes, b->facet_regions, b->painted, b->laws,
     };
@@ -52,10 +52,6 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->holes = dm_alloc(d->cap_edges, sizeof *b->holes));
     whole = whole && (b->triangles = dm_alloc(t + DM_LANES, sizeof *b->triangles));
     whole = whole && (b->hits = dm_alloc(size + t, sizeof(dm_contact)));
-    b->box_count = (t + DM_BLOCK - 1) / DM_BLOCK;
-    whole = whole && (b->box_start = dm_alloc(b->box_count + 1, sizeof(uint32_t)));
-    whole = whole && (b->box_vertex = dm_alloc(3 * t, sizeof(uint32_t)));
-    whole = whole && (b->boxes = dm_alloc(b->box_count, sizeof *b->boxes));
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         whole = whole && (b->touches[k].vertices = dm_alloc(size, sizeof(uint32_t)));
         whole = whole && (b->touches[k].faces = dm_alloc(t + DM_LANES, sizeof *b->touches[k].faces));
@@ -69,11 +65,11 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     return whole ? DM_OK : DM_MEMORY;
 }
 
-/* Sort the triangles along the curve in space, and list the vertices of the box round each run of them. */
+/* Sort the triangles along the curve in space. */
 static int32_t dm_lay_faces(dm_state *b, int64_t t, const int64_t *corners) {
     int64_t size = b->groups * DM_LANES;
-    uint32_t *seen = dm_alloc(size, sizeof(uint32_t)), *next = dm_alloc(size + 1, sizeof(uint32_t));
-    if (!seen || !next) return dm_free(seen), dm_free(next), DM_MEMORY;
+    uint32_t *next = dm_alloc(size + 1, sizeof(uint32_t));
+    if (!next) return DM_MEMORY;
     for (int pass = 0; pass < 2; pass++) { /* count, then place */
         for (int64_t k = 0; k < t; k++) {
             uint32_t at[4], first = UINT32_MAX;
@@ -87,13 +83,7 @@ static int32_t dm_lay_faces(dm_state *b, int64_t t, const int64_t *corners) {
         }
         for (int64_t i = 0; !pass && i < size; i++) next[i + 1] += next[i];
     }
-    uint32_t count = 0;
-    for (int64_t k = 0; k < 3 * t; k++) {
-        uint32_t i = b->triangles[k / 3][k % 3], box = (uint32_t)(k / 3 / DM_BLOCK) + 1;
-        if (seen[i] != box) seen[i] = box, b->box_vertex[count++] = i;
-        b->box_start[box] = count;
-    }
-    dm_free(seen), dm_free(next);
+    dm_free(next);
     b->triangle_count = t;
     return DM_OK;
 }

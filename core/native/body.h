@@ -137,7 +137,6 @@ struct dm_state {
     double rest_volume, rest_area, size, gravity[3], ground, volume, pressure, rest_pressure;
     double comes_back; /* [s] remaining time in which the skin recovers, since nothing touches it */
     int pins_met;      /* something held a pin back */
-    double jumped; /* [m] farthest that a pin was moved after the last tick, exactly onto its path */
     int free, led, carried; /* the shape at rest follows the body; pins were moved, and carry it */
     int rigged, moving;     /* the shape at rest stays where it is set; it changes in the next motion, */
     dm_vec3 *rest_rate;     /* (groups,) at this rate [m/s], */
@@ -151,11 +150,8 @@ struct dm_state {
     dm_inertia moments;
     double resisted[3]; /* rolling resistance of the surfaces that it touches, in the next substep [N m] */
     double dt, skin_travel; /* [s]; [m] farthest that a vertex may move in a step, 0: no limit */
-    double way;             /* [m] farthest that a vertex moved in the last step, before contact */
 
-    uint32_t (*triangles)[4], *box_start, *box_vertex;
-    dm_quad (*boxes)[2];
-    int64_t box_count;
+    uint32_t (*triangles)[4];
     dm_real *inverse_mass, *friction, *compliance;
     int finger_count;
     dm_near touches[DM_MAX_FINGERTIPS];
@@ -211,6 +207,10 @@ DM_INLINE double dm_inner3(const double *a, const double *b) { return a[0] * b[0
 
 DM_INLINE void dm_cross3(const double *a, const double *b, double *r) {
     r[0] = a[1] * b[2] - a[2] * b[1], r[1] = a[2] * b[0] - a[0] * b[2], r[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+DM_INLINE void dm_add3(double *a, double by, const double *b) {
+    for (int c = 0; c < 3; c++) a[c] += by * b[c];
 }
 
 /* Return zeroed and aligned memory for `count` items, null if there is none left; count 0 is allowed. */

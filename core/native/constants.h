@@ -33,8 +33,7 @@
 #define DM_SLICE 1024     /* smallest number of vertices in a slice: 6 us of work, three times the cost of sharing it. A body of
                            * one slice stays on one thread */
 #define DM_MOST_SLICES 64 /* slices of a body, and so the largest number of useful threads */
-#define DM_LATE 20        /* polls, of half a microsecond each, after which other threads take over the part of a late worker */
-#define DM_PATIENCE 200   /* polls after which a helper sleeps: it has waited as long as waking up takes */
+#define DM_PATIENCE 200   /* polls, of half a microsecond each, after which a helper sleeps: as long as waking up takes */
 
 /* A fingertip and the skin; lengths in radii of the fingertip. */
 #define DM_TOO_NEAR (10 * DM_ROUNDING) /* of a size: closer to a point, the direction away from it is mere rounding */

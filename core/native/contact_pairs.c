@@ -25,13 +25,11 @@ static void dm_note_candidate(dm_scene_state *s, const dm_pair *pair, double gap
     dm_candidate made = {s->pair_count - 1, gap, dm_touch_of(f, g), 1};
     if (pair->ones == 2) made.weight = dm_weight_of_edges(s, pair, w, between, gap);
     if (f == g) {
-        const double *rest[4];
         double weights[4], way[3];
-        for (int j = 0; j < 4; j++) rest[j] = s->rest[pair->at[j]];
-        double far = dm_measure_pair(rest, pair->ones, weights, way) / 2;
+        double far = dm_measure_pair((const double(*)[3])s->rest, pair->at, pair->ones, weights, way) / 2;
         made.touch = far < made.touch ? far : made.touch;
     }
-    if (!(made.weight > 0) || gap > made.touch + DM_STALE * (s->reach - s->touch) * 1.5) return;
+    if (!(made.weight > 0)) return;
     s->candidates = dm_grown(s, s->candidates, s->candidate_count, &s->candidate_room, sizeof *s->candidates);
     if (dm_has_room(s)) s->candidates[s->candidate_count++] = made;
 }
@@ -43,6 +41,7 @@ static void dm_note_pair(dm_scene_state *s, const dm_pair *pair, double gap, con
     const uint32_t *at = pair->at;
     s->pairs = dm_grown(s, s->pairs, s->pair_count, &s->pair_room, sizeof *s->pairs);
     s->planes = dm_grown(s, s->planes, s->pair_count, &s->plane_room, sizeof *s->planes);
+    s->next = dm_grown(s, s->next, s->pair_count, &s->next_room, sizeof *s->next);
     if (!dm_has_room(s)) return;
     dm_pair *made = s->pairs + s->pair_count;
     *made = *pair;
@@ -52,8 +51,9 @@ static void dm_note_pair(dm_scene_state *s, const dm_pair *pair, double gap, con
         const dm_surface *own = vertex - f->first < f->count ? f : g;
         made->rigid |= (uint32_t)!own->body << k;
     }
-    const double *x[4] = {s->before[at[0]], s->before[at[1]], s->before[at[2]], s->before[at[3]]};
-    dm_set_plane(s->planes + s->pair_count++, made, x, w, between, gap, dm_closest_of(s->both[0], s->both[1]));
+    s->next[s->pair_count] = dm_set_plane(s->planes + s->pair_count, made, (const double(*)[3])s->before, at, w, between,
+                                          gap, dm_closest_of(s->both[0], s->both[1]));
+    s->pair_count++;
     for (uint32_t k = 0; k < 4; k++) s->place[at[k]] = 0;
     s->gap = gap < s->gap ? gap : s->gap;
     if (inside) dm_note_candidate(s, made, gap, w, between);

@@ -18,8 +18,9 @@ static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
             f->low[c] = x < f->low[c] ? x : f->low[c], f->high[c] = x > f->high[c] ? x : f->high[c];
         }
     }
-    f->slack = f->stale = INFINITY, f->gone = f->way = 0;
+    f->slack = f->stale = INFINITY, f->gone = 0;
     if (!f->body) return;
+    for (int64_t g = 0; g < f->body->groups; g++) s->noted[f->first / DM_LANES + g] = f->body->state[g].x;
     f->fitted = 0;
     if (f->self && f->body->moving) dm_note_rest(s, f);
     if (f->changes != f->body->changes) memset(f->resisting, 0, sizeof f->resisting);

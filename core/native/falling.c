@@ -1,8 +1,6 @@
 /* Rigid bodies that fall, and their supports. Source: studies/reference/falling.py. */
 #include "falling.h"
 
-DM_SMALL
-
 static void dm_times(const double *a, const double *x, double *r) {
     for (int c = 0; c < 3; c++) r[c] = dm_inner3(a + 3 * c, x);
 }
@@ -16,10 +14,6 @@ static void dm_product(const double *a, const double *b, int transposed, double 
 }
 
 static double dm_length3(const double *a) { return sqrt(dm_inner3(a, a)); }
-
-static void dm_add3(double *a, double by, const double *b) {
-    for (int c = 0; c < 3; c++) a[c] += by * b[c];
-}
 
 /* Apply an impulse at an arm from a prop's centre, and an angular impulse in addition, times `by`. */
 static void dm_push_prop(dm_falling *f, double by, const double *impulse, const double *arm, const double *moment) {
@@ -201,7 +195,7 @@ void dm_resolve_supports(dm_support *c, uint32_t count, double h) {
         double changed = 0, whole = 0;
         for (uint32_t k = 0; k < count; k++)
             if (dm_is_awake(c + k)) changed += dm_resolve_support(c + k), whole += c[k].push;
-        if (!(changed > DM_ROUNDING / 10 * whole)) break; /* at DM_ROUNDING itself, a pile of four sinks by 1 mm */
+        if (!(changed > DM_EXACT * whole)) break; /* at DM_ROUNDING a pile of four sinks by 1 mm */
     }
     for (uint32_t k = 0; k < count; k++) dm_resist_turning(c + k);
     for (uint32_t k = 0; k < count; k++)
@@ -248,5 +242,3 @@ void dm_watch_prop(dm_falling *f, double tick) {
     for (int c = 0; c < 3; c++) way[c] = pose[c] - f->still[c];
     f->quiet = 0, f->rested = dm_length3(way) + sqrt(turn) * f->radius <= DM_ROUNDING * size;
 }
-
-DM_FAST

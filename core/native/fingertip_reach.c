@@ -1,5 +1,5 @@
-/* The vertices and faces that a fingertip may touch within a tick. They are picked, by bounding boxes first, from
- * lists with a margin, which are valid until something has moved that far (Verlet 1967). */
+/* The vertices and faces that a fingertip may touch within a tick. They are picked from lists with a margin, which are
+ * valid until something has moved that far (Verlet 1967). */
 #include "body.h"
 
 static double dm_greatest_speed(const dm_state *b) {
@@ -16,20 +16,6 @@ static double dm_greatest_way(const dm_state *b, const dm_vec3 *was) {
         most = dm_vmax(dm_dot(way, way), most);
     }
     return sqrt(dm_most_of(most));
-}
-
-static void dm_bound_boxes(dm_state *b) {
-    for (int64_t k = 0; k < b->box_count; k++) {
-        dm_quad low = b->records[b->box_vertex[b->box_start[k]]].x, high = low;
-        for (uint32_t at = b->box_start[k] + 1; at < b->box_start[k + 1]; at++) {
-            dm_quad x = b->records[b->box_vertex[at]].x;
-            for (int c = 0; c < 4; c++) {
-                low[c] = x[c] < low[c] ? x[c] : low[c];
-                high[c] = x[c] > high[c] ? x[c] : high[c];
-            }
-        }
-        b->boxes[k][0] = low, b->boxes[k][1] = high;
-    }
 }
 
 static void dm_list_vertices(const dm_state *b, dm_near *t, dm_real reach) {
@@ -83,25 +69,6 @@ static int64_t dm_pick_faces(const dm_state *b, const dm_near *t, const uint32_t
     return picked;
 }
 
-static void dm_list_faces(const dm_state *b, dm_near *t, dm_real reach) {
-    t->listed_face_count = 0;
-    for (int64_t k = 0; k < b->box_count; k++) {
-        /* the middle of a triangle lies in its box, and no corner is farther from it than two thirds of the diagonal */
-        const dm_quad *box = b->boxes[k];
-        dm_quad low = box[0] - t->centre, high = t->centre - box[1], across = box[1] - box[0];
-        dm_real away = 0, span = (dm_real)0.67 * DM_SQRT(dm_dot3(across, across));
-        for (int c = 0; c < 3; c++) {
-            dm_real gap = low[c] > high[c] ? low[c] : high[c];
-            away += gap > 0 ? gap * gap : 0;
-        }
-        if (DM_SQRT(away) > reach + span) continue;
-        const uint32_t (*block)[4] = (const uint32_t (*)[4])b->triangles + k * DM_BLOCK;
-        int64_t left = b->triangle_count - k * DM_BLOCK, count = left < DM_BLOCK ? left : DM_BLOCK;
-        uint32_t (*to)[4] = t->listed_faces + t->listed_face_count;
-        t->listed_face_count += dm_pick_faces(b, t, block, count, reach, to, NULL);
-    }
-}
-
 /* List the vertices, and the corners of the faces, within reach, each once. */
 static void dm_list_noted(dm_state *b, dm_near *t) {
     t->noted_count = 0;
@@ -127,7 +94,8 @@ static void dm_pick_near(dm_state *b, dm_near *t, dm_real reach) {
 
 static void dm_list_near(const dm_state *b, dm_near *t, double reach) {
     dm_list_vertices(b, t, (dm_real)reach);
-    dm_list_faces(b, t, (dm_real)reach);
+    t->listed_face_count =
+        dm_pick_faces(b, t, (const uint32_t(*)[4])b->triangles, b->triangle_count, (dm_real)reach, t->listed_faces, NULL);
     memcpy(t->listed_at, b->fingers[t->finger].centre, sizeof t->listed_at);
     t->listed = reach, t->listed_finger = t->finger, t->listed_radius = t->radius;
 }
@@ -179,7 +147,6 @@ static void dm_find_near(dm_state *b, const dm_motion *m) {
         asked[k] = to->reach + 2 * speed * m->tick + DM_NEAR * (double)to->radius;
         hold = hold && dm_is_listed(b, to, asked[k], gone);
     }
-    if (!hold) dm_bound_boxes(b);
     for (int64_t g = 0; !hold && g < b->groups; g++) b->listed[g] = b->state[g].x;
     for (int k = 0; !hold && k < DM_MAX_FINGERTIPS; k++) b->touches[k].listed = 0;
     for (int k = 0; k < b->finger_count; k++) {

@@ -1,4 +1,4 @@
-/* Distances between a vertex and a face, or between two edges: for one pair, and for eight at once. Source:
+/* Distances between a vertex and a face, or between two edges: for eight pairs at once, or for one. Source:
  * studies/reference/proximity.py. */
 #include "scene.h"
 
@@ -7,34 +7,6 @@ DM_INLINE void dm_minus(const double *a, const double *b, double *r) {
 }
 
 DM_INLINE double dm_share_of(double a) { return a < 0 ? 0 : a > 1 ? 1 : a; }
-
-/* Find the shares of the segments ab and cd at which their nearest points lie. Source: Ericson, 5.1.9. */
-static void dm_shares_on_edges(const double *a, const double *b, const double *c, const double *d, double *along) {
-    double u[3], v[3], r[3];
-    dm_minus(b, a, u), dm_minus(d, c, v), dm_minus(a, c, r);
-    double uu = dm_inner3(u, u), vv = dm_inner3(v, v), uv = dm_inner3(u, v), ur = dm_inner3(u, r), vr = dm_inner3(v, r);
-    double spread = uu * vv - uv * uv;
-    double s = spread > 1e-12 * uu * vv ? dm_share_of((uv * vr - ur * vv) / spread) : 0;
-    double t = vv > 0 ? (uv * s + vr) / vv : 0;
-    if (t < 0 || t > 1) t = dm_share_of(t), s = uu > 0 ? dm_share_of((uv * t - ur) / uu) : 0;
-    along[0] = s, along[1] = t;
-}
-
-/* Find the signed weights of the four vertices of a pair for its nearest points, and the vector between these;
- * return its length. */
-static double dm_measure_pair(const double *const *x, uint32_t ones, double *w, double *between) {
-    if (ones == 1) {
-        double on[3];
-        dm_weights_on_face(x[0], x[1], x[2], x[3], on);
-        w[0] = 1, w[1] = -on[0], w[2] = -on[1], w[3] = -on[2];
-    } else {
-        double along[2];
-        dm_shares_on_edges(x[0], x[1], x[2], x[3], along);
-        w[0] = 1 - along[0], w[1] = along[0], w[2] = along[1] - 1, w[3] = -along[1];
-    }
-    for (int c = 0; c < 3; c++) between[c] = w[0] * x[0][c] + w[1] * x[1][c] + w[2] * x[2][c] + w[3] * x[3][c];
-    return sqrt(dm_inner3(between, between));
-}
 
 typedef int64_t dm_wide_mask __attribute__((vector_size(DM_LANES * sizeof(double))));
 
@@ -70,23 +42,6 @@ DM_INLINE dm_wide dm_wide_share(dm_wide a) {
     return dm_pick((dm_wide_mask)(a < none), none, dm_pick((dm_wide_mask)(a > one), one, a));
 }
 
-#if defined(__OPTIMIZE_SIZE__)
-/* Find the vectors between the nearest points of eight pairs, and the signed weights of their vertices, whose places
- * are in x. Where code size matters most, one pair after the other, with the same bits. */
-static dm_wide3 dm_wide_measure(const double (*x)[3], const uint32_t *const *at, uint32_t ones, dm_wide *w,
-                                dm_wide_mask *inside) {
-    dm_wide3 way;
-    for (int l = 0; l < DM_LANES; l++) {
-        const double *corner[4];
-        double weight[4], between[3];
-        for (int k = 0; k < 4; k++) corner[k] = x[at[l][k]];
-        dm_measure_pair(corner, ones, weight, between);
-        way.x[l] = between[0], way.y[l] = between[1], way.z[l] = between[2], (*inside)[l] = -1;
-        for (int k = 0; k < 4; k++) w[k][l] = weight[k], (*inside)[l] &= ones == 1 || weight[k] != 0 ? -1 : 0;
-    }
-    return way;
-}
-#else
 /* Return the vectors to p from the nearest points of triangles, and set their weights. Source: Ericson, Real-Time
  * Collision Detection, 5.1.5. */
 DM_INLINE dm_wide3 dm_wide_off_face(dm_wide3 p, dm_wide3 a, dm_wide3 b, dm_wide3 c, dm_wide *w) {
@@ -147,4 +102,16 @@ static __attribute__((noinline)) dm_wide3 dm_wide_measure(const double (*x)[3], 
     *inside = (dm_wide_mask)(a.x == a.x);
     return ones == 1 ? dm_wide_off_face(a, b, c, d, w) : dm_wide_off_edge(a, b, c, d, w, inside);
 }
-#endif
+
+static const uint32_t dm_four[4] = {0, 1, 2, 3};
+
+/* Find the signed weights of the vertices x[at[0]] to x[at[3]] of a pair for its nearest points, and the vector between
+ * these; return its length. */
+static double dm_measure_pair(const double (*x)[3], const uint32_t *at, uint32_t ones, double *w, double *between) {
+    dm_wide weight[4];
+    dm_wide_mask inside;
+    dm_wide3 way = dm_wide_measure(x, (const uint32_t *[]){at, at, at, at, at, at, at, at}, ones, weight, &inside);
+    for (int k = 0; k < 4; k++) w[k] = weight[k][0];
+    between[0] = way.x[0], between[1] = way.y[0], between[2] = way.z[0];
+    return sqrt(dm_inner3(between, between));
+}

@@ -1,12 +1,12 @@
 /* Eqs. (6) to (8): add the pressure, and advance velocities and positions. */
 #include "body.h"
 
-/* Advance groups; gone: the greatest displacement of a vertex [m]. */
-static void dm_pass_ways(dm_state *b, int64_t from, int64_t to, double *gone) {
+/* Advance groups. */
+static void dm_pass_advance(dm_state *b, int64_t from, int64_t to, double *sums) {
+    (void)sums;
     dm_lanes p = dm_splat((dm_real)(b->fill != DM_FILL_NONE ? b->pressure : 0)), dt = dm_splat((dm_real)b->dt);
     dm_real limit = (dm_real)b->skin_travel;
     dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
-    dm_lanes most = dm_splat(0);
     for (int64_t g = from; g < to; g++) {
         dm_vec3 x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
         v.x += p * n.x, v.y += p * n.y, v.z += p * n.z;
@@ -25,14 +25,7 @@ static void dm_pass_ways(dm_state *b, int64_t from, int64_t to, double *gone) {
             }
         }
         x.x += way.x, x.y += way.y, x.z += way.z;
-        most = dm_vmax(dm_dot(way, way), most);
         b->state[g] = (dm_group_state){x, v};
         dm_scatter8(x, v, b->records + g * DM_LANES);
     }
-    gone[0] = sqrt(dm_most_of(most));
-}
-
-static void dm_advance(dm_state *b) {
-    dm_run_pass(b, dm_pass_ways);
-    b->way = dm_most_of_slices(b, 0);
 }

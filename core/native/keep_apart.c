@@ -60,7 +60,7 @@ static dm_surface *dm_pusher_of(const dm_scene_state *s, uint32_t near, const do
     if (worst == DM_NO_VERTEX) return NULL;
     const dm_pair *p = s->pairs + worst / 4;
     for (uint32_t j = 0; j < 4; j++) dm_corner(s, p, j, at[j]);
-    dm_measure_pair((const double *[4]){at[0], at[1], at[2], at[3]}, p->ones, w, between);
+    dm_measure_pair((const double(*)[3])at, dm_four, p->ones, w, between);
     dm_surface *g = dm_rigid_beside(s, worst);
     for (uint32_t j = 0; j < 4 && dm_goes(g); j++) {
         const dm_neighbour *n = s->near + p->at[j];
@@ -90,7 +90,6 @@ static void dm_put_vertex(dm_scene_state *s, dm_surface *f, uint32_t vertex, con
     dm_quad v = b->records[i].v;
     dm_minus(at, x, back);
     double length = sqrt(dm_inner3(back, back));
-    f->put_way = fmax(f->put_way, length);
     for (int c = 0; c < 3 && length > 0; c++) {
         back[c] /= length, along += (double)v[c] * back[c], least += way[c] * back[c] / s->dt;
     }
@@ -118,8 +117,13 @@ static void dm_settle(dm_scene_state *s, dm_surface *f, uint32_t vertex) {
     uint32_t count = 0, near = s->place[vertex];
     const uint32_t *mine = near == DM_NO_VERTEX ? NULL : dm_pairs_of(s, near, &count);
     dm_world_of(s, f, vertex, x), memcpy(at, x, sizeof at), memcpy(last, s->before[vertex], sizeof last);
-    for (uint32_t k = 0; k < count; k++) dm_move_plane(s, s->pairs + mine[k] / 4, s->planes + mine[k] / 4);
-    for (uint32_t k = 0; k < count; k++) s->planes[mine[k] / 4].next = 0;
+    for (uint32_t k = 0; k < count; k++) {
+        const dm_pair *p = s->pairs + mine[k] / 4;
+        dm_plane *plane = s->planes + mine[k] / 4;
+        double along[4];
+        if (p->rigid) dm_find_along(s, p, plane->normal, along), dm_move_plane(p, plane, along);
+        s->next[mine[k] / 4] = 0;
+    }
     dm_surface *pusher = count ? dm_pusher_of(s, near, x, way) : NULL;
     for (int c = 0; c < 3 && count; c++) last[c] = f->body->origin[c] + (double)s->near[near].last[c];
     int pinned = !(f->body->inverse_mass[vertex - f->first] > 0), allowed = dm_bring_back(s, f, vertex, at);
@@ -150,22 +154,22 @@ static void dm_note_held(dm_scene_state *s, uint32_t near) {
 static void dm_check_pair(dm_scene_state *s, const dm_run *run, uint32_t pair) {
     const dm_pair *p = s->pairs + pair;
     dm_plane *plane = s->planes + pair;
-    double x[3], least = INFINITY, left[4];
-    if (p->rigid) dm_move_plane(s, p, plane);
-    else dm_centre_plane(s, p, plane);
+    double along[4], least = INFINITY, left[4];
+    dm_find_along(s, p, plane->normal, along);
+    if (p->rigid) dm_move_plane(p, plane, along);
+    else dm_centre_plane(s, p, plane, along);
     for (uint32_t j = 0; j < 4; j++) {
         left[j] = INFINITY;
         if (p->rigid & (j < p->ones ? 1 : 2) && (p->rigid != 3 || j < p->ones)) continue;
-        dm_corner(s, p, j, x), left[j] = dm_left_of(plane, j < p->ones, x);
+        left[j] = dm_left_of(plane, j < p->ones, along[j]);
         least = left[j] < least ? left[j] : least;
     }
-    plane->next = run->gone + least;
+    s->next[pair] = least < 0 ? 0 : run->gone + least;
     if (least < plane->keep) {
         s->spent = dm_grown(s, s->spent, s->spent_count, &s->spent_room, sizeof *s->spent);
         if (dm_has_room(s)) s->spent[s->spent_count++] = pair;
     }
     if (least >= 0) return;
-    plane->next = 0;
     for (uint32_t j = 0; j < 4; j++)
         if (left[j] < 0 && p->rigid != 3) dm_note_held(s, p->at[j]);
     for (int k = 0; k < 2 && p->rigid == 3; k++) {
@@ -176,84 +180,68 @@ static void dm_check_pair(dm_scene_state *s, const dm_run *run, uint32_t pair) {
 
 /* Move a collider or a prop by its share of its motion in this substep. */
 static void dm_go(dm_scene_state *s, dm_surface *f) {
-    double pose[12], most = 0;
-    if (f->prop) dm_find_pose(f->prop, s->dt, f->share, pose), dm_find_places(f->prop, pose, s->here + f->first);
+    double pose[12];
+    f->way = f->gone = 0, f->fitted = 0;
+    if (f->prop) dm_find_pose(f->prop, s->dt, f->share, pose), dm_find_places(f->prop, pose, s->rate + f->first);
     for (uint32_t i = f->first; i < f->first + f->count; i++) {
-        double way[3];
-        for (int c = 0; c < 3 && !f->prop; c++)
-            s->here[i][c] = s->was[i][c] + f->share * f->pace_now * (s->aim[i][c] - s->was[i][c]);
-        if (!(f->share > 0)) memcpy(s->here[i], s->was[i], sizeof *s->here);
-        dm_minus(s->here[i], s->was[i], way);
-        double square = dm_inner3(way, way);
-        for (int c = 0; c < 3; c++) s->rate[i][c] = way[c] / s->dt;
-        most = square > most ? square : most;
+        double *here = s->here[i], *was = s->was[i], *to = s->rate[i], way[3], gone[3];
+        for (int c = 0; c < 3 && !f->prop; c++) to[c] = was[c] + f->share * f->pace_now * (s->aim[i][c] - was[c]);
+        if (!(f->share > 0)) memcpy(to, was, sizeof way);
+        dm_minus(to, here, way), dm_minus(to, s->before[i], gone), memcpy(here, to, sizeof way);
+        f->way = fmax(f->way, dm_inner3(way, way)), f->gone = fmax(f->gone, dm_inner3(gone, gone));
+        for (int c = 0; c < 3; c++) to[c] = (here[c] - was[c]) / s->dt;
     }
-    f->way = sqrt(most), f->fitted = 0;
+    f->way = sqrt(f->way), f->gone = sqrt(f->gone);
 }
 
-/* Find the greatest displacement of a vertex since the query; bring back vertices beyond their limit, and note whether
- * the next query is due. */
+/* Bring back vertices that have moved too far since the query, and note whether the next one is due. */
 static void dm_watch_way(dm_scene_state *s, dm_surface *f) {
-    if (!(f->gone > f->stale)) return;
-    double most = 0;
-    for (uint32_t i = f->first; i < f->first + (f->body ? (uint32_t)f->body->n : f->count); i++) {
+    const dm_state *b = f->body;
+    if (b && (!b->asleep || f->pressed)) f->gone = dm_greatest_way(b, s->noted + f->first / DM_LANES);
+    if (!b && f->gone > f->slack) f->stuck = dm_goes(f) && f->share > 0;
+    for (uint32_t i = f->first; b && f->gone > f->slack && i < f->first + b->n; i++) {
         double x[3], way[3];
         dm_world_of(s, f, i, x), dm_minus(x, s->before[i], way);
-        double square = dm_inner3(way, way);
-        most = square > most ? square : most;
-        if (!(square <= f->slack * f->slack)) {
-            if (f->body) dm_settle(s, f, i);
-            else f->stuck |= dm_goes(f) && f->share > 0;
-        }
+        if (!(dm_inner3(way, way) <= f->slack * f->slack)) dm_settle(s, f, i);
     }
-    f->gone = sqrt(most);
-    if (f->gone > f->stale) s->due = 1;
+    s->due |= f->gone > f->stale;
 }
 
-/* Find how far the vertices that are near something have moved in this substep. It is less than the travel of the body: a
- * vertex in contact is advanced by its forces and then brought back. */
-static void dm_find_near_ways(dm_scene_state *s) {
+/* Find how far the skin that is near something has moved in this substep, after contact has brought it back. */
+static void dm_find_ways(dm_scene_state *s) {
     for (const dm_neighbour *n = s->near; n < s->near + s->near_count; n++) {
         if (!n->body) continue;
         dm_quad way = n->body->x - n->last;
-        double square = (double)dm_dot3(way, way), *most = &s->surfaces[n->surface].near_way;
+        double square = (double)dm_dot3(way, way), *most = &s->surfaces[n->surface].way;
         if (square > *most * *most) *most = sqrt(square);
     }
+}
+
+/* Check the pairs of two surfaces that have come far enough: towards a plane that moves with one of them, both count;
+ * towards one between two bodies, each for itself. */
+static void dm_check_run(dm_scene_state *s, dm_run *run, uint32_t pair) {
+    const dm_surface *f = s->surfaces + run->first, *g = s->surfaces + run->second;
+    double way = f->body && g->body ? fmax(f->way, g->way) : f->way + g->way;
+    run->gone += way;
+    for (; way > 0 && pair < run->end; pair++)
+        if (!(s->next[pair] > run->gone)) dm_check_pair(s, run, pair);
 }
 
 /* Keep the skin ahead of everything that has moved, on its own side of its planes. Where it cannot get away, the
  * share of its motion that the rigid surface covers is halved, again and again. */
 static void dm_keep_apart(dm_scene_state *s) {
-    int again = 0;
-    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
-        const dm_state *b = f->body;
-        f->near_way = 0;
-        if (b) f->way = b->finger_count ? INFINITY : f->jumped + f->put_way + (b->asleep ? 0 : b->way + f->met_way);
-        else if (!dm_goes(f)) f->way = 0;
-        f->gone += f->way, f->put_way = 0;
-    }
-    dm_find_near_ways(s);
-    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->near_way += f->jumped, f->jumped = 0;
+    int again;
+    dm_find_ways(s);
     do {
-        uint32_t pair = 0;
-        for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
-            f->stuck = 0;
-            dm_watch_way(s, f);
-        }
-        for (dm_run *run = s->runs; run < s->runs + s->run_count; run++) {
-            const dm_surface *f = s->surfaces + run->first, *g = s->surfaces + run->second;
-            double way = (f->body ? f->near_way : f->way) + (g->body ? g->near_way : g->way);
-            run->gone += again ? 0 : way;
-            for (; way > 0 && pair < run->end; pair++)
-                if (again || !(s->planes[pair].next > run->gone)) dm_check_pair(s, run, pair);
-            pair = run->end;
-        }
+        for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->stuck = 0, dm_watch_way(s, f);
+        for (uint32_t k = 0; k < s->run_count; k++) dm_check_run(s, s->runs + k, k ? s->runs[k - 1].end : 0);
         for (uint32_t k = 0; k < s->held_count; k++) {
             dm_neighbour *n = s->near + s->held[k];
             dm_settle(s, s->surfaces + n->surface, n->vertex), n->held = 0;
         }
         s->held_count = 0, again = 0;
         for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+            f->way = 0;
             if (!f->stuck) continue;
             f->share = f->share > DM_LEAST_WAY * f->tried ? f->share / 2 : 0;
             dm_go(s, f), again = 1;
@@ -261,4 +249,6 @@ static void dm_keep_apart(dm_scene_state *s) {
     } while (again && dm_has_room(s));
     for (uint32_t k = 0; k < s->spent_count && !s->due; k++) dm_renew_plane(s, s->spent[k]);
     s->spent_count = 0;
+    for (dm_neighbour *n = s->near; n < s->near + s->near_count; n++)
+        if (n->body) n->last = n->body->x;
 }

@@ -20,13 +20,6 @@
 #else
 #define DM_BY_FOUR
 #endif
-#if defined(__clang__) /* code that is not in an inner loop is compiled for size */
-#define DM_SMALL _Pragma("clang attribute push(__attribute__((minsize)), apply_to = function)")
-#define DM_FAST _Pragma("clang attribute pop")
-#else
-#define DM_SMALL
-#define DM_FAST
-#endif
 #define DM_LEAST ((dm_real)DM_TINY)
 
 #if DM_BITS == 32

@@ -9,7 +9,7 @@ static void dm_note_near(dm_scene_state *s, const dm_surface *f, uint32_t vertex
     s->tally[s->near_count] = (dm_tally){0, 0};
     dm_neighbour *n = s->near + s->near_count;
     *n = (dm_neighbour){.vertex = vertex, .surface = (uint32_t)(f - s->surfaces)};
-    if (f->body) n->body = f->body->records + (vertex - f->first);
+    if (f->body) n->body = f->body->records + (vertex - f->first), n->last = n->body->x;
     s->place[vertex] = s->near_count++;
 }
 
@@ -124,7 +124,6 @@ static void dm_pair_edges(dm_scene_state *s, uint32_t i, uint32_t j) {
 static void dm_pair_triangles(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
     (void)f, (void)g;
     const uint32_t *a = s->corners[i], *b = s->corners[j];
-    if (dm_are_apart(s, a, 3, b, 3)) return;
     for (int k = 0; k < 3; k++) {
         if (s->owns[i] >> k & 1 && !dm_share_a_vertex(a + k, 1, b, 3) && !dm_are_apart(s, a + k, 1, b, 3))
             dm_let_wait(s, (dm_pair){{a[k], b[0], b[1], b[2]}, {j, 0}, 1, 0});

@@ -6,10 +6,10 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
         dm_free_prop(s->surfaces[k].prop);
     void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->was, s->corners, s->edges_of,
                            s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes,
-                           s->number, s->bins, s->left_out, s->given};
+                           s->number, s->bins, s->left_out, s->given, s->noted};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     void *const lists[] = {s->near, s->pairs, s->pairs_of, s->batches, s->moving, s->candidates, s->sorted, s->held,
-                           s->spent, s->runs, s->planes, s->tally, s->sides, s->there, s->met, s->supports,
+                           s->spent, s->runs, s->planes, s->next, s->tally, s->sides, s->there, s->met, s->supports,
                            s->released};
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) dm_free(lists[k]);
     dm_free(s);
@@ -19,6 +19,7 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
     int64_t n = s->vertex_count, t = s->triangle_count;
     int whole = (s->before = dm_alloc(n, sizeof *s->before)) && (s->rest = dm_alloc(n, sizeof *s->rest));
     whole = whole && (s->here = dm_alloc(n, sizeof *s->here)) && (s->aim = dm_alloc(n, sizeof *s->aim));
+    whole = whole && (s->noted = dm_alloc(n / DM_LANES + 1, sizeof *s->noted));
     whole = whole && (s->rate = dm_alloc(n, sizeof *s->rate)) && (s->was = dm_alloc(n, sizeof *s->was));
     whole = whole && (s->corners = dm_alloc(t, sizeof *s->corners)) && (s->edges_of = dm_alloc(t, sizeof *s->edges_of));
     whole = whole && (s->edges = dm_alloc(3 * t, sizeof *s->edges)) && (s->across = dm_alloc(3 * t, sizeof *s->across));
@@ -233,7 +234,6 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         memset(f->impulse, 0, sizeof f->impulse), memset(f->moment, 0, sizeof f->moment);
         f->torn = 0;
-        if (f->body) f->jumped += f->body->jumped, f->body->jumped = 0;
     }
     for (int64_t k = bodies; k < s->surface_count; k++)
         if (s->surfaces[k].prop && colliders[k - bodies].prop) dm_take_prop(s, s->surfaces + k, colliders[k - bodies].prop);

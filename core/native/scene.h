@@ -22,10 +22,7 @@ typedef struct { /* the surface of a body, or a collider */
     double offset, edge, closest, friction;
     double low[3], high[3]; /* its bounding box at the last query */
     double slack, stale;    /* [m] travel of a vertex since the query: greatest allowed; at which the next is due */
-    double gone, way;       /* [m] upper bounds of a vertex's travel: since the query; in this substep */
-    double near_way;        /* [m] largest displacement in this substep of a vertex that is near something */
-    double jumped, met_way; /* [m] farthest that a vertex was moved: between two calls; by contact */
-    double put_way;         /* [m] farthest that a vertex was brought back in the last substep */
+    double gone, way;       /* [m] greatest displacement: since the query; since pairs were checked, of skin near something */
     double share, tried;    /* of a rigid surface's motion in this substep: share covered, and share tried first */
     double pace, pace_now;  /* of a keyframed collider: share of its remaining path, in this tick, this substep */
     double late, place[3];  /* [m] its lag behind its path, and where the skin last could not get away */
@@ -40,7 +37,7 @@ typedef struct { /* the surface of a body, or a collider */
                                           * substep; it has released skin in this call */
 } dm_surface;
 
-typedef struct { /* a box with the triangles in it; its first child follows it, the other child is `next` */
+typedef struct { /* a box with the triangles in it, a leaf with one; its first child follows it, the other child is `next` */
     double low[3], high[3];
     uint32_t start, end, next;
 } dm_node;
@@ -52,12 +49,11 @@ typedef struct { /* a vertex and a face, or two edges, nearer than `reach` at th
 
 typedef struct { /* the pairs of two surfaces, a range of the list that ends at `end` */
     uint32_t first, second, end;
-    double gone;            /* [m] upper bound of the sum of their travels since the query */
+    double gone;            /* [m] upper bound of their displacement towards each other's planes since the query */
 } dm_run;
 
 typedef struct { /* of a pair: a soft side keeps at least the distance `keep` from normal . x = level */
     double normal[3], level, keep;
-    double next;            /* when `gone` of the run reaches this [m], the pair is checked again */
 } dm_plane;
 
 typedef struct { /* a pair that may touch */
@@ -96,7 +92,7 @@ typedef struct { /* the part of a batch that a substep does not use: points of c
 } dm_batch_sides;
 
 typedef struct { /* a vertex that is near something: one cache line */
-    dm_quad from, last; /* its places at the last update and before this substep, relative to its body's origin */
+    dm_quad from, last; /* its places at the last update and after the last substep, relative to its body's origin */
     dm_record *body;    /* null: of a collider */
     uint32_t vertex, surface, held, batch; /* held: it is in that list; batch: 1 + the last one that it is in */
 } dm_neighbour;
@@ -105,6 +101,7 @@ typedef struct dm_scene_state {
     dm_surface *surfaces;
     int64_t surface_count, vertex_count, triangle_count, edge_count;
     double (*before)[3], (*rest)[3];         /* places of vertices at the last query; at rest; */
+    dm_vec3 *noted;                          /* of bodies at the last query, relative to their origins; */
     double (*here)[3], (*aim)[3], (*rate)[3]; /* of colliders: places now, at the end of the tick, and velocities, */
     double (*was)[3];                        /* and places before this substep */
     double (*given)[3];                      /* impulse on each vertex in a call [N s] */
@@ -138,10 +135,11 @@ typedef struct dm_scene_state {
     uint32_t (*released)[2]; /* body, and collider that let its skin go: they collide again once they are apart */
     dm_run *runs;
     dm_pair *pairs;
-    dm_plane *planes; /* of the pairs */
+    dm_plane *planes; /* of the pairs; */
+    double *next;     /* when `gone` of the run reaches this [m], the pair is checked again */
     dm_tally *tally;  /* of `near` */
     double (*there)[3]; /* places of `near` at the last update */
-    uint32_t tally_room, plane_room, there_room;
+    uint32_t tally_room, plane_room, next_room, there_room;
     double touch, edge, tick, dt, substeps, reach, least_reach, gap, approach, fastest, fastest_rigid;
     int32_t code;
     dm_scene_frame *out;

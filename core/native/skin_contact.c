@@ -185,7 +185,7 @@ static dm_real dm_sweep_speeds(dm_state *b, const dm_near *t, int64_t count) {
         if (!h->at_work) continue;
         dm_real give = dm_compliance_of(b, h), speed = dm_dot3(h->at, h->normal), was = dm_dot3(h->held, h->normal);
         dm_real push = was + (h->closing - speed - h->yields * was) / (give + h->yields);
-        push = push * give * (dm_real)b->dt < (dm_real)(DM_ROUNDING / 100) * t->radius ? 0 : push;
+        push = push * give * (dm_real)b->dt < (dm_real)DM_EXACT * t->radius ? 0 : push;
         dm_quad drag = h->held - was * h->normal - (h->at - speed * h->normal) / give;
         dm_real size = DM_SQRT(dm_dot3(drag, drag)), limit = h->friction * push;
         dm_quad held = push * h->normal + (size > limit ? limit / (size > DM_LEAST ? size : DM_LEAST) : 1) * drag;

@@ -1,7 +1,6 @@
 /* A substep: semi-implicit Euler, then contact. Source: studies/reference/semi_implicit.py, laws.py. A tick: the
  * pins, the origin of the positions, and the test for divergence. */
 #include "body.h"
-#include "profile.h"
 
 static void dm_fit_body(dm_state *b) {
     double sums[DM_MOMENTS];
@@ -21,16 +20,15 @@ static void dm_take_moment(dm_state *b) {
 
 static void dm_substep(dm_state *b, int64_t left, dm_frame *frame) {
     if (b->free) {
-        DM_TIMED(DM_FITS, dm_fit_body(b));
+        dm_fit_body(b);
         dm_press_free(b, left, frame);
     }
-    DM_TIMED(DM_RINGS, dm_run_rings(b));
+    dm_run_rings(b);
     if (b->free) dm_take_moment(b);
-    DM_TIMED(DM_IRREGULAR_AND_FILL, dm_apply_fill(b));
-    DM_TIMED(DM_ADVANCE, dm_advance(b));
+    dm_apply_fill(b);
+    dm_run_pass(b, dm_pass_advance);
 }
 
-DM_SMALL
 enum { DM_PINS_AHEAD = 8 };
 
 /* Prefetch a later pin: pins are scattered in memory. */
@@ -85,7 +83,7 @@ static void dm_rest_pins(dm_state *b) {
 /* After the last tick: put the pins that have arrived exactly at the end of their paths. */
 static void dm_finish_pins(dm_state *b, const dm_motion *m) {
     int64_t used = 0, whole = m->pins_last >= 1, count = b->pinned_count, n = b->n, stride = b->groups * DM_LANES;
-    double *rest = b->pin_room, *here = rest + 3 * stride, farthest = 0;
+    double *rest = b->pin_room, *here = rest + 3 * stride;
     for (int64_t k = 0; k < count; k++) {
         uint32_t vertex = b->pinned[k], i = b->place[vertex];
         double x[3], local[3], behind = 0;
@@ -102,11 +100,9 @@ static void dm_finish_pins(dm_state *b, const dm_motion *m) {
             rest[c * stride + used] = b->rest[c * n + vertex], here[c * stride + used] = x[c];
         }
         used += !b->loose[vertex];
-        if (!there) continue;
-        dm_set_vertex(b, i, dm_quad_of(local), b->records[i].v);
-        farthest = behind > farthest ? behind : farthest;
+        if (there) dm_set_vertex(b, i, dm_quad_of(local), b->records[i].v);
     }
-    b->led = 1, b->jumped = 2 * farthest; /* bound for three coordinates, each at most `farthest` */
+    b->led = 1;
     if (whole && !b->free && !b->rigged) dm_fit_points(used, stride, rest, here, b->pose), dm_place_pose(b);
 }
 
@@ -176,7 +172,7 @@ static void dm_enter_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
     frame->moved = 1;
     if (b->moving) dm_move_places(b, t ? 1 : (1 - 1 / (double)m->substeps) / 2 - (double)m->ticks, m->tick);
     if (m->pins_to) dm_drive_pins(b, m, m->pins_first + (double)t * way);
-    DM_TIMED(DM_REACH, dm_find_near(b, m));
+    dm_find_near(b, m);
 }
 
 static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
@@ -186,15 +182,13 @@ static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
     if (!b->asleep) dm_enter_tick(b, m, t, frame);
 }
 
-DM_FAST
 /* Run a substep. left: number of substeps that follow it in the tick. */
 static void dm_run_substep(dm_state *b, int64_t left, dm_frame *frame) {
     dm_substep(b, left, frame);
-    DM_TIMED(DM_CONTACT, dm_resolve_contact(b, (double)left * b->dt));
+    dm_resolve_contact(b, (double)left * b->dt);
     if (b->free && b->finger_count) dm_react(b);
 }
 
-DM_SMALL
 static void dm_end_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     double centre[3];
     frame->ticks = t + 1;
@@ -227,4 +221,3 @@ static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
     }
     dm_end_motion(b, m, frame);
 }
-DM_FAST

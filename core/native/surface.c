@@ -95,8 +95,10 @@ static int32_t dm_lay_surface(dm_state *b, const dm_body_def *d) {
     return DM_OK;
 }
 
-/* Find the weights of the point of a triangle nearest to p. Source: Ericson, Real-Time Collision Detection, 5.1.5. */
-static void dm_weights_on_face(const double *p, const double *a, const double *b, const double *c, double *w) {
+/* Find the weights of the corners for the point of a facet that is nearest to p. Source: Ericson, Real-Time Collision
+ * Detection, 5.1.5. */
+static void dm_weights_at(const dm_facet *f, const double *p, double *w) {
+    const double *a = f->corner[0], *b = f->corner[1], *c = f->corner[2];
     double ab[3], ac[3], ap[3], bp[3], cp[3], v, u;
     for (int k = 0; k < 3; k++) {
         ab[k] = b[k] - a[k], ac[k] = c[k] - a[k];
@@ -114,11 +116,6 @@ static void dm_weights_on_face(const double *p, const double *a, const double *b
     else if (va <= 0 && d4 >= d3 && d5 >= d6) u = fabs(beside) > 1e-30 ? (d4 - d3) / beside : 0, v = 1 - u;
     else v = fabs(whole) > 1e-30 ? vb / whole : vb, u = fabs(whole) > 1e-30 ? vc / whole : vc;
     w[0] = 1 - v - u, w[1] = v, w[2] = u;
-}
-
-/* Find the weights of the corners for the point of a facet that is nearest to a point. */
-static void dm_weights_at(const dm_facet *f, const double *point, double *weights) {
-    dm_weights_on_face(point, f->corner[0], f->corner[1], f->corner[2], weights);
 }
 
 /* Find the vector from the nearest point of a triangle to a point. */

@@ -50,9 +50,9 @@ typedef struct {
     _Alignas(64) atomic_llong left;
 } dm_range;
 
-/* The job that is shared out. Each worker has its own range of parts, the same in every pass, so that their memory
- * stays in its cache; other workers take the parts that it is late with. No thread waits for a helper that has not
- * taken a part, so a helper that gets no core, or a forked process, which has no helpers, costs hardly any time. */
+/* The job that is shared out. Each worker begins with a range of parts, the same in every pass, so that their memory
+ * stays in its cache, and then takes those that others are late with. No thread waits for a helper that has not taken a
+ * part, so a helper that gets no core, or a forked process, which has no helpers, costs hardly any time. */
 static struct {
     dm_mutex lock;
     dm_condition changed;
@@ -65,20 +65,13 @@ static struct {
     void *of;
 } dm_pool = {.lock = DM_MUTEX, .changed = DM_CONDITION, .workers = 1};
 
-/* Run at most `most` parts of a range; return the number of parts run. */
-static int64_t dm_run_range(int64_t r, int64_t most) {
-    int64_t done = 0;
-    for (int64_t left; done < most && dm_pool.range[r].left > 0 && (left = dm_pool.range[r].left--) > 0; done++)
-        dm_pool.run(dm_pool.of, (r + 1) * dm_pool.count / dm_pool.ranges - left);
-    if (done) dm_pool.undone -= done;
-    return done;
-}
-
-/* Run a part that its worker is late with; return whether there was one. */
-static int dm_run_late_part(void) {
-    for (int64_t r = 0; r < dm_pool.ranges; r++)
-        if (dm_run_range(r, 1)) return 1;
-    return 0;
+/* Run parts of the job until none is left, first those of a worker's own range. */
+static void dm_run_parts(int64_t number) {
+    for (int64_t k = 0, ranges = dm_pool.ranges, left; k < ranges; k++) {
+        int64_t r = (number + k) % ranges;
+        for (; dm_pool.range[r].left > 0 && (left = dm_pool.range[r].left--) > 0; dm_pool.undone--)
+            dm_pool.run(dm_pool.of, (r + 1) * dm_pool.count / dm_pool.ranges - left);
+    }
 }
 
 static int dm_is_wanted(int64_t number) { return number < dm_pool.workers; }
@@ -87,7 +80,7 @@ static int dm_is_wanted(int64_t number) { return number < dm_pool.workers; }
 static int dm_comes_soon(int64_t number, int64_t seen) {
     for (int k = 0; k < DM_PATIENCE; k++) {
         if (dm_pool.posted != seen && dm_is_wanted(number)) return 1;
-        if (k < DM_LATE || !dm_run_late_part()) dm_yield();
+        dm_yield();
     }
     return 0;
 }
@@ -96,7 +89,7 @@ static int dm_comes_soon(int64_t number, int64_t seen) {
 static DM_THREAD_RESULT dm_help(void *as) {
     int64_t number = (intptr_t)as, seen = 0;
     dm_flush_denormals();
-    for (;; seen = dm_pool.posted, dm_run_range(number, INT64_MAX)) {
+    for (;; seen = dm_pool.posted, dm_run_parts(number)) {
         if (dm_comes_soon(number, seen)) continue;
         dm_lock(&dm_pool.lock);
         dm_pool.asleep++;
@@ -131,9 +124,8 @@ void dm_share_out(int64_t count, dm_part *run, void *of) {
         atomic_store_explicit(&dm_pool.range[r].left, (r + 1) * count / workers - r * count / workers, memory_order_release);
     dm_pool.posted++;
     if (dm_pool.asleep || dm_is_wanted(dm_pool.threads + 1)) dm_call_helpers();
-    dm_run_range(0, INT64_MAX);
-    for (int k = 0; dm_pool.undone; k++)
-        if (k >= DM_LATE && !dm_run_late_part()) dm_yield(); /* to the helper that has the part */
+    dm_run_parts(0);
+    while (dm_pool.undone) dm_yield(); /* to the helper that has the part */
     dm_pool.taken = 0;
 }
 
@@ -149,15 +141,15 @@ typedef struct {
     const dm_motion *motion;
     dm_frame *frame;
     int64_t cost;
-} dm_run;
+} dm_body_step;
 
 static int dm_is_cheaper(const void *a, const void *b) {
-    int64_t x = ((const dm_run *)a)->cost, y = ((const dm_run *)b)->cost;
+    int64_t x = ((const dm_body_step *)a)->cost, y = ((const dm_body_step *)b)->cost;
     return (x < y) - (x > y);
 }
 
-static void dm_run_one(void *of, int64_t k) {
-    const dm_run *r = (const dm_run *)of + k;
+static void dm_run_step(void *of, int64_t k) {
+    const dm_body_step *r = (const dm_body_step *)of + k;
     dm_run_checked(r->body, r->motion, r->frame);
 }
 
@@ -170,22 +162,22 @@ int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *con
         for (int64_t j = 0; j < k; j++)
             if (bodies[j] == bodies[k]) return DM_INDEX; /* only one thread may step a body */
     }
-    dm_run *runs = malloc((size_t)(count + 1) * sizeof *runs);
-    if (!runs) return DM_MEMORY;
+    dm_body_step *steps = malloc((size_t)(count + 1) * sizeof *steps);
+    if (!steps) return DM_MEMORY;
     int64_t left = 0, workers = dm_pool.workers;
     for (int64_t k = 0; k < count; k++) {
-        runs[k] = (dm_run){bodies[k], motions[k], frames[k], dm_cost(bodies[k], motions[k])};
-        left += runs[k].cost;
+        steps[k] = (dm_body_step){bodies[k], motions[k], frames[k], dm_cost(bodies[k], motions[k])};
+        left += steps[k].cost;
     }
-    qsort(runs, (size_t)count, sizeof *runs, dm_is_cheaper); /* the most expensive first: last, it would run alone */
+    qsort(steps, (size_t)count, sizeof *steps, dm_is_cheaper); /* the most expensive first: last, it would run alone */
     for (int64_t k = 0, next; k < count; k = next) {
-        int sliced = dm_is_sliced(runs[k].body);
+        int sliced = dm_is_sliced(steps[k].body);
         /* a body that costs more than a worker's share of the rest gets all workers, in slices; one asleep, none */
-        if (!runs[k].cost || (sliced && runs[k].cost * workers > left)) next = k + 1;
+        if (!steps[k].cost || (sliced && steps[k].cost * workers > left)) next = k + 1;
         else next = sliced ? count - (count - k) % workers : count;
-        dm_share_out(next - k, dm_run_one, runs + k);
-        for (; k < next; k++) left -= runs[k].cost;
+        dm_share_out(next - k, dm_run_step, steps + k);
+        for (; k < next; k++) left -= steps[k].cost;
     }
-    free(runs);
+    free(steps);
     return DM_OK;
 }

@@ -143,7 +143,7 @@ static void dm_begin_contact(dm_scene_state *s) {
         dm_neighbour *n = s->near + k;
         dm_quad *to = &s->moving[k].x;
         double way[3];
-        if (n->body) n->last = n->body->x, *to = n->last - n->from;
+        if (n->body) *to = n->body->x - n->from;
         else dm_minus(s->here[n->vertex], s->there[k], way), *to = dm_quad_of(way);
         dm_real square = dm_dot3(*to, *to);
         far = square > far ? square : far;
@@ -153,7 +153,6 @@ static void dm_begin_contact(dm_scene_state *s) {
 
 /* After bodies and colliders have moved: resolve the contacts of soft bodies. */
 static void dm_resolve_touching(dm_scene_state *s) {
-    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->met_way = 0;
     if (!s->batch_count) return;
     for (const uint32_t *k = s->met; k < s->met + s->met_count; k++) {
         const dm_neighbour *n = s->near + *k;
@@ -164,14 +163,11 @@ static void dm_resolve_touching(dm_scene_state *s) {
     int64_t touching = dm_resolve_meetings(s);
     for (const uint32_t *k = s->met; touching && k < s->met + s->met_count; k++) {
         const dm_neighbour *n = s->near + *k;
-        dm_surface *f = s->surfaces + n->surface;
+        const dm_surface *f = s->surfaces + n->surface;
         dm_quad v = s->moving[*k].v, out = s->moving[*k].x;
         v[3] = 0;
         if (!n->body || !(memcmp(&v, &n->body->v, sizeof v) || dm_dot3(out, out) > 0)) continue;
-        dm_quad x = n->body->x + (dm_real)s->dt * (v - n->body->v) + out, way = x - n->last;
-        double square = (double)dm_dot3(way, way);
-        if (square > f->met_way * f->met_way) f->met_way = sqrt(square);
-        dm_set_vertex(f->body, n->vertex - f->first, x, v);
+        dm_set_vertex(f->body, n->vertex - f->first, n->body->x + (dm_real)s->dt * (v - n->body->v) + out, v);
     }
     s->out->touching = touching > s->out->touching ? touching : s->out->touching;
 }

@@ -1,8 +1,6 @@
 /* The surfaces of a scene: a tree of boxes over runs of triangles, and the neighbours of each triangle. */
 #include "scene.h"
 
-DM_SMALL
-
 static int dm_by_word(const void *a, const void *b) {
     const uint64_t *p = a, *q = b;
     return p[0] != q[0] ? (p[0] < q[0] ? -1 : 1) : p[1] < q[1] ? -1 : p[1] > q[1];
@@ -76,24 +74,12 @@ static int32_t dm_lay_neighbours(dm_scene_state *s) {
 static uint32_t dm_lay_tree(dm_scene_state *s, uint32_t node, uint32_t start, uint32_t end) {
     dm_node *n = s->nodes + node++;
     n->start = start, n->end = end;
-    if (end - start > DM_LANES) {
+    if (end - start > 1) {
         node = dm_lay_tree(s, node, start, start + (end - start) / 2);
         n->next = node;
         node = dm_lay_tree(s, node, start + (end - start) / 2, end);
     }
     return node;
-}
-
-DM_FAST
-
-static void dm_bound_points(const double (*x)[3], const uint32_t *at, int count, double *low, double *high) {
-    for (int c = 0; c < 3; c++) {
-        low[c] = high[c] = x[at[0]][c];
-        for (int k = 1; k < count; k++) {
-            double a = x[at[k]][c];
-            low[c] = a < low[c] ? a : low[c], high[c] = a > high[c] ? a : high[c];
-        }
-    }
 }
 
 /* Fit the boxes of a surface to its vertices at the query; children come after their parent. */
@@ -108,8 +94,12 @@ static void dm_fit_boxes(dm_scene_state *s, const dm_surface *f) {
             }
             continue;
         }
-        dm_bound_points((const double(*)[3])s->before, s->corners[n->start], 3 * (int)(n->end - n->start), n->low,
-                        n->high);
+        const uint32_t *at = s->corners[n->start];
+        for (int c = 0; c < 3; c++) {
+            double a = s->before[at[0]][c], b = s->before[at[1]][c], d = s->before[at[2]][c];
+            n->low[c] = a < b ? a : b, n->high[c] = a < b ? b : a;
+            n->low[c] = d < n->low[c] ? d : n->low[c], n->high[c] = d > n->high[c] ? d : n->high[c];
+        }
     }
 }
 
@@ -125,16 +115,10 @@ DM_INLINE double dm_boxes_apart(const double *low, const double *high, const dou
 
 typedef void (*dm_visit)(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j);
 
-static void dm_visit_leaves(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const dm_node *a,
-                            const dm_node *b, dm_visit visit) {
-    for (uint32_t i = a->start; i < a->end; i++)
-        for (uint32_t j = a == b ? i + 1 : b->start; j < b->end; j++) visit(s, f, g, i, j);
-}
-
 /* Visit each pair of triangles, of two surfaces or of one, whose boxes are nearer than a distance. */
 static void dm_visit_pairs(dm_scene_state *s, const dm_surface *f, const dm_surface *g, double distance,
                            dm_visit visit) {
-    enum { DM_DEEPEST = 128 }; /* pairs of nodes on the stack: two trees of 2^24 / DM_LANES leaves are 22 deep, and each step adds two */
+    enum { DM_DEEPEST = 128 }; /* pairs of nodes on the stack: two trees of 2^25 leaves are 26 deep, and each step adds two */
     uint32_t wait[DM_DEEPEST][2], count = 0;
     if (!f->node_count || !g->node_count) return;
     wait[count][0] = f->first_node, wait[count++][1] = g->first_node;
@@ -143,7 +127,7 @@ static void dm_visit_pairs(dm_scene_state *s, const dm_surface *f, const dm_surf
         const dm_node *a = s->nodes + i, *b = s->nodes + j;
         if (i != j && dm_boxes_apart(a->low, a->high, b->low, b->high) > distance) continue;
         if (!a->next && !b->next) {
-            dm_visit_leaves(s, f, g, a, b, visit);
+            if (i != j) visit(s, f, g, a->start, b->start);
         } else if (i == j) {
             wait[count][0] = i + 1, wait[count++][1] = i + 1;
             wait[count][0] = a->next, wait[count++][1] = a->next;

@@ -4,10 +4,8 @@
 
 #include "lanes.h"
 
-DM_SMALL
 #include "layout.c"
 #include "irregular.c"
-DM_FAST
 #include "slices.c"
 #include "pose.c"
 #include "rings.c"
@@ -17,24 +15,19 @@ DM_FAST
 #include "surface.c"
 #include "foot.c"
 #include "fingertip.c"
-DM_SMALL
 #include "fingertip_reach.c"
 #include "body_constants.c"
 #include "body.c"
 #include "moved_rest.c"
 #include "sleep.c"
-DM_FAST
 #include "fill.c"
 #include "step.c"
-DM_SMALL
 #include "tree.c"
-DM_FAST
 #include "gaps.c"
 #include "proximity.c"
 #include "contact_planes.c"
 #include "keep_apart.c"
 #include "batch.c"
-DM_SMALL
 #include "props.c"
 #include "touching.c"
 #include "body_rolling.c"
@@ -43,7 +36,6 @@ DM_SMALL
 #include "crossings.c"
 #include "islands.c"
 #include "scene.c"
-DM_FAST
 #include "carry.c"
 
 #define DM_GLUE(set, bits) dm_##set##_##bits

@@ -31,6 +31,7 @@ from core.base import Bools, Floats, Ints
 
 from .constants import (
     BACK,
+    EXACT,
     HARDEST,
     MOST_GIVEN,
     PINNED_GIVE,
@@ -286,7 +287,7 @@ def _sweep_speeds(v: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats,
         return 0.0
     give = met.compliance(inverse_mass, at_work)
     push = was + (met.closing - speed - met.yields * was) / (give + met.yields)
-    push[push * give * dt < ROUNDING / 100 * touch.radius] = 0
+    push[push * give * dt < EXACT * touch.radius] = 0
     drag = met.held - was * met.normal - (relative - speed * met.normal) / give
     size = np.sqrt((drag**2).sum(axis=0))
     held = push * met.normal + np.minimum(1, met.friction * push / np.maximum(size, _TINY)) * drag

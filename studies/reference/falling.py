@@ -19,7 +19,7 @@ from core.base import Floats, Ints
 from core.body.rigid import RigidState
 from core.native.scene import Fall, Falling
 
-from .constants import BACK, HELD, PART, REST_SPEED, REST_TIME, ROLL_ARM, ROUNDING, SWEEPS
+from .constants import BACK, EXACT, HELD, PART, REST_SPEED, REST_TIME, ROLL_ARM, ROUNDING, SWEEPS
 from .rigid import rotation
 
 SIDES = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]])  # of the ground
@@ -238,7 +238,7 @@ def resolve_supports(supports: list[Support], dt: float) -> None:
             support.pass_on(support.impulse)
     for _ in range(SWEEPS):
         changed = sum(support.resolve() for support in awake)
-        if not changed > ROUNDING / 10 * sum(support.push for support in awake):
+        if not changed > EXACT * sum(support.push for support in awake):
             break
     for support in awake:
         support.resist_turning()

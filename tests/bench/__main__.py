@@ -19,7 +19,6 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--quick", action="store_true", help=quick)
     made.add_argument("--json", type=Path, metavar="FILE", help="write the numbers (steps, --peers and --scale)")
     subjects = made.add_mutually_exclusive_group()
-    subjects.add_argument("--profile", action="store_true", help="the cost of each part of a step")
     subjects.add_argument("--exports", action="store_true", help="the cost of an export in each format")
     subjects.add_argument("--peers", action="store_true", help="Dimple beside Bullet on the same bodies")
     subjects.add_argument("--scale", action="store_true", help="many bodies, many vertices")
@@ -32,10 +31,6 @@ def main(words: list[str]) -> int:
     options = parser().parse_args(words)
     from tests.bench import bench
 
-    if options.profile:
-        from tests.bench import profile
-
-        return profile.main()
     if options.scale:
         from tests.bench import scale
 
