@@ -1,13 +1,18 @@
-"""The shape at rest of a session: its position by object and rig, and its sway."""
+"""The shape at rest of a session: its position by object and rig, its sway, and the body that lies on it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from ..base import Floats
 from ..body.model import Model
+from ..native import Body
 from ..reduction.proxy import Proxy
 from .sway import Push, Sway, sway_of
+
+CLOSE = 1e-5  # share of the body's size: closer to its shape at rest than this it shows no dent
 
 
 class Rest:
@@ -17,11 +22,15 @@ class Rest:
     target: (3, n) positions of all vertices at the end of the step [m], None if it stays.
     bent: it differs from the model's.
     carries: the body lies on it, and is not stepped.
+    met: push of other surfaces on a swaying body.
+    rate: (3, m) of the simulated vertices in the last motion [m/s].
     """
 
     target: Floats | None
     bent: bool
     carries: bool = False
+    met: Push | None = None
+    rate: Floats
     _led: Floats  # (3, n) positions without sway [m]
     _at: Floats | None  # (3, n) positions with sway [m], None until they are needed
     _begin: tuple[Floats, float]  # positions without sway before the last motion, and its duration [s]
@@ -35,13 +44,14 @@ class Rest:
         else:
             self.target, self.bent, self._begin = before.target, before.bent, before._begin
             self._led, self._at = before._led, before._at
+            self.rate = self.rate_of_body if self.bent and self.sway else np.zeros_like(self.of_body)
 
     def reset(self) -> None:
         """Go back to the shape of the model, at rest."""
         self.target = None
         self._led = self._at = self._model.matching.rest
         self._begin = self._led, 1.0
-        self.bent = self.carries = False
+        self.bent, self.carries, self.met, self.rate = False, False, None, np.zeros_like(self.of_body)
         if self.sway:
             self.sway.reset()
 
@@ -71,8 +81,38 @@ class Rest:
         rate = (self._led - begin) / seconds + self.sway.velocity().T
         return rate if self._seeds is None else rate[:, self._seeds]
 
-    def advance(self, share: float, seconds: float, pushes: Sequence[Push]) -> None:
-        """Move by a share of the remaining way to the target, and sway for some seconds."""
+    def meet(self, impulses: Floats, seconds: float) -> None:
+        """Push a swaying body by the impulses that others gave its vertices (m, 3) in some seconds [N s]."""
+        if self.sway:
+            self.met = self.sway.met(impulses, seconds, self._seeds)
+
+    def bend(self, body: Body, share: float, seconds: float, pushes: Sequence[Push]) -> None:
+        """Move by a share of the remaining way to the target, sway for some seconds, and take the body along."""
+        before = None if self.carries else self.of_body
+        self._advance(share, seconds, pushes)
+        if before is not None:
+            rate, rate_before = (self.of_body - before) / seconds, self.rate
+            self.rate = rate
+            self.lay(body, rate, gain=rate - rate_before if self.sway else None)  # the inertia is in the modes
+
+    def lay(self, body: Body, rate: Floats | None = None, *, gain: Floats | None = None) -> None:
+        """Give the body its shape at rest, its rate (3, m) in the next motion, and a gain (3, m) in velocity [m/s]."""
+        body.set_rest(self.of_body, rate, surface=None if self._seeds is None else self.whole, gain=gain)
+
+    def carry(self, body: Body) -> None:
+        """Carry a swaying body, unstepped, if it shows no difference from its shape at rest."""
+        if self.sway and not self.carries:
+            off = body.positions() - self.of_body
+            self.carries = float(np.abs(off).max()) <= CLOSE * self._model.mesh.size
+
+    def let_go(self, body: Body) -> None:
+        """Let a body that is carried be stepped again."""
+        if self.carries:
+            self.carries, self.rate = False, self.rate_of_body
+            self.lay(body)
+            body.set_state(self.of_body, self.rate)
+
+    def _advance(self, share: float, seconds: float, pushes: Sequence[Push]) -> None:
         self._begin = self._led, seconds
         if self.target is not None:
             whole = share >= 1

@@ -30,7 +30,6 @@ from .skin import Pins, Skin
 from .sway import Push, push_of
 
 ANSWERED = 9  # ticks, those between two looks at a scene: after them a moving shape at rest answers what pushes it
-CLOSE = 1e-5  # share of the body's size: closer to its shape at rest than this it shows no dent
 
 
 class Session:
@@ -67,8 +66,6 @@ class Session:
         self._tips: list[FingerOnItsWay | None] = []  # None for a lifted one
         self._pins.rest_at(self.model.matching.rest)
         self._skin.reset()
-        self._met: Push | None = None  # force of other surfaces on it
-        self._rate = np.zeros_like(self._moves.matching.rest)
         self._last = motion.Frame((), self.body.model.mesh.volume, 0.0, 0, True)
         self._done, self._note, self.most, self._started = 0, "", MAX_STEPS, time.perf_counter()
         self.frame = self._show((), self.clock.tick)
@@ -138,8 +135,11 @@ class Session:
             DimpleError: dt is negative or not a number.
         """
         self.clock.start(dt)
-        self._ride(alone and not any(self._tips))
-        self._met = None if alone else self._met
+        if alone and not any(self._tips):
+            self._rest.carry(self.body)
+        else:
+            self._rest.let_go(self.body)
+        self._rest.met = None if alone else self._rest.met
         self._done, self._note, self._started = 0, "", time.perf_counter()
         meets = not alone or any(self._tips)
         self.most = ANSWERED if meets and (self._rest.sway or self._rest.moves) else MAX_STEPS // self.substeps - 1
@@ -163,7 +163,11 @@ class Session:
         clock = self.clock
         pushes = self._pushes() if self._rest.sway else []
         if ticks and (self._rest.moves or pushes):
-            self._bend(ticks, pushes)
+            share, left = clock.share_after(ticks), 1 - max(clock.share_after(0), 0.0)
+            of_way = 1.0 if share >= 1 else 1 - (1 - share) / left
+            self._rest.bend(self.body, of_way, ticks * clock.tick, pushes)
+            if self.rides:
+                self._skin.reset()
         if self.rides:
             return Motion(ticks, self.substeps, clock.tick, (None,) * len(self._tips))
         first = last = clock.share_after(ticks)
@@ -233,7 +237,7 @@ class Session:
 
     def wake(self) -> None:
         """Let a sleeping body move again: what it rested on may be gone."""
-        self._ride(False)
+        self._rest.let_go(self.body)
         self.body.wake()
 
     @property
@@ -273,7 +277,7 @@ class Session:
         moves.substeps(self.clock.tick)
         if len(model.matching.rest.T) != len(surface.matching.rest.T):
             raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
-        self._ride(False)
+        self._rest.let_go(self.body)
         skin = scale * np.asarray(self._skin.surface(self.body), np.float64)
         led = self._pins.target
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
@@ -289,9 +293,7 @@ class Session:
             led = None
         self._define(model, Rest(model, proxy, self._rest), proxy)
         if self._rest.bent and moves.mesh is not before.mesh:
-            self._lay_rest()
-        if self._rest.bent and self._rest.sway:
-            self._rate = self._rest.rate_of_body
+            self._rest.lay(self.body)
         self._pins.origin, self._pins.target = skin.T, led
 
     def _define(self, model: Model, rest: Rest, proxy: Proxy | None) -> Model:
@@ -300,8 +302,7 @@ class Session:
         self.substeps = moves.substeps(self.clock.tick)
         self.model, self.proxy, self._moves = model, proxy, moves
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
-        self._rest, self._met = rest, None
-        self._rate = np.zeros_like(moves.matching.rest)  # (3, m) of the shape at rest in the last motion [m/s]
+        self._rest = rest
         self._pins: Pins = Pins(model, proxy)
         self._skin: Skin = Skin(model, proxy, self._pins, rest)
         return moves
@@ -329,42 +330,14 @@ class Session:
 
     def meet(self, impulses: Floats, seconds: float) -> None:
         """Push a swaying body by the impulses that others gave its vertices (m, 3) in some seconds [N s]."""
-        if self._rest.sway:
-            self._met = self._rest.sway.met(impulses, seconds, self.proxy.seeds if self.proxy else None)
+        self._rest.meet(impulses, seconds)
 
     def _pushes(self) -> list[Push]:
         """Return the pushes of touching fingertips and of other surfaces on a swaying body."""
         tips, mesh = zip(self._tips, self._last.touches, strict=False), self.model.mesh
         pushes = [push_of(touch, tip.target, mesh) for tip, touch in tips if tip and touch and any(touch.force)]
-        return [*pushes, self._met] if self._met and len(self._met.vertices) else pushes
-
-    def _bend(self, ticks: int, pushes: Sequence[Push]) -> None:
-        """Advance the shape at rest by the following ticks, and the body with it."""
-        seconds = ticks * self.clock.tick
-        share, left = self.clock.share_after(ticks), 1 - max(self.clock.share_after(0), 0.0)
-        before = None if self.rides else self._rest.of_body
-        self._rest.advance(1.0 if share >= 1 else 1 - (1 - share) / left, seconds, pushes)
-        if before is not None:
-            rate, rate_before = (self._rest.of_body - before) / seconds, self._rate
-            self._rate = rate
-            self._lay_rest(rate, gain=rate - rate_before if self._rest.sway else None)  # the inertia is in the modes
-        else:
-            self._skin.reset()
-
-    def _ride(self, wanted: bool) -> None:
-        """Let a swaying body ride on its shape at rest if it shows no difference from it, or step it again."""
-        rest = self._rest
-        if wanted and rest.sway and not self.rides:
-            off = self.body.positions() - rest.of_body
-            rest.carries = float(np.abs(off).max()) <= CLOSE * self.model.mesh.size
-        elif self.rides and not wanted:
-            rest.carries, self._rate = False, rest.rate_of_body
-            self._lay_rest()
-            self.body.set_state(rest.of_body, self._rate)
-
-    def _lay_rest(self, rate: Floats | None = None, *, gain: Floats | None = None) -> None:
-        """Give the body its shape at rest, its rate (3, m) in the next motion, and a gain (3, m) in velocity [m/s]."""
-        self.body.set_rest(self._rest.of_body, rate, surface=self._rest.whole if self.proxy else None, gain=gain)
+        met = self._rest.met
+        return [*pushes, met] if met and len(met.vertices) else pushes
 
     def skin(self) -> Floats:
         """Return the positions of the vertices (n, 3) [m] of the mesh."""
