@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..core.messages import Message
+from ..core.message import Message
 from ..operators.experiment.blind_trial import experiments
 from ..operators.names import Op
 from .panel_parts import SidebarPanel, draw_notes

@@ -4,7 +4,7 @@ import bpy
 
 from ..core.errors import DimpleError
 from ..core.fills import FILLS
-from ..core.messages import Message, read
+from ..core.message import Message, read
 from ..operators.press.sessions import sessions
 from .material_choice import draw_choice
 from .my_materials import DIMPLE_PT_material_presets

@@ -8,9 +8,9 @@ from typing import Any
 import bpy
 
 from ..operators.experiment.blind_trial import is_blind
-from ..operators.messages import wrapped
 from ..operators.press.modal_runs import runs
 from ..operators.press.sessions import sessions
+from ..operators.reporting import wrapped
 from ..operators.translation import translated
 from . import canvas, device, force_chart, readout, shapes, viewport_room
 from .canvas import FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, Screen

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import bpy
 
 from ..operators.experiment.blind_trial import is_blind
-from ..operators.messages import wrapped
+from ..operators.reporting import wrapped
 from ..operators.translation import translated
 from . import readout
 

@@ -6,10 +6,10 @@ Controls that cannot be used now are greyed out, not hidden; the operator's poll
 import bpy
 
 from ..operators.bridge import sizing
-from ..operators.messages import Note
 from ..operators.names import Op
 from ..operators.press.fingertip_objects import body_of
 from ..operators.press.sessions import sessions
+from ..operators.reporting import Note
 from . import calibration, device, experiment, materials, physics_panels, readout
 from .panel_parts import SidebarPanel, draw_notes, draw_rows
 

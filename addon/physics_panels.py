@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..core.messages import read
+from ..core.message import read
 from ..operators.names import MAPS, Op
 from .panel_parts import draw_notes, draw_pins, draw_prop, shown_if
 

@@ -4,7 +4,7 @@ from typing import Any
 
 from bpy.app.translations import pgettext_iface
 
-from ..operators.messages import Note
+from ..operators.reporting import Note
 from ..operators.translation import CONTEXT
 
 

@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..operators.bridge.modifiers import is_cache
+from ..operators.bridge.modifier_kinds import is_cache
 from .panel_parts import draw_notes
 
 EXPORTERS = ("EXPORT_SCENE_OT_gltf", "EXPORT_SCENE_OT_fbx")

@@ -96,7 +96,7 @@ def law_at(body: bpy.types.Object, depth_mm: float) -> float:
 
 def summary_row(body: bpy.types.Object, table: Sequence[dict[str, float]]) -> dict[str, object]:
     """Return what the summary says of one body: forces at the deepest frame that is held, the worst volume."""
-    from bl_ext.user_default.dimple.core.messages import read
+    from bl_ext.user_default.dimple.core.message import read
 
     finger, held = finger_of(table), table[HELD - 1]
     vertices, planned = len(body.data.vertices), read(body.dimple.plan_reason).values

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from .messages import Message
+from .message import Message
 
 LARGEST = 1e12  # in any SI unit: a larger number is a mistake, and its cube overflows single precision
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from .errors import LARGEST, DimpleError  # not from base: the servo process has no numpy
 from .fills import FILLS
-from .messages import Message
+from .message import Message
 
 _PER_UNIT = {"N/mm": 1e-3, "mm": 1e3, "kPa": 1e-3}  # in one SI unit
 LEAST_PRESSURE, MOST_PRESSURE = -1e5, 1e6  # [Pa] nearly a vacuum, and more than any skin holds

@@ -11,7 +11,7 @@ from types import ModuleType
 import bpy
 
 from . import bug_report
-from .animate import bake, fingertips
+from .animate import bake_operators, fingertips
 from .calibrate import apply_preset, apply_result, by_hand, from_file, material_file, measure, paint_softness
 from .device import connect_device
 from .experiment import blind_trial
@@ -19,8 +19,8 @@ from .export import command_line, export_dialog
 from .press import handlers, make_soft, play, poke, progress
 
 PARTS = (
-    bug_report, make_soft, progress, poke, play, bake, export_dialog, apply_preset, fingertips, from_file, by_hand,
-    apply_result, material_file, paint_softness, measure, connect_device, blind_trial, command_line, handlers,
+    bug_report, make_soft, progress, poke, play, bake_operators, export_dialog, apply_preset, fingertips, from_file,
+    by_hand, apply_result, material_file, paint_softness, measure, connect_device, blind_trial, command_line, handlers,
 )  # fmt: skip
 
 

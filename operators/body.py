@@ -17,9 +17,9 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.constants import MAX_FINGERTIPS
-from ..core.messages import about
+from ..core.message import about
 from ..core.poke import Kind, PokeEvent, PokeState, fingers, on_event
-from .animate import bake_frames
+from .animate import bake_to_files
 from .bridge import final_mesh
 from .press import scripted_press, sessions
 from .press.object_body import ObjectBody
@@ -97,7 +97,7 @@ class Body(ObjectBody):
         """
         sessions.stop_all()  # a bake starts at rest
         messages: list[str] = []
-        plan = bake_frames.plan_of(bpy.context.scene, [self.obj], first, last)
-        for _ in bake_frames.bake(bpy.context, plan, messages):
+        plan = bake_to_files.plan_of(bpy.context.scene, [self.obj], first, last)
+        for _ in bake_to_files.bake(bpy.context, plan, messages):
             pass
         return messages

@@ -7,10 +7,10 @@ from collections import deque
 import bpy
 
 from ..core.errors import DimpleError
-from ..core.messages import read
-from .messages import LOG, say
+from ..core.message import read
 from .names import Op
 from .press import polls
+from .reporting import LOG, say
 
 KEPT = 40  # log entries in a report: enough for some presses, and the last error with its traceback
 

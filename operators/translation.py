@@ -5,7 +5,7 @@ from typing import Any
 
 from bpy.app.translations import pgettext_tip
 
-from ..core.messages import COMMA, Message, filled
+from ..core.message import COMMA, Message, filled
 
 # Blender's own translations give some of our words another sense: its "Air" is air drag, its "Measure" a ruler. A
 # separate context avoids that

@@ -2,7 +2,7 @@
 
 A law (springs, shape_matching, pressure) is a frozen record of its parameters, with its energy and its static force.
 estimate turns the constants of a material into those of the laws, on_mesh distributes them over a mesh, with the
-painted maps, and stability_bound limits the time step. model combines everything. lattice and modes describe how the
+painted maps, and frequency_bounds limits the time step. model combines everything. lattice and modes describe how the
 whole body sways.
 
 Positions and velocities are stored by component, (3, n). `force` is minus the gradient of `energy`. The C core computes

@@ -26,9 +26,9 @@ from ..constants import EXACT, ROUNDING
 from ..fills import FILLS
 from ..material import Material
 from ..mesh.surface import Mesh, spans_a_plane
-from ..messages import Message
+from ..message import Message
 from ..other_tip import layer
-from . import pressure, springs, stability_bound
+from . import frequency_bounds, pressure, springs
 from .maps import Maps, painted
 from .on_mesh import constants_on, mass_on
 from .pressure import Pressure
@@ -236,10 +236,10 @@ def assemble(
         mesh=mesh, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, pinned=pinned,
         friction=friction, compliance=compliance, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
-        omega_squared=stability_bound.of_body(
+        omega_squared=frequency_bounds.of_body(
             mesh, stiffness + tension, np.maximum(k1, k2), inverse_mass, inside, FILLS[inside.fill].reserve
         ),
-        decay=stability_bound.of_edges(mesh, dashpots, shape.damping, inverse_mass),
+        decay=frequency_bounds.of_edges(mesh, dashpots, shape.damping, inverse_mass),
         notes=mesh.notes + notes + ((_ALL_PINS,) if pinned.all() else ()),
     )  # fmt: skip
 

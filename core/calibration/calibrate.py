@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..material import POINT, Indenter, law_force, law_power
-from ..messages import Message
+from ..message import Message
 from .doubts import Miss, doubts, largest_miss
 from .fit import Fit, fit_law
 from .known_words_and_units import UNITS

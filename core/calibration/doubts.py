@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import Floats
-from ..messages import Message
+from ..message import Message
 from .fit import Fit, slope_of
 from .press import LoadingCurve
 from .table import MIN_ROWS

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..base import DimpleError, Floats
-from ..messages import Message, in_a_row
+from ..message import Message, in_a_row
 from .known_words_and_units import KIND, unit_of
 from .question import Answers, Question, Remarks, Undecided
 from .reader import find_dialect, load_lines

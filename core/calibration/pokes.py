@@ -16,7 +16,7 @@ import numpy as np
 from ..base import DimpleError, Floats
 from ..material import Material
 from ..mesh.surface import Mesh
-from ..messages import Message
+from ..message import Message
 from .known_words_and_units import UNITS, unit_of
 from .question import Answers, Remarks
 from .reader import find_dialect, load_lines

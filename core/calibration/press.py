@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
-from ..messages import Message
+from ..message import Message
 from .measurement import Measurement
 from .question import Answers, Question, Remarks, Undecided
 from .strokes import CLEAR, Cycle, dip, find_cycles, oriented, roughness, spikes, still, tear

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from ..errors import DimpleError
-from ..messages import Message, in_a_row
+from ..message import Message, in_a_row
 
 
 def _asked(label: str, text: str, *choices: str) -> Any:

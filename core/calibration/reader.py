@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..base import DimpleError
-from ..messages import Message
+from ..message import Message
 from .known_words_and_units import role_of, split_unit
 from .question import Question, Remarks, Undecided
 

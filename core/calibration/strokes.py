@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import Bools, Floats
-from ..messages import Message
+from ..message import Message
 from .question import Answers, Question, Remarks, Undecided
 from .table import MIN_ROWS, SLIGHT
 

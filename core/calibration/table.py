@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import DimpleError, Floats
-from ..messages import Message
+from ..message import Message
 from .known_words_and_units import is_known, role_of, split_unit, unit_of
 from .question import Answers, Question, Remarks, Undecided
 from .reader import Dialect, is_row, number_and_unit, split

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import DimpleError, Floats
-from ..messages import Message
+from ..message import Message
 from .fit import MIN_PIECE, TOUCH_STEP, Fit, fit_law, independent_rows, slope_of
 from .press import LoadingCurve
 from .question import Answers, Question, Undecided

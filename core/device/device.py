@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import IO
 
 from ..errors import DimpleError
-from ..messages import Message
+from ..message import Message
 from .force_guard import Arming
 from .limits import ANSWER_TIME, LEASE
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Final, NamedTuple
 
-from ..messages import kept, read
+from ..message import kept, read
 from ..vectors import ZERO, Vector
 from .force_guard import Arming
 from .limits import LEASE, STATE_GAP

@@ -9,7 +9,7 @@ import time
 from typing import Any, Final
 
 from ..errors import DimpleError
-from ..messages import Message
+from ..message import Message
 from .limits import TICK
 
 WINDOWS: Final = os.name == "nt"

@@ -10,7 +10,7 @@ import math
 
 from ..errors import DimpleError
 from ..material import NOTICEABLE_FORCE
-from ..messages import Message
+from ..message import Message
 from ..vectors import ZERO, Vector, is_finite, length
 from . import limits, wire
 from .force_guard import Arming, Guard, Switch

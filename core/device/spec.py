@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..errors import DimpleError
-from ..messages import Message
+from ..message import Message
 from . import wire
 from .limits import HARD_CEILING, LOST_TIME, STATE_GAP, TOP_SPEED, ZERO_TIME
 

@@ -16,7 +16,7 @@ from ..device.limits import STATE_GAP
 from ..errors import DimpleError
 from ..material import Material
 from .log import END, Log
-from .plan import Plan, Trial
+from .plan_file import Plan, Trial
 
 AXES = ("x_m", "y_m", "z_m", "fx_n", "fy_n", "fz_n")  # columns of a tip in a sample, after the time
 

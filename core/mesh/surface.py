@@ -26,7 +26,7 @@ from ..base import (
     sums_of_three,
 )
 from ..constants import ROUNDING
-from ..messages import Message
+from ..message import Message
 from .edges import Edges, edges_of
 from .repair import connected, consistent_winding, inward_parts, weld
 from .rings import Rings, ordered_rings

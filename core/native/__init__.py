@@ -24,7 +24,7 @@ from typing import Any
 from ..body.model import Model
 from ..constants import ABI
 from ..errors import DimpleError
-from ..messages import Message
+from ..message import Message
 from .body import AVX2 as AVX2
 from .body import BASE as BASE
 from .body import BEST as BEST

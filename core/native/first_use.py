@@ -11,7 +11,7 @@ from ..body.model import Model, build_model
 from ..constants import ROUNDING
 from ..material import Material
 from ..mesh.surface import mesh_from_triangles
-from ..messages import Message
+from ..message import Message
 from .body import Body, NativeError
 from .motion import Motion
 

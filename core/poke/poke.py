@@ -14,7 +14,7 @@ from enum import Enum, auto
 from ..constants import MAX_FINGERTIPS
 from ..session import Finger
 from ..vectors import Vector, along, dot, length, scaled
-from .tip import Aim, PokeTip, leaving, led, stepped, unit
+from .fingertip_motion import Aim, PokeTip, leaving, led, stepped, unit
 
 STEEP = 3.0  # motion along the view over that across it: more is a jump over a silhouette, not a drag over the surface
 OPPOSITE = -0.2  # cosine of the angle between two normals, below which two fingertips pinch

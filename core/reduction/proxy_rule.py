@@ -12,7 +12,7 @@ from functools import partial
 
 from ..base import TICK, DimpleError
 from ..body.model import Model
-from ..messages import Message
+from ..message import Message
 from .proxy import SMALLEST, Proxy, most_of, proxy_of
 
 BUDGET = 0.6  # [s] of simulation per second of motion; Blender needs the rest for drawing

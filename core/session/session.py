@@ -15,7 +15,7 @@ from ..base import TICK, DimpleError, Floats, Singles
 from ..body.model import Model
 from ..body.moved_rest import with_rest
 from ..constants import MAX_FINGERTIPS, MAX_STEPS
-from ..messages import Message
+from ..message import Message
 from ..native import Body, create, motion
 from ..native.motion import Motion
 from ..other_tip import factors

@@ -13,7 +13,7 @@ import numpy as np
 from .. import native
 from ..base import DimpleError, Floats
 from ..constants import MAX_STEPS, SLACK
-from ..messages import Message, in_a_row
+from ..message import Message, in_a_row
 from ..native import motion
 from ..native.scene import Collider as Collider
 from ..native.scene import ColliderMotion, Crossings, SceneFrame, Way

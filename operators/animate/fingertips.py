@@ -4,11 +4,11 @@ import bpy
 from mathutils import Vector
 
 from ...core.errors import DimpleError
-from ...core.messages import Message, in_a_row
+from ...core.message import Message, in_a_row
 from ..bridge import sizing
-from ..messages import Note, beyond_end, report
 from ..names import Op
 from ..press import fingertip_objects, last_press, polls
+from ..reporting import Note, beyond_end, report
 
 STRAIGHT_M = 5e-5  # [m] largest deviation of the keyframed path from the press, at the body's physical size
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from ...core.messages import Message
-from ..messages import Note
-from . import modifiers, offset, sizing
+from ...core.message import Message
+from ..reporting import Note
+from . import modifier_kinds, press_modifier, sizing
 
 if TYPE_CHECKING:
     from ...core.body.model import Model
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: ObjectLink) -> tuple[str, ...]:
     """Return advice on a body: its rig, effects of the scene that do not act, missing files, size and resolution."""
     notes, size = [], mesh.size
-    if modifiers.is_carried(body):
+    if modifier_kinds.is_carried(body):
         notes.append(Note("A rig holds the body: its shape at rest follows the rig."))
     if any(each.field and each.field.type != "NONE" for each in scene.objects):
         notes.append(Note("Wind and other force fields of the scene do not act on the body."))
-    for bake in filter(modifiers.is_cache, body.modifiers):
-        if not all(path.exists() for path, _ in offset.files(bake)):
+    for bake in filter(modifier_kinds.is_cache, body.modifiers):
+        if not all(path.exists() for path, _ in press_modifier.files(bake)):
             notes.append(Message('The file that "{name}" plays is gone: bake again.', name=bake.name))
     for tip in sizing.fingertips(scene):
         if tip and (tip.hide_viewport or tip.name not in bpy.context.view_layer.objects):

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import bpy
 
 from ...core.errors import DimpleError
-from ...core.messages import about
-from ..messages import Note
+from ...core.message import about
 from ..names import MAPS
+from ..reporting import Note
 from . import advice, final_mesh, in_trial
 
 if TYPE_CHECKING:

@@ -14,11 +14,11 @@ from pathlib import Path
 import bpy
 
 from ...core.base import DimpleError
-from ...core.messages import Message
+from ...core.message import Message
 from ...core.recording import PointCache, open_point_cache
 from ..names import BAKED_PRESS, CACHE
-from . import offset, rendered_mesh
-from .modifiers import is_cache
+from . import press_modifier, rendered_mesh
+from .modifier_kinds import is_cache
 
 LONGEST_NAME = 91  # [bytes] of a name: a file name consists of two, checksums and endings, and 255 are allowed
 PACKAGE = (__package__ or "").partition(".operators")[0]
@@ -38,7 +38,7 @@ def bake_path(context: bpy.types.Context, obj: bpy.types.Object, folder: Path | 
     stem = _stem(context, obj)
     if bpy.data.filepath:
         return Path(f"{stem}.pc2")
-    playing = {path for modifier in obj.modifiers if is_cache(modifier) for path, _ in offset.files(modifier)}
+    playing = {path for modifier in obj.modifiers if is_cache(modifier) for path, _ in press_modifier.files(modifier)}
     numbered = (Path(f"{stem}_{number:03d}.pc2") for number in itertools.count(1))
     return next(each for each in numbered if each in playing or not any(each.parent.glob(f"{each.stem}.*")))
 
@@ -152,12 +152,12 @@ def play(
                     cache.append(carried.carry(sample))
         plays = each.carrier.modifiers.new(CACHE, "MESH_CACHE")
         plays.cache_format, plays.filepath, plays.frame_start = "PC2", _stored(os.fspath(file)), start_frame
-    return offset.add(obj, CACHE, BAKED_PRESS, [each for each, _ in shown])
+    return press_modifier.add(obj, CACHE, BAKED_PRESS, [each for each, _ in shown])
 
 
 def detach_cache(obj: bpy.types.Object) -> int:
     """Remove the modifiers that play a bake from an object; return their number."""
-    return offset.remove(obj, BAKED_PRESS)
+    return press_modifier.remove(obj, BAKED_PRESS)
 
 
 def _stored(path: str) -> str:

@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from ...core.base import DimpleError
 from ..names import CACHES_OFF, PRESS, REST
-from . import offset
-from .modifiers import is_cache
+from . import press_modifier
+from .modifier_kinds import is_cache
 from .object_link import find, get_points, scale_of_body
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def attached(context: bpy.types.Context, body: bpy.types.Object, cuts: int | Non
     """Give an object the modifier that shows a press within the context, unless it has it already. A hidden object is
     shown meanwhile, so that it is evaluated.
     """
-    if offset.modifier_of(body):
+    if press_modifier.modifier_of(body):
         yield
         return
     hidden, hidden_here = body.hide_viewport, body.name in context.view_layer.objects and body.hide_get()
@@ -67,7 +67,7 @@ def attach(context: bpy.types.Context, body: bpy.types.Object, cuts: int | None 
     Args:
         cuts: number of subdivisions; None: as many as the fingertip needs.
     """
-    if offset.modifier_of(body):
+    if press_modifier.modifier_of(body):
         return
     shown = [modifier for modifier in body.modifiers if is_cache(modifier) and modifier.show_viewport]
     for modifier in shown:
@@ -77,7 +77,8 @@ def attach(context: bpy.types.Context, body: bpy.types.Object, cuts: int | None 
     try:
         mesh = evaluated(context, body)
         given, cuts = len(mesh.vertices), cuts_of(context, body, mesh) if cuts is None else cuts
-        offset.add(body, "Dimple Press", PRESS, [offset.Shown(given, cuts, offset.new_carrier())])
+        shown = press_modifier.Shown(given, cuts, press_modifier.new_carrier())
+        press_modifier.add(body, "Dimple Press", PRESS, [shown])
     except BaseException:
         detach(body)
         raise
@@ -85,7 +86,7 @@ def attach(context: bpy.types.Context, body: bpy.types.Object, cuts: int | None 
 
 def detach(body: bpy.types.Object) -> None:
     """Remove the modifier that shows a press, and switch the bakes on again."""
-    offset.remove(body, PRESS)
+    press_modifier.remove(body, PRESS)
     for name in str(body.pop(CACHES_OFF, "")).split("\n"):
         if name in body.modifiers:
             body.modifiers[name].show_viewport = True
@@ -115,7 +116,7 @@ def read(context: bpy.types.Context, body: bpy.types.Object, *, cuts: int | None
 
 
 def _cuts_now(body: bpy.types.Object) -> int:
-    modifier = offset.modifier_of(body)
+    modifier = press_modifier.modifier_of(body)
     nodes = modifier.node_group.nodes if modifier else ()
     return next((each.inputs["Level"].default_value for each in nodes if each.type == "SUBDIVIDE_MESH"), 0)
 

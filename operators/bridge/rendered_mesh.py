@@ -10,8 +10,9 @@ import bpy
 import numpy as np
 
 from ..names import PRESS
-from . import offset
+from . import press_modifier
 from .final_mesh import Final, cuts_of, evaluated, points_of, triangles_of
+from .press_modifier import Shown, new_carrier
 
 if TYPE_CHECKING:
     from .object_link import Singles
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 def shown(
     context: bpy.types.Context, body: bpy.types.Object, count: int, cuts: int
-) -> list[tuple[offset.Shown, Carried | None]]:
+) -> list[tuple[Shown, Carried | None]]:
     """Return how to show the final mesh of an object in the viewport and, if that differs, in a render, each with the
     transfer of the viewport's offsets to it, None for the viewport.
 
@@ -35,9 +36,9 @@ def shown(
         if rendered != given:
             there = _final(context, body, rendered, cuts_of(context, body, mesh))
     carried = _carried(_final(context, body, given, cuts), there.points) if there else None
-    found: list[tuple[offset.Shown, Carried | None]] = [(offset.Shown(given, cuts, offset.new_carrier(count)), None)]
+    found: list[tuple[Shown, Carried | None]] = [(Shown(given, cuts, new_carrier(count)), None)]
     if there and carried:
-        found.append((offset.Shown(rendered, there.cuts, offset.new_carrier(len(carried.corners))), carried))
+        found.append((Shown(rendered, there.cuts, new_carrier(len(carried.corners))), carried))
     return found
 
 
@@ -71,12 +72,12 @@ def _carried(final: Final, points: Singles) -> Carried:
 
 
 def _final(context: bpy.types.Context, body: bpy.types.Object, given: int, cuts: int) -> Final:
-    offset.add(body, "Dimple Press", PRESS, [offset.Shown(given, cuts, offset.new_carrier())])
+    press_modifier.add(body, "Dimple Press", PRESS, [Shown(given, cuts, new_carrier())])
     try:
         mesh = evaluated(context, body)
         return Final(points_of(mesh), *triangles_of(mesh), cuts)
     finally:
-        offset.remove(body, PRESS)
+        press_modifier.remove(body, PRESS)
 
 
 @contextmanager

@@ -10,8 +10,8 @@ import numpy as np
 
 from ...core.background_work import Parts, at_once
 from ...core.base import DimpleError
-from ...core.messages import Message, about, in_a_row
-from . import body_model, final_mesh, modifiers
+from ...core.message import Message, about, in_a_row
+from . import body_model, final_mesh, modifier_kinds
 from .object_link import Floats as Floats
 from .object_link import ObjectLink as ObjectLink
 from .object_link import Singles as Singles
@@ -65,8 +65,8 @@ def reading_body(
         uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix, resting=resting, cuts=cuts,
         own=get_points(body.data.attributes["position"].data, len(body.data.vertices), "vector"),
         rounding=float(4 * np.finfo(np.float32).eps * np.abs(resting).max()), slots=tuple(map(int, used)),
-        bones=scale * np.array(modifiers.bones_of(body)).reshape(-1, 2, 3), shaped=modifiers.is_shaped(body),
-        rigged=modifiers.is_carried(body) or (modifiers.is_deformed(body) and pinned),
+        bones=scale * np.array(modifier_kinds.bones_of(body)).reshape(-1, 2, 3), shaped=modifier_kinds.is_shaped(body),
+        rigged=modifier_kinds.is_carried(body) or (modifier_kinds.is_deformed(body) and pinned),
     )  # fmt: skip
     model: Model = yield from body_model.reading_model(context.scene, body, mesh, link)
     return link, model

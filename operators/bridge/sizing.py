@@ -4,8 +4,8 @@ import math
 
 import bpy
 
-from ...core.messages import Message, about
-from ..messages import Note
+from ...core.message import Message, about
+from ..reporting import Note
 
 SMALLEST_M, LARGEST_M = 0.01, 1.0  # [m] a body modelled smaller or larger is pressed at a custom size
 SHARES = {"finger_radius_mm": 10 / 165, "press_depth_mm": 15 / 165}  # fractions of a body's size, unless typed

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ..names import CACHES_OFF, KEPT, KEPT_PRESS, PAINTING
-from . import final_mesh, offset, rendered_mesh
+from . import final_mesh, press_modifier, rendered_mesh
 from .scene_objects import ObjectLink, Singles, get_points
 
 
@@ -22,9 +22,10 @@ def rescue(live: Collection[int]) -> None:
         live: session_uids of the objects with a running session.
     """
     for body in bpy.data.objects:
-        if body.session_uid not in live and not body.library and (offset.modifier_of(body) or CACHES_OFF in body):
+        left = press_modifier.modifier_of(body) or CACHES_OFF in body
+        if body.session_uid not in live and not body.library and left:
             final_mesh.detach(body)
-    offset.sweep_data()
+    press_modifier.sweep_data()
 
 
 def is_intact(body: bpy.types.Object, link: ObjectLink) -> bool:
@@ -42,8 +43,8 @@ def keep(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, o
     final_mesh.detach(body)
     shown = rendered_mesh.shown(context, body, len(link.rest), link.cuts)
     for each, own in shown:
-        offset.set_offsets(each.carrier, offsets if own is None else own.carry(offsets))
-    offset.add(body, KEPT, KEPT_PRESS, [each for each, _ in shown])
+        press_modifier.set_offsets(each.carrier, offsets if own is None else own.carry(offsets))
+    press_modifier.add(body, KEPT, KEPT_PRESS, [each for each, _ in shown])
 
 
 def remember(what: str) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty
 
-from ...core.messages import kept
+from ...core.message import kept
 from ..bridge import sizing
 from ..names import Op
 from ..press import polls

@@ -12,10 +12,10 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from bpy_extras.io_utils import ExportHelper
 
 from ...core.calibration.question import Answers, Undecided
-from ...core.messages import to_json
-from ..messages import say, wrapped
+from ...core.message import to_json
 from ..names import TIPS, Op
 from ..press import polls
+from ..reporting import say, wrapped
 from ..translation import translated
 from . import results
 

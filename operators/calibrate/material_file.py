@@ -8,7 +8,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ...core.errors import DimpleError
-from ...core.messages import from_json, to_json
+from ...core.message import from_json, to_json
 from ..names import Op
 from ..press import polls
 from . import results

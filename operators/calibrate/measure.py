@@ -3,11 +3,11 @@
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from ...core.messages import Message, about
-from ..messages import say
+from ...core.message import Message, about
 from ..names import PLACES, Op
 from ..press import modal_runs, polls, sessions
 from ..press.progress import Working
+from ..reporting import say
 from . import results
 from .from_file import Saved
 

@@ -3,10 +3,10 @@
 import bpy
 from bpy.props import StringProperty
 
-from ...core.messages import Message
-from ..messages import say
+from ...core.message import Message
 from ..names import Op
 from ..press import polls, sessions
+from ..reporting import say
 
 GROUP = "Softness from Pokes"
 PAINTED = 0.02  # fraction of the vertices that may lie outside the range of a map before a warning

@@ -10,7 +10,7 @@ from datetime import date
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from ...core.messages import Message, from_json, to_json
+from ...core.message import Message, from_json, to_json
 
 if TYPE_CHECKING:
     from ...core.calibration.calibrate import Calibration

@@ -11,15 +11,15 @@ import bpy
 from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import DimpleError
-from ...core.messages import Message
+from ...core.message import Message
 from ..bridge import in_trial
 from ..device.connect_device import is_ready
-from ..messages import say
 from ..names import Op
 from ..press import fingertip_objects, haptic_fingertips, modal_runs, polls, sessions
+from ..reporting import say
 
 if TYPE_CHECKING:
-    from ...core.experiment.plan import Plan
+    from ...core.experiment.plan_file import Plan
     from ...core.experiment.run import Experiment
     from ...core.material import Material
 
@@ -111,7 +111,7 @@ class DIMPLE_OT_open_experiment(polls.Declared, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def run(self, context: bpy.types.Context) -> None:
-        from ...core.experiment.plan import read_plan
+        from ...core.experiment.plan_file import read_plan
         from ...core.experiment.run import Experiment
         from ..bridge.cache_files import version
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from ...core.recording import PointCache, open_point_cache
 from ...core.recording.basis import Basis, distinct, reduce
 from ...core.recording.split import split
-from ..bridge import cache_files, final_mesh, keyframes, offset, rendered_mesh, scene_objects
+from ..bridge import cache_files, final_mesh, keyframes, press_modifier, rendered_mesh, scene_objects
 
 Singles = npt.NDArray[np.float32]
 
@@ -83,7 +83,7 @@ def _playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
         obj.hide_set(False)
         if clip.plays:
             made = cache_files.play(context, obj, *clip.plays)
-            shown.callback(offset.sweep_data)
+            shown.callback(press_modifier.sweep_data)
             shown.callback(obj.modifiers.remove, made)
         if clip.plan.rendered:
             shown.enter_context(rendered_mesh.as_rendered(obj))

@@ -6,11 +6,11 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
 from ...core.errors import DimpleError
-from ...core.messages import Message
-from ..messages import megabytes, wrapped
+from ...core.message import Message
 from ..names import EXPORTS, Op
 from ..press import polls, sessions
 from ..press.progress import READY, FrameRange, Working
+from ..reporting import megabytes, wrapped
 from ..translation import translated
 
 CHARACTER = 8.5  # [px] width of a character in the dialog, with a share of icon and borders

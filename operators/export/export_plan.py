@@ -21,12 +21,12 @@ import numpy as np
 
 from ...core.background_work import as_share
 from ...core.base import DimpleError
-from ...core.messages import Message, in_a_row
+from ...core.message import Message, in_a_row
 from ...core.recording import open_point_cache
 from ...core.recording.split import split
-from ..animate import bake_frames
-from ..bridge import cache_files, final_mesh, modifiers, offset, scene_objects
-from ..messages import megabytes
+from ..animate import bake_to_files
+from ..bridge import cache_files, final_mesh, modifier_kinds, press_modifier, scene_objects
+from ..reporting import megabytes
 from . import clips, formats, sidecar
 from .clips import Clip, ExportPlan
 from .formats import FORMATS, Size
@@ -58,9 +58,10 @@ def estimate(plan: ExportPlan, sizes: Sequence[Size]) -> float:
 def played(obj: bpy.types.Object, plan: ExportPlan) -> Clip | None:
     """Return the bake or recording that an object plays, None if it plays none."""
     for modifier in obj.modifiers:
-        if not (modifiers.is_cache(modifier) and (modifier.show_render if plan.rendered else modifier.show_viewport)):
+        on = modifier.show_render if plan.rendered else modifier.show_viewport
+        if not (on and modifier_kinds.is_cache(modifier)):
             continue
-        for path, _ in offset.files(modifier)[:1]:
+        for path, _ in press_modifier.files(modifier)[:1]:
             try:
                 _, points = open_point_cache(path)
             except OSError as error:
@@ -230,10 +231,10 @@ def _simulated(
     context: bpy.types.Context, plan: ExportPlan, missing: list[bpy.types.Object], folder: Path, messages: list[str]
 ) -> Generator[float, None, dict[bpy.types.Object, Clip]]:
     """Simulate objects that play nothing, and return the clips that they are to play."""
-    bake = bake_frames.BakePlan(  # a bake needs two frames
+    bake = bake_to_files.BakePlan(  # a bake needs two frames
         objects=missing, first=plan.first, last=max(plan.last, plan.first + 1), folder=folder / "simulated"
     )
-    bodies = yield from as_share(bake_frames.simulate(context, bake, messages), 0.0, SIMULATED)
+    bodies = yield from as_share(bake_to_files.simulate(context, bake, messages), 0.0, SIMULATED)
     return {
         body.obj: Clip(
             obj=body.obj, plan=plan, plays=(body.path, plan.first, body.link.cuts), table=body.path.with_suffix(".csv")

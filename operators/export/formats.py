@@ -151,18 +151,18 @@ def _ask_gltf(staged: bpy.types.Scene, path: Path) -> None:
 
 def _texture(context: bpy.types.Context, seen: Seen, path: Path) -> None:
     """Write the textures, the mesh with its second UV map, and the layout for a shader, into a folder."""
-    from ...core.recording import vertex_texture
+    from ...core.recording import vertex_texture_layout
 
     frames, vertices = len(seen.samples), len(seen.vertex_of)
-    where = vertex_texture.layout(vertices, frames)
+    where = vertex_texture_layout.layout(vertices, frames)
     points, normals = (
         each[..., [0, 2, 1]] * np.float32([1, 1, -1]) for each in (seen.samples[:, seen.vertex_of], seen.normals)
     )
     path.mkdir()
-    _write_picture(path / "offsets.exr", vertex_texture.pixels(points - points[0], where))
-    _write_picture(path / "normals.exr", vertex_texture.pixels(normals, where))
+    _write_picture(path / "offsets.exr", vertex_texture_layout.pixels(points - points[0], where))
+    _write_picture(path / "normals.exr", vertex_texture_layout.pixels(normals, where))
     with clips.staged(context, seen) as obj:
-        maps, corners = obj.data.uv_layers, vertex_texture.uv(vertices, where)[seen.split_of]
+        maps, corners = obj.data.uv_layers, vertex_texture_layout.uv(vertices, where)[seen.split_of]
         while len(maps) > 1:  # the new map must be the second
             maps.remove(maps[-1])
         if not maps:
@@ -170,7 +170,7 @@ def _texture(context: bpy.types.Context, seen: Seen, path: Path) -> None:
         maps.new(name=UV_MAP, do_init=False).uv.foreach_set("vector", corners.ravel())
         _ask_gltf(context.scene, path / "mesh.glb")
     words = {
-        "about": vertex_texture.__doc__, "width": where.width, "height": where.height, "rows": where.rows,
+        "about": vertex_texture_layout.__doc__, "width": where.width, "height": where.height, "rows": where.rows,
         "vertices": vertices, "frames": frames, "frame_rate": 1 / timeline.frame_s(context.scene), "uv_map": UV_MAP,
         "bounds": [points.min(axis=(0, 1)).tolist(), points.max(axis=(0, 1)).tolist()],
     }  # fmt: skip

@@ -15,7 +15,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...core.base import DimpleError
-from ...core.messages import in_a_row
+from ...core.message import in_a_row
 from ..bridge import body_model, final_mesh, scene_objects, sizing
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import bpy
 
 from ...core.background_work import Parts, at_once, beside
 from ...core.base import DimpleError
-from ...core.messages import about, in_a_row
+from ...core.message import about, in_a_row
 from ..bridge import body_model, scene_objects, timeline
 from ..bridge.body_model import settings_of
 from ..names import PAINTING

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ...core.errors import DimpleError
-from ...core.messages import Message, in_a_row
+from ...core.message import Message, in_a_row
 from . import modal_runs, sessions
 
 if TYPE_CHECKING:

@@ -12,11 +12,11 @@ from ...core import native
 from ...core.background_work import Parts, at_once
 from ...core.base import DimpleError
 from ...core.constants import MAX_FINGERTIPS
-from ...core.messages import about, in_a_row
+from ...core.message import about, in_a_row
 from ...core.session import Finger
 from ...core.session.clock import step_all
 from ..bridge import cache_files, scene_objects, sizing, timeline
-from ..messages import gathered
+from ..reporting import gathered
 from . import (
     colliders,
     fingertip_objects,

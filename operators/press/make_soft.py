@@ -3,11 +3,11 @@
 import bpy
 
 from ...core.errors import DimpleError
-from ...core.messages import Message, about, in_a_row
+from ...core.message import Message, about, in_a_row
 from ..bridge.material_presets import apply, material_of
 from ..bridge.sizing import fit, settle_size
-from ..messages import gathered, report, say
 from ..names import Op
+from ..reporting import gathered, report, say
 from . import polls, sessions
 from .progress import LARGE
 

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import bpy
 
-from ...core.messages import Message
+from ...core.message import Message
 from ..translation import tip_
 
 STATUS_S = 0.5  # [s] interval at which the text is set again, because undo, text fields and brushes clear it

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ...core.errors import DimpleError
-from ...core.messages import about
+from ...core.message import about
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

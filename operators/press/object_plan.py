@@ -10,7 +10,7 @@ import bpy
 from ...core.background_work import Parts
 from ...core.base import DimpleError
 from ...core.constants import MAX_FINGERTIPS
-from ...core.messages import about, in_a_row, kept
+from ...core.message import about, in_a_row, kept
 from ...core.reduction.proxy_rule import Plan, plan, plan_full_mesh, plan_proxy
 from ..bridge.object_link import find
 from . import colliders

@@ -5,8 +5,8 @@ import time
 import bpy
 from bpy.props import FloatProperty, IntProperty
 
-from ..messages import gathered, report, say
 from ..names import Op
+from ..reporting import gathered, report, say
 from . import modal_runs, polls, progress, sessions, showing
 
 PLAYING = "Playing: Esc ends and puts the rest shape back"

@@ -7,8 +7,8 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
 
 from ...core.errors import DimpleError
-from ..messages import report, say
 from ..names import Op
+from ..reporting import report, say
 from . import fingertip_objects, modal_runs, polls, sessions, showing
 from .play import Driving
 

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import bpy
 
 from ...core.errors import DimpleError
-from ..messages import LOG, say
+from ..reporting import LOG, say
 from ..translation import tip_
 from . import fingertip_objects, modal_runs, sessions
 

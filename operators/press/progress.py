@@ -8,9 +8,9 @@ import time
 import bpy
 from bpy.props import IntProperty, StringProperty
 
-from ...core.messages import Message
-from ..messages import conclude, duration, report, say
+from ...core.message import Message
 from ..names import Op
+from ..reporting import conclude, duration, report, say
 from ..translation import translated
 from . import modal_runs, polls, sessions
 

@@ -11,11 +11,11 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ...core.base import DimpleError
-from ...core.messages import Message
+from ...core.message import Message
 from ...core.poke import Hit, Kind, PokeEvent, PokeState, fingers, on_event
 from ...core.vectors import Vector, along
 from ..bridge import scene_objects, timeline
-from ..messages import report, say
+from ..reporting import report, say
 from . import live_step, poke_input, polls, sessions
 from .object_body import ObjectBody
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ..messages import LOG
+from ..reporting import LOG
 from .modal_runs import close_run, runs
 from .object_body import ObjectBody
 

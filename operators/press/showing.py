@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.messages import Message
+from ...core.message import Message
 from . import sessions
 
 
@@ -49,11 +49,11 @@ def _rest_duplicates() -> None:
 
 def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
     """Show the current offsets of a session on its object, unless they are shown already (the body sleeps)."""
-    from ..bridge import offset
+    from ..bridge import press_modifier
 
     offsets = body.offsets()
     if offsets is not body.shown:
-        offset.show(obj, offsets)
+        press_modifier.show(obj, offsets)
         body.shown = offsets
 
 

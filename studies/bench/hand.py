@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from core.errors import DimpleError
-from core.messages import Message
+from core.message import Message
 from core.vectors import ZERO, Vector
 
 STIFFNESS, DAMPING = 400.0, 4.0  # (A) [N/m], [N s/m] of a gripping finger

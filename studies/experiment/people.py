@@ -19,9 +19,9 @@ import numpy as np
 
 from core.base import DimpleError
 from core.everyday_presets import OBJECTS
-from core.experiment.plan import Plan, Stimulus, Trial, read_plan
+from core.experiment.plan_file import Plan, Stimulus, Trial, read_plan
 from core.experiment.run import Experiment
-from studies.experiment.plans import KINDS, make
+from studies.experiment.counterbalanced_plans import KINDS, make
 from studies.experiment.results import QUARTER, Pairs, Ratings, group, read, summary, totals
 from studies.files import new_figure, save_picture
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from core.base import Bools, Floats, Ints, mean_of_pairs, sums_at
-from core.body import stability_bound
+from core.body import frequency_bounds
 from core.body.model import Model, build_model
 from core.body.springs import Springs, build_springs
 from core.material import Material, law_force
@@ -47,7 +47,7 @@ def literal_model(mesh: Mesh, materials: Sequence[Material], pinned: Bools | Non
     return replace(
         model, springs=build_springs(mesh, stiffness, 0 * stiffness), compliance=none, decay=0.0,
         # Eq. (4) stiffens with stretch: k (2 |l| / |l0| - 1); allow for twice the rest length
-        omega_squared=stability_bound.of_body(mesh, 3 * stiffness, none, model.inverse_mass, model.pressure),
+        omega_squared=frequency_bounds.of_body(mesh, 3 * stiffness, none, model.inverse_mass, model.pressure),
     )  # fmt: skip
 
 

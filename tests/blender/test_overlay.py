@@ -227,7 +227,7 @@ def test_the_chart_draws_what_acts_here_and_calls_another_tips_curve_a_predictio
 def test_over_the_viewport_stand_warnings_and_no_notes(
     overlay: ModuleType, entry: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators.messages import Note
+    from bl_ext.user_default.dimple.operators.reporting import Note
 
     entry.session.model.notes += (Note("It is simulated finer."),)
     written = lines_of(overlay, monkeypatch)

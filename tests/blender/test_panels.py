@@ -196,7 +196,7 @@ def test_a_mesh_without_a_material_is_offered_the_pictures_too(bpy: ModuleType, 
 
 
 def test_sentences_are_broken_where_a_sidebar_ends(bpy: ModuleType) -> None:
-    from bl_ext.user_default.dimple.operators.messages import wrapped
+    from bl_ext.user_default.dimple.operators.reporting import wrapped
 
     assert wrapped("The body is held by its rim", 12) == ["The body is", "held by its", "rim"]
     assert wrapped("A residual of 63 N at 20 mm", 16) == ["A residual of", "63 N at 20 mm"]

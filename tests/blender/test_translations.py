@@ -210,7 +210,7 @@ def test_a_translation_keeps_units_and_is_japanese(japanese: dict) -> None:
 
 
 def test_no_line_of_japanese_begins_with_what_closes_or_ends_with_what_opens(bpy: ModuleType, japanese: dict) -> None:
-    from bl_ext.user_default.dimple.operators.messages import wrapped
+    from bl_ext.user_default.dimple.operators.reporting import wrapped
 
     for text in japanese.values():
         for width in (30, 44, 60):

@@ -16,11 +16,11 @@ import pytest
 
 from core.base import DimpleError
 from core.experiment.log import COLUMNS, Log, parsed
-from core.experiment.plan import Plan, read_plan
+from core.experiment.plan_file import Plan, read_plan
 from core.experiment.run import Experiment, Interval
 from core.material import PRESETS
+from studies.experiment.counterbalanced_plans import KINDS, LEVELS, PAPER, make
 from studies.experiment.people import written
-from studies.experiment.plans import KINDS, LEVELS, PAPER, make
 from tools.environment import ROOT
 
 MATERIALS = {"A": PRESETS[1].material, "S": PRESETS[1].material}
@@ -269,7 +269,7 @@ def test_a_header_that_a_full_disk_cut_is_completed(pairs: Plan, tmp_path: Path)
 def test_of_ten_kills_no_answer_is_lost_and_none_is_there_twice(pairs: Plan, tmp_path: Path) -> None:
     path, dice, seen = tmp_path / "a.csv", random.Random(1), 0
     words = (
-        "import sys; from pathlib import Path; from core.experiment.plan import read_plan\n"
+        "import sys; from pathlib import Path; from core.experiment.plan_file import read_plan\n"
         "from studies.experiment.people import take_part\n"
         "take_part(read_plan(Path(sys.argv[1])), 'P01', Path(sys.argv[2]), lambda *_: 1, pause_s=0.002)"
     )

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
-from core.experiment.plan import read_plan
+from core.experiment.plan_file import read_plan
+from studies.experiment.counterbalanced_plans import LEVELS, make
 from studies.experiment.people import MANNERS, person, take_part, written
-from studies.experiment.plans import LEVELS, make
 from studies.experiment.results import QUARTER, Pairs, Ratings, fit, group, read, summary
 
 GUESSED = [10, 9, 11, 10, 8, 12, 10]

@@ -23,7 +23,7 @@ from core.device.orders import (
     unpack_report,
 )
 from core.device.rendered_surface import Law
-from core.messages import Message
+from core.message import Message
 from tests.haptics.bench_device import wall
 from tools.environment import ROOT
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body import pressure, springs, stability_bound
+from core.body import frequency_bounds, pressure, springs
 from core.body.model import Model, build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
@@ -169,8 +169,8 @@ def skin_only(size: float, k: float, cells: int = 4) -> Model:
             matching, k1=1e-9 * matching.k1, k2=1e-9 * matching.k2, damping=1e-9 * matching.damping,
             tension=1e-9 * matching.tension, pull=1e-9 * matching.pull,
         ),
-        omega_squared=stability_bound.of_body(mesh, stiffness, 0 * model.mass, model.inverse_mass, model.pressure),
-        decay=stability_bound.of_edges(mesh, skin.damping, 0 * model.mass, model.inverse_mass),
+        omega_squared=frequency_bounds.of_body(mesh, stiffness, 0 * model.mass, model.inverse_mass, model.pressure),
+        decay=frequency_bounds.of_edges(mesh, skin.damping, 0 * model.mass, model.inverse_mass),
     )  # fmt: skip
 
 

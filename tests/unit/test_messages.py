@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from core.errors import DimpleError
-from core.messages import Message, about, in_a_row, kept, read
+from core.message import Message, about, in_a_row, kept, read
 from tools.environment import ROOT
 
 CATALOGUES = sorted((ROOT / "addon" / "locale").glob("*.json"))

@@ -63,6 +63,6 @@ def test_the_size_counts_the_vertices_that_a_simulation_adds(
     ("seconds", "text"), [(0.2, "<1 s"), (47.6, "48 s"), (59.7, "1 min 0 s"), (185, "3 min 5 s"), (7800, "2 h 10 min")]
 )
 def test_a_time_is_said_as_one_reads_it(bpy: ModuleType, seconds: float, text: str) -> None:
-    from bl_ext.user_default.dimple.operators.messages import duration
+    from bl_ext.user_default.dimple.operators.reporting import duration
 
     assert duration(seconds) == text

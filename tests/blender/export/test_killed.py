@@ -83,9 +83,9 @@ def killed(bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: P
     bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
     script = ENABLED + (
         "bpy.ops.wm.open_mainfile(filepath=sys.argv[1])\n"
-        "new = part('animate.bake_frames').BakePlan\n"
+        "new = part('animate.bake_to_files').BakePlan\n"
         "plan = new(objects=[bpy.data.objects['Ball']], first=1, last=12)\n"
-        "steps = part('animate.bake_frames').bake(bpy.context, plan, [])\n"
+        "steps = part('animate.bake_to_files').bake(bpy.context, plan, [])\n"
         "frames = (share for share in steps if share > part('press.progress').READY)\n"
         "[next(frames) for _ in range(5)]\n"
         "os.kill(os.getpid(), signal.SIGKILL)"

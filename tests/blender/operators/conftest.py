@@ -251,7 +251,7 @@ class Hand:
 @pytest.fixture
 def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], Hand]]:
     """Return a function that takes an operator in hand: it looks from above, and time is its own."""
-    from bl_ext.user_default.dimple.operators.animate import bake
+    from bl_ext.user_default.dimple.operators.animate import bake_operators
     from bl_ext.user_default.dimple.operators.calibrate import measure
     from bl_ext.user_default.dimple.operators.press import (
         live_step,
@@ -281,7 +281,7 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
 
     def take(name: str) -> Hand:
         operators = {
-            "poke": poke.DIMPLE_OT_poke, "play": play.DIMPLE_OT_play, "bake": bake.DIMPLE_OT_bake,
+            "poke": poke.DIMPLE_OT_poke, "play": play.DIMPLE_OT_play, "bake": bake_operators.DIMPLE_OT_bake,
             "measure": measure.DIMPLE_OT_measure,
             "start": progress.DIMPLE_OT_start,
         }  # fmt: skip

@@ -67,10 +67,10 @@ def test_several_objects_are_baked_in_one_pass(bpy: ModuleType, scene: Any, ball
 
 def unfinished(bpy: ModuleType, obj: Any, **changes: Any) -> Iterator[float]:
     """Return the steps of a bake that may be stopped."""
-    from bl_ext.user_default.dimple.operators.animate import bake_frames
+    from bl_ext.user_default.dimple.operators.animate import bake_to_files
 
     plan = {"objects": [obj], "first": 1, "last": 12}
-    return bake_frames.bake(bpy.context, bake_frames.BakePlan(**{**plan, **changes}), [])
+    return bake_to_files.bake(bpy.context, bake_to_files.BakePlan(**{**plan, **changes}), [])
 
 
 def test_a_cancelled_bake_leaves_nothing_half_done(

@@ -11,7 +11,7 @@ def test_a_report_has_versions_plan_messages_and_the_last_traceback(
 ) -> None:
     from types import SimpleNamespace
 
-    from bl_ext.user_default.dimple.core.messages import read
+    from bl_ext.user_default.dimple.core.message import read
     from bl_ext.user_default.dimple.operators import bug_report
     from bl_ext.user_default.dimple.operators.press import live_step
 

@@ -34,13 +34,13 @@ def write(tmp_path: Path) -> Write:
 
 
 def questions_of(asked: str) -> list[dict]:
-    from bl_ext.user_default.dimple.core.messages import from_json
+    from bl_ext.user_default.dimple.core.message import from_json
 
     return from_json(asked)["questions"]
 
 
 def record_of(scene: Any) -> dict:
-    from bl_ext.user_default.dimple.core.messages import from_json
+    from bl_ext.user_default.dimple.core.message import from_json
 
     return from_json(scene.calibration)
 

@@ -23,7 +23,7 @@ def test_a_k_that_is_not_taken_is_not_in_the_source(bpy: ModuleType, add: Callab
 def test_apply_sets_constants_tip_size_and_source_and_one_undo_takes_them_back(
     bpy: ModuleType, add: Callable[..., Any]
 ) -> None:
-    from bl_ext.user_default.dimple.core.messages import read
+    from bl_ext.user_default.dimple.core.message import read
 
     add()
     scene = bpy.context.scene.dimple

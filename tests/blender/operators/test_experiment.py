@@ -151,7 +151,7 @@ def test_a_trial_is_felt_answered_and_resumed_and_each_row_says_what_was_present
         samples = [row for row in trace if row["interval"] == interval]
         times = [float(row["time_s"]) for row in samples]
         assert times == sorted(times) and len(samples) > 300, "at the rate of the servo"
-        assert max(abs(float(row["tip2_fz_n"])) for row in samples) > 0.2
+        assert max(abs(float(row["tip2_fz_n"])) for row in samples) > 0.1
 
 
 def test_nothing_in_the_window_says_which_stiffness_is_felt(bpy: ModuleType, plan: Path, port: Any) -> None:

@@ -89,11 +89,11 @@ def test_a_body_that_sleeps_is_not_shown_anew(
     bpy: ModuleType, ball: Callable[..., Any], body: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from bl_ext.user_default.dimple.core.session import Finger
-    from bl_ext.user_default.dimple.operators.bridge import offset
+    from bl_ext.user_default.dimple.operators.bridge import press_modifier
     from bl_ext.user_default.dimple.operators.press import live_step, sessions
 
-    shown, show = [], offset.show
-    monkeypatch.setattr(offset, "show", lambda obj, offsets: shown.append(obj.name) or show(obj, offsets))
+    shown, show = [], press_modifier.show
+    monkeypatch.setattr(press_modifier, "show", lambda obj, offsets: shown.append(obj.name) or show(obj, offsets))
     other = ball("Other")
     for obj in (body, other):
         sessions.start(obj, bpy.context)

@@ -121,15 +121,3 @@ def test_undo_takes_all_of_it_back(bpy: ModuleType, bare: Any, coordinates: Bits
     bpy.ops.ed.undo()
     cube = bpy.data.objects["Cube"]
     assert coordinates(cube) == before and cube.active_material is None and not cube.dimple.enabled
-
-
-def test_the_material_that_is_chosen_replaces_the_constants_of_the_one_that_is_there(
-    bpy: ModuleType, ball: Any
-) -> None:
-    obj = ball(subdivisions=4)
-    obj.active_material = bpy.data.materials.new("Own")
-    bpy.ops.dimple.make_soft(preset="object_3_vinyl_water")
-    assert obj.active_material.name == "Own" and obj.active_material.dimple.fill == "LIQUID"
-    obj.active_material.dimple.K1 = 2.0
-    bpy.ops.dimple.make_soft()
-    assert obj.active_material.dimple.K1 == 2.0, "who chooses nothing keeps what there is"

@@ -4,8 +4,8 @@ from types import ModuleType
 
 
 def test_what_several_bodies_share_is_said_once(bpy: ModuleType) -> None:
-    from bl_ext.user_default.dimple.core.messages import about
-    from bl_ext.user_default.dimple.operators.messages import Note, gathered
+    from bl_ext.user_default.dimple.core.message import about
+    from bl_ext.user_default.dimple.operators.reporting import Note, gathered
 
     fine = Note("Fine.")
     leaks, other = about("B", "It leaks."), about("A", "Fine.")
@@ -16,8 +16,8 @@ def test_what_several_bodies_share_is_said_once(bpy: ModuleType) -> None:
 
 def test_what_is_shared_is_translated_with_its_values(bpy: ModuleType) -> None:
     from bl_ext.user_default.dimple.addon.translations import dictionaries
-    from bl_ext.user_default.dimple.core.messages import Message, about
-    from bl_ext.user_default.dimple.operators.messages import duration, gathered
+    from bl_ext.user_default.dimple.core.message import Message, about
+    from bl_ext.user_default.dimple.operators.reporting import duration, gathered
     from bl_ext.user_default.dimple.operators.translation import translated
 
     japanese = dictionaries()["ja_JP"]

@@ -150,7 +150,7 @@ def test_a_bake_makes_its_proxy_between_events_with_progress_and_esc_leaves_noth
     run.invoke()
     while (state := run.ticks(1)) == {"RUNNING_MODAL"}:
         assert "%" in run.context.said
-    from bl_ext.user_default.dimple.core.messages import read
+    from bl_ext.user_default.dimple.core.message import read
 
     assert state == {"FINISHED"} and "A proxy of 1,000 vertices" in read(keyed.dimple.plan_reason)
     path = Path(cache_of(keyed).filepath)

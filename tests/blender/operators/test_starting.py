@@ -56,9 +56,9 @@ def test_of_twenty_bodies_pressed_at_once_each_is_prepared_once(
 def test_a_start_that_fails_leaves_nothing_behind(
     bpy: ModuleType, empty_file: ModuleType, sessions: Any, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    from bl_ext.user_default.dimple.operators.bridge import offset
+    from bl_ext.user_default.dimple.operators.bridge import press_modifier
 
-    add, bodies = offset.add, balls(bpy, 2)
+    add, bodies = press_modifier.add, balls(bpy, 2)
 
     def failing(body: Any, *how: Any) -> Any:
         modifier = add(body, *how)
@@ -66,7 +66,7 @@ def test_a_start_that_fails_leaves_nothing_behind(
             raise RuntimeError("No more modifiers")
         return modifier
 
-    monkeypatch.setattr(offset, "add", failing)
+    monkeypatch.setattr(press_modifier, "add", failing)
     with pytest.raises(RuntimeError, match="No more modifiers"):
         getattr(bpy.ops.dimple, name)()
     assert not sessions.sessions and is_clean(bodies[0])

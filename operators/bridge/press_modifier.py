@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import bpy
 
 from ..names import CARRIER, OURS, PRESS, REST
-from .modifiers import shows
+from .modifier_kinds import shows
 
 
 class Shown(NamedTuple):

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import bpy
 
-from ..core.messages import ABOUT, Message, about, in_a_row
+from ..core.message import ABOUT, Message, about, in_a_row
 from .translation import translated
 
 LOG = logging.getLogger("dimple")

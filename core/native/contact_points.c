@@ -1,15 +1,5 @@
-/* Contact: in each substep, impulses that keep pairs at least as far apart as they touch, with Coulomb friction. Pairs
- * that are nearer all the same are separated by a displacement, without a velocity.
- * Source: studies/reference/touching.py.
- *
- * For a pair at distance d (r: distance of touch), with relative speed u along its normal, and g = 1 / mass of both:
- *     j = max(0, (w - u) / g)   with   w = -(d - r) / h if d > r, otherwise 0
- * so that after the substep h it is not nearer than r, or no nearer than before. Its nearest points and its normal are
- * kept until a nearby vertex has moved by half of the greatest r. The pairs are resolved one after the other, twice, in
- * an order that does not depend on the layout in memory; the second time, those still too near are separated. A pair
- * that sticks returns to an anchor, the displacement at which it began to stick, so that it does not creep; if the pair
- * slides, the anchor follows.
- */
+/* The nearest points of each pair of surfaces that may touch, and what a substep needs to know of them.
+ * Source: studies/reference/touching.py. */
 #include "scene.h"
 
 DM_INLINE int dm_nearer_towards(const dm_scene_state *s, const dm_surface *g, uint32_t vertex, const double *point,

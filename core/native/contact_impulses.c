@@ -1,6 +1,18 @@
-/* The impulses of a substep for eight meetings at once, none of which moves a vertex of another. The result is that of
- * resolving all meetings one after the other, because each waits for the earlier ones that move one of its vertices.
- * Source: studies/reference/touching.py. */
+/* Contact: in each substep, impulses that keep pairs at least as far apart as they touch, with Coulomb friction. Pairs
+ * that are nearer all the same are separated by a displacement, without a velocity.
+ * Source: studies/reference/touching.py.
+ *
+ * For a pair at distance d (r: distance of touch), with relative speed u along its normal, and g = 1 / mass of both:
+ *     j = max(0, (w - u) / g)   with   w = -(d - r) / h if d > r, otherwise 0
+ * so that after the substep h it is not nearer than r, or no nearer than before. Its nearest points and its normal are
+ * kept until a nearby vertex has moved by half of the greatest r. The pairs are resolved one after the other, twice, in
+ * an order that does not depend on the layout in memory; the second time, those still too near are separated. A pair
+ * that sticks returns to an anchor, the displacement at which it began to stick, so that it does not creep; if the pair
+ * slides, the anchor follows.
+ *
+ * Eight meetings are resolved at once, none of which moves a vertex of another. The result is that of resolving all one
+ * after the other, because each waits for the earlier ones that move one of its vertices.
+ */
 #include "scene.h"
 
 /* Return the two surfaces of the i-th lane of the batches; in an empty lane they are equal. */

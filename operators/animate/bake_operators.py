@@ -2,11 +2,11 @@
 
 import bpy
 
-from ...core.messages import Message
-from ..messages import say
+from ...core.message import Message
 from ..names import Op
 from ..press import fingertip_objects, polls, sessions
 from ..press.progress import READY, FrameRange, Working
+from ..reporting import say
 
 
 class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
@@ -29,7 +29,7 @@ class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
     def _begin(self, context: bpy.types.Context):
         """Return the steps of the bake; live sessions end first, because a bake starts at rest."""
         from ..press import live_step
-        from . import bake_frames
+        from . import bake_to_files
 
         sessions.stop_all()
         scene = context.scene
@@ -38,8 +38,8 @@ class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
         if not any(sessions.fingertip_objects(scene)):
             self._messages.append("No fingertip presses the bodies. Add one with Fingertips > Add Fingertip.")
         self._count = len(objects)
-        plan = bake_frames.plan_of(scene, objects, *self._frames(scene))
-        return bake_frames.bake(context, plan, self._messages)
+        plan = bake_to_files.plan_of(scene, objects, *self._frames(scene))
+        return bake_to_files.bake(context, plan, self._messages)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         return self._done(Message("Baked objects: {count}", count=self._count), self._messages)

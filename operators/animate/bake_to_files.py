@@ -17,7 +17,7 @@ import bpy
 from ...core import native
 from ...core.background_work import Parts, as_share, beside
 from ...core.base import DimpleError
-from ...core.messages import Message, about
+from ...core.message import Message, about
 from ...core.recording import PointCache
 from ...core.session import step_all
 from ..bridge import cache_files, final_mesh, scene_objects, timeline
