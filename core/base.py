@@ -23,10 +23,6 @@ LEAST_VOLUME_OPEN = 1e-2  # of size times area: an open mesh below this is a she
 MASS_FLOOR = 1e-2  # of the mean mass: the smallest mass of a vertex
 STIFFEST = 4.0  # of the median stiffness over mass: a vertex above it (of a sliver) is made heavier
 TICK = 1e-3  # [s] the 1 kHz of haptics; fixed, so that the motion does not depend on the frame rate
-STEP_SAFETY = 0.9  # of the largest stable step: springs stiffen a little as they turn
-LONGEST_STEP = 1.35  # over omega: an undamped body stiffens when it folds; with 1.5 its energy grew
-LONGEST_CONTACT = TICK / 8  # [s] step of a free body: with longer steps between contacts it rocks while it is held
-MAX_SUBSTEPS = 2000  # in a tick: with more, no body runs live
 ROWS = 1 << 15  # rows of an array that are processed together, so that intermediate results stay in the cache
 
 

@@ -10,18 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..base import (
-    LONGEST_CONTACT,
-    LONGEST_STEP,
-    MAX_SUBSTEPS,
-    STEP_SAFETY,
-    STIFFEST,
-    Bools,
-    DimpleError,
-    Floats,
-    mean_of_pairs,
-    sums_at,
-)
+from ..base import STIFFEST, Bools, DimpleError, Floats, mean_of_pairs, sums_at
 from ..constants import EXACT, ROUNDING
 from ..fills import FILLS
 from ..material import Material
@@ -34,6 +23,7 @@ from .on_mesh import constants_on, mass_on
 from .pressure import Pressure
 from .shape_matching import ShapeMatching, tension_force
 from .springs import Springs
+from .time_step import MAX_SUBSTEPS, longest_step
 
 _ALL_PINS = "Every vertex is pinned, so nothing can move. Switch Pinned off, pin fewer vertices or subdivide the mesh."
 SMALL = 1e-3  # [m] a smaller body was most likely modelled in other units
@@ -116,13 +106,10 @@ class Model:
     def substeps(self, tick: float) -> int:
         """Return how many explicit steps a tick [s] needs.
 
-        dt < 2 / omega (sqrt(1 + z^2) - z), z = decay / (2 omega), and at most LONGEST_STEP / omega for little damping.
-        Source: semi-implicit Euler on a damped oscillator.
+        Raises:
+            DimpleError: it needs more than a body that runs live may have.
         """
-        omega = math.sqrt(max(self.omega_squared, 1e-12))
-        z = self.decay / (2 * omega)
-        share = 2 * (math.sqrt(1 + z * z) - z) * STEP_SAFETY
-        limit = min(share / omega, LONGEST_STEP / omega, LONGEST_CONTACT if self.free else math.inf)
+        limit = longest_step(self.omega_squared, self.decay, free=self.free)
         if not tick <= MAX_SUBSTEPS * limit:
             todo = Message("Raise its mass, lower k, K2 or the pressure, or use a coarser mesh.")
             if self.mesh.size < SMALL:

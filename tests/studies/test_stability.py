@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from core.base import LONGEST_CONTACT
+from core.body.time_step import LONGEST_CONTACT
 from studies.charts.stability import bound, cell, diverges, linearised, measured_boundary, shaken, small_body
 from studies.methods.energy import artificial_damping, backward_euler_damping, energy_trace
 from studies.methods.motion import move
