@@ -127,7 +127,8 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
 
     def is_chosen(self) -> bool:
         """Return whether its law was set: by a preset, a measurement or by hand."""
-        return any(map(self.is_property_set, ("K1", "K2", "x0", "k", "spread_mm", "fill")))
+        law = "K1", "K2", "x0", "k", "spread_mm", "fill", "pressure_kpa", "density", "mass_kg"
+        return any(map(self.is_property_set, law))
 
     def to_params(self) -> dict[str, object]:
         """Return the keyword arguments of `core.material.Material`, in SI units."""

@@ -64,6 +64,7 @@ def draw_pins(layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
     row.prop(settings, "pinned", text="" if settings.pin_group else "Base")
     row.prop_search(settings, "pin_group", body, "vertex_groups", text="")
 
+
 def draw_rows(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
     """Draw labels on the left and values on the right."""
     split = layout.split(factor=0.45)

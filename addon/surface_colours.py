@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 LEGEND = (14.0, 150.0)  # [px] width and height of the colour bar, at a resolution scale of 1
 LEAST = 0.3  # fraction of the scale: if no value reaches it, the scale shrinks
-NOTHING = 0.1  # smallest end of a scale
+NOTHING = 0.1  # [kPa, mm or %] smallest end of a scale
 SIGNED = {"stretch"}
 LIFT = 2e-4  # shift towards the viewer in normalized depth, so that the mesh does not hide the colours on it
 SHADE = 0.3  # fraction by which colours darken where the surface is seen edge-on

@@ -64,7 +64,7 @@ def sample(name: str, out: Path, progress: Progress) -> list[dict[str, object]]:
     folder = out / "cache"
     scene.dimple.cache_dir = bpy.path.relpath(str(folder))
     bpy.app.handlers.frame_change_post.append(progress.frame)
-    bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=REST)
+    bpy.ops.dimple.bake(frame_start=1, frame_end=REST)
     bpy.app.handlers.frame_change_post.remove(progress.frame)
     tables = {
         body.name: read_table(next(folder.glob(f"{name}_{bpy.path.clean_name(body.name)}*.csv"))) for body in bodies

@@ -27,7 +27,9 @@ class Answers:
     press: str | None = _asked("Sign of Force", "Sign of a pressing force", "positive", "negative")
     cycle: int | None = _asked("Cycle", "Which of several presses, counted from 1")
     contact_mm: float | None = _asked("Touch (mm)", "Depth reading at the first touch; found unless set")
-    tare_n: float | None = _asked("Tare (N)", "Force reading without a touch; found unless set")
+    tare_n: float | None = _asked(
+        "Tare (N)", "Force reading without a touch, where a press is positive; found unless set"
+    )
     until_mm: float | None = _asked(
         "Until (mm)", "Depth reading beyond which rows are left out, as where the object was torn"
     )

@@ -50,7 +50,8 @@ class Servo:
         self._state: wire.DeviceState | None = None
         self._heard = self._device_time = 0.0  # when the last STATE arrived, on our clock and on the device's [s]
         self._answered = 0.0  # when the last STATE was answered, on the device's clock [s]
-        self._left, self._steady = 1.0, True  # share of the force that the device lets act; time passed normally
+        # since the last answer: the least share of the force that the device let act; time passed normally
+        self._left, self._steady = 1.0, True
         self._sent = SentForces()
         self.unsent = 0
         self.cap = self._stiffest()
@@ -131,6 +132,7 @@ class Servo:
         self.link, self.note, self._session = LinkState.READY, "", info.session
         self._state, self._sent, self._heard = None, SentForces(delay=2 * self.spec.tick), now
         self._taken = self.order  # earlier requests are not meant for this session
+        self._left, self._steady = 1.0, True
         self._received.restart()
 
     def _take_state(self, state: wire.DeviceState, now: float) -> bool:
@@ -149,11 +151,12 @@ class Servo:
         self._received.take(ticks - 1, now)
         self._sent.measure(state, self.spec.tick)
         self._old_fault &= state.status & wire.MODE == wire.FAULT
-        acted, self._left = self._sent.between(self.spec, before, state, self._device_time)
+        acted, left = self._sent.between(self.spec, before, state, self._device_time)
+        self._left = min(self._left, left * (state.status & wire.MODE in (wire.RAMP, wire.ARMED)))
         for i, finger in enumerate(self._fingers):
             masked = bool(state.status & wire.MASKED << i)
             finger.sense(state.place[3 * i : 3 * i + 3], masked, self.spec.tick * ticks, self._device_time, acted[i],
-                         self._left)  # fmt: skip
+                         left)  # fmt: skip
         self._state = state
         return True
 
@@ -182,11 +185,12 @@ class Servo:
         oldest = limits.LOST_TIME if self._switch.arming is Arming.WAITING else limits.LEASE
         held = self.order.is_held(now) or bool(state.buttons & wire.DEADMAN_BUTTON)
         held = held and self.order.is_fresh(now, oldest)
-        out, self._steady = self._check(), True
+        out = self._check()
         device_on = state.status & wire.MODE in (wire.RAMP, wire.ARMED)
-        left = min([self._left * device_on, *(left_at(now - surface.stamp) for surface in self._surfaces if surface)])
+        left = min([self._left, *(left_at(now - surface.stamp) for surface in self._surfaces if surface)])
         for finger in self._fingers:
             finger.guard.passivity.left = left
+        self._left, self._steady = 1.0, True
         out += self._update_forces(now, min(dt, limits.STATE_GAP), held=held, device_on=device_on)
         words = [word for finger in self._fingers for word in finger.command()]
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held

@@ -1,4 +1,4 @@
-/* The surfaces of a scene: a tree of boxes over runs of triangles, and the neighbours of each triangle. */
+/* The surfaces of a scene: a tree of boxes over the triangles, and the neighbours of each triangle. */
 #include "scene.h"
 
 static int dm_by_word(const void *a, const void *b) {

@@ -56,13 +56,12 @@ class PointCache:
         sample = np.ascontiguousarray(positions, dtype="<f4")
         if sample.shape != (self.n_vertices, 3):
             raise DimpleError(
-                "The recording has {vertices} vertices but the mesh now has {now}. Start a new recording after "
-                "changing the mesh.",
+                "The animation has {vertices} vertices, and the mesh now has {now}. Bake again.",
                 vertices=self.n_vertices, now=len(sample)
             )  # fmt: skip
         if not np.isfinite(sample).all():
             raise DimpleError(
-                "Sample {sample} has coordinates that are not numbers; it was not recorded.", sample=self.samples + 1
+                "Sample {sample} has coordinates that are not numbers; it was not written.", sample=self.samples + 1
             )
         self._write(_HEADER.size + self.samples * sample.nbytes, sample.tobytes())
         self._write(_SAMPLES_AT, struct.pack("<i", self.samples + 1))

@@ -1,1 +1,1 @@
-"""Bakes, shape keys, and keyframed fingertips."""
+"""Bakes and keyframed fingertips."""

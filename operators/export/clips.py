@@ -12,12 +12,14 @@ import bpy
 import numpy as np
 import numpy.typing as npt
 
+from ...core.base import DimpleError
 from ...core.recording import PointCache, open_point_cache
 from ...core.recording.basis import Basis, distinct, reduce
 from ...core.recording.split import split
 from ..bridge import cache_files, final_mesh, keyframes, press_modifier, rendered_mesh, scene_objects
 
 Singles = npt.NDArray[np.float32]
+SHEAR = 1e-4  # cosine between two axes below which they count as perpendicular: less is invisible on any object
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,7 +102,8 @@ def seen(context: bpy.types.Context, clip: Clip, folder: Path) -> Iterator[Seen]
     """
     plan, mesh, matrices = clip.plan, None, []  # type: ignore[var-annotated]
     shaded = "VAT" in plan.formats or plan.key_error > 0
-    paths, caches = [folder / "seen.pc2", folder / "normals.pc2"][: 1 + shaded], []  # type: ignore[var-annotated]
+    stem = cache_files.file_name(clip.obj.name)  # another for each: a file that is still mapped cannot be written anew
+    paths, caches = [folder / f"seen_{stem}.pc2", folder / f"normals_{stem}.pc2"][: 1 + shaded], []  # type: ignore[var-annotated]
     try:
         with _playing(context, clip), contextlib.ExitStack() as files:
             for frame in range(plan.first, plan.last + 1):
@@ -169,10 +172,18 @@ def staged(
                 each.name = name
 
 
+def check_shear(obj: bpy.types.Object, matrices: npt.NDArray[np.float64]) -> None:
+    """Raise a DimpleError if matrices (frames, 4, 4) of an object shear it."""
+    axes = matrices[:, :3, :3] / np.linalg.norm(matrices[:, :3, :3], axis=1, keepdims=True)
+    if np.abs(axes.transpose(0, 2, 1) @ axes - np.eye(3)).max() > SHEAR:
+        raise DimpleError('"{name}" is sheared by the scale of its parents. Apply that scale.', name=obj.name)
+
+
 def _move(obj: bpy.types.Object, matrices: npt.NDArray[np.float64], first: int) -> None:
     """Give an object these matrices (frames, 4, 4) from a frame on."""
     from mathutils import Matrix
 
+    check_shear(obj, matrices)
     obj.rotation_mode = "QUATERNION"
     parts = [Matrix(each).decompose() for each in matrices]
     for (_, before, _), (_, turn, _) in itertools.pairwise(parts):

@@ -88,10 +88,14 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
     def _estimate(self, context: bpy.types.Context) -> tuple[str, str]:
         from . import export_plan
 
+        known = self._sizes = getattr(self, "_sizes", {})
         try:
             plan = self._plan(context)
             export_plan.check_choice(plan)
-            sizes = [export_plan.size_of(context, obj, plan) for obj in plan.objects]
+            for obj in plan.objects:  # counted once, not at every redraw
+                if (obj.session_uid, plan.rendered) not in known:
+                    known[obj.session_uid, plan.rendered] = export_plan.size_of(context, obj, plan)
+            sizes = [known[obj.session_uid, plan.rendered] for obj in plan.objects]
             size, vertices = megabytes(export_plan.estimate(plan, sizes)), sum(each.vertices for each in sizes)
         except DimpleError as error:
             return str(error), "ERROR"

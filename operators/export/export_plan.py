@@ -35,7 +35,6 @@ SIMULATED = 0.5  # share of the progress bar for a simulation
 FILE = 5e4  # [bytes] of a file with an empty mesh, at most
 SHAPE, KEY = 2000, 12  # [bytes] of a shape key without vertices, and of a key of its animation, at most
 STILL = 48  # [bytes] per corner of a face: vertex at rest, normal, two UV maps, triangles
-SHEAR = 1e-4  # cosine between two axes below which they count as perpendicular: less is invisible on any object
 
 
 def finals(plan: ExportPlan) -> list[Path]:
@@ -56,7 +55,7 @@ def estimate(plan: ExportPlan, sizes: Sequence[Size]) -> float:
 
 
 def played(obj: bpy.types.Object, plan: ExportPlan) -> Clip | None:
-    """Return the bake or recording that an object plays, None if it plays none."""
+    """Return the bake that an object plays, None if it plays none."""
     for modifier in obj.modifiers:
         on = modifier.show_render if plan.rendered else modifier.show_viewport
         if not (on and modifier_kinds.is_cache(modifier)):
@@ -125,20 +124,13 @@ def check(plan: ExportPlan) -> None:
     for obj in plan.objects:
         scene_objects.check(obj)
         scene_objects.check_writable(obj)
-        if _is_sheared(obj):
-            raise DimpleError('"{name}" is sheared by the scale of its parents. Apply that scale.', name=obj.name)
+        if [*plan.formats] != ["PC2"]:  # which has no transform
+            clips.check_shear(obj, np.array(obj.matrix_world)[None])
     there = [path.name for path in finals(plan) if os.path.lexists(path)]
     if there and not plan.overwrite:
         which = "{path} is there already." if len(there) == 1 else "{path} and {count} more are there already."
         said = Message(which, path=there[0], count=len(there) - 1)
         raise DimpleError(in_a_row([said, "Choose another folder, or switch Overwrite on."]))
-
-
-def _is_sheared(obj: bpy.types.Object) -> bool:
-    """Return whether the axes of an object are not perpendicular at the current frame."""
-    axes = np.array(obj.matrix_world)[:3, :3]
-    axes = axes / np.linalg.norm(axes, axis=0)
-    return bool(np.abs(axes.T @ axes - np.eye(3)).max() > SHEAR)
 
 
 def check_choice(plan: ExportPlan) -> None:
@@ -168,18 +160,18 @@ def check_space(size: float, folder: Path) -> None:
     Raises:
         DimpleError: it has too little.
     """
-    free = shutil.disk_usage(folder).free
+    enough = size <= shutil.disk_usage(folder).free
     try:
-        if size <= free and hasattr(os, "posix_fallocate"):
+        if enough and hasattr(os, "posix_fallocate"):
             with tempfile.TemporaryFile(dir=folder) as file:  # a quota or a limit may leave less
                 os.posix_fallocate(file.fileno(), 0, int(size))
     except OSError:
-        free = 0.0
-    if size > free:
+        enough = False
+    if not enough:
         raise DimpleError(
-            "The export may need {needed} MB, and {folder} has {free:.1f} MB left. Choose another folder, fewer "
-            "frames or fewer formats.",
-            needed=megabytes(size), folder=folder, free=free / 1e6
+            "The export may need {needed} MB, more than {folder} has left. Choose another folder, fewer frames or "
+            "fewer formats.",
+            needed=megabytes(size), folder=folder
         )  # fmt: skip
 
 

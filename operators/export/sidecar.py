@@ -32,7 +32,7 @@ def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
         "scene_unit_scale": context.scene.unit_settings.scale_length,
         "table_units": "force N, depth mm, pressure Pa, volume m3, work J, time s",
         "error_unit": "of the object's own coordinates",
-        "simulated": "for this export" if clip.plays else "before, as a bake or a recording",
+        "simulated": "for this export" if clip.plays else "before, as a bake",
         "body": _plain(obj.dimple.to_params()),
         "materials": {
             slot.material.name: _plain(slot.material.dimple.to_params())

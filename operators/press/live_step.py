@@ -107,7 +107,7 @@ def advance(
         dt: simulated time [s].
         budget: wall time for all of them [s]; if preparing them takes longer than this, the excess is deducted.
         pressed: fingertips of a poke by body; they take precedence over the haptic device's, and these over objects.
-        shown: show and record the result; otherwise it is seen after a later step.
+        shown: show the result; otherwise it is seen after a later step.
 
     Returns:
         Sentences for the artist: sessions that ended, or were put back to rest.

@@ -70,7 +70,7 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, l
     scene_objects.check_writable(obj)
     if sessions.get(obj):
         raise DimpleError('"{name}" is being pressed already.', name=obj.name)
-    if obj.active_material is None or not obj.active_material.dimple.is_chosen():
+    if obj.active_material is None or not (obj.active_material.library or obj.active_material.dimple.is_chosen()):
         preset = next(each for each in OBJECTS if each.name == PRESET)
         apply(material_of(obj, preset.label).dimple, preset)
     settle_size(context.scene, obj)

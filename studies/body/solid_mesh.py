@@ -1,4 +1,4 @@
-"""Half sections of a solid ball and a block, finest where a fingertip presses: meshes for `studies.solid`.
+"""Half sections of a solid ball and a block, finest where a fingertip presses: meshes for `studies.body.solid`.
 
 The axis of the press is r = 0, the touched place is the origin and the body lies below it (z < 0).
 """

@@ -77,7 +77,7 @@ def to_lines(calibration: Calibration) -> list[str]:
         lost = 100 * (loading.loss or 0)
         lines.append(f"  {lost:.0f} % of the work is lost: damping ratio about {loading.damping_ratio:.2f}")
     if c.surface is not None:
-        k = f"{c.surface.k.text(1e3)} N/mm over {c.surface.pretension:.3g} N of tension"
+        k = f"{c.surface.k.value / 1e3:.3g} N/mm over {c.surface.pretension:.3g} N of tension"
         lines.append(f"  k = {k}. {ASSUMES}")
     lines += [f"  Note: {note}" for note in c.notes]
     lines += ["  Warning: " + warning.replace("\n", "\n    ") for warning in c.warnings]

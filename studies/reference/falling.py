@@ -1,7 +1,7 @@
 """Props that fall, and what they stand on: the ground, colliders and each other, none of which gives.
 
 A prop of mass m goes on by its velocity v and its spin w = R I^-1 R^T L. Where two come as near as they touch, impulses
-pass between points that lie at arms r from their centres, as between soft bodies (`core/body/touching.py`), with
+pass between points that lie at arms r from their centres, as between soft bodies (`touching.py`), with
 
     1 / mass = sum over both of 1 / m + (r x n) . R I^-1 R^T (r x n)
 

@@ -5,7 +5,7 @@
 
 const JOB_TYPE = {
     label: "Dimple Bake",
-    description: "Simulate the Dimple bodies of a scene and export their animation",
+    description: "Export the animation of the Dimple bodies of a scene: their bakes, and the others simulated",
     settings: [
         { key: "objects", type: "string", required: true,
           // where anything is ticked under Contact, all of them meet
