@@ -128,7 +128,7 @@ def test_a_mesh_as_a_fingertip_is_said_to_press_as_a_ball(bpy: ModuleType, shape
     mesh = bpy.data.meshes.new("Knuckle") if shape == "CUBE" else None
     bpy.context.scene.dimple.finger_1 = bpy.data.objects.new("Knuckle", mesh)
     drawn = draw(bpy, bpy.types.DIMPLE_PT_fingertips)
-    assert (" ".join(drawn).find("presses as a ball of this radius, whatever its shape") > 0) == said
+    assert (" ".join(drawn).find("presses as a ball of the tool's radius, whatever its shape") > 0) == said
 
 
 def test_a_calibration_shows_its_constants_with_errors_and_the_just_noticeable_difference(
