@@ -37,14 +37,14 @@ class DIMPLE_OT_copy_report(polls.Declared, bpy.types.Operator):
 
     def run(self, context: bpy.types.Context) -> None:
         from ..core import native
-        from .bridge import cache_files
+        from .bridge import bake_files
 
         try:
             core = f"ABI {native.ABI}, {native.instructions()}"
         except DimpleError as error:
             core = str(error)
         bodies = [f"{obj.name}: {read(obj.dimple.plan_reason)}" for obj in context.scene.objects if obj.dimple.enabled]
-        versions = f"Dimple {cache_files.version()}, Blender {bpy.app.version_string}, {platform.platform()}"
+        versions = f"Dimple {bake_files.version()}, Blender {bpy.app.version_string}, {platform.platform()}"
         context.window_manager.clipboard = "\n".join([versions, f"Core: {core}", *bodies, *MEMORY.entries])
         say(self, {"INFO"}, "The report is in the clipboard")
 

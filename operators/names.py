@@ -20,15 +20,6 @@ TIPS = (
     ("PUNCH", "Flat Punch", "A flat, round face"),
     ("SPHERE", "Ball", "A round tip, like a fingertip"),
 )
-# export formats of an animation; `export.formats` writes them
-EXPORTS = (
-    ("ALEMBIC", "Alembic (.abc)", "For other 3D programs and renderers", 1),
-    ("USD", "USD (.usdc)", "A folder with its textures, for other 3D programs, renderers and pipelines", 2),
-    ("GLB", "glTF Binary (.glb)", "For game engines and the web, with morph targets", 4),
-    ("FBX", "FBX (.fbx)", "For game engines, with shape keys", 8),
-    ("PC2", "PC2 Point Cache (.pc2)", "For 3ds Max, and Blender's Mesh Cache modifier", 16),
-    ("VAT", "Vertex Animation Texture", "Two EXR pictures for shaders, of places and normals, and the mesh", 256),
-)
 # properties that can be painted on a body: name, label of the vertex group, and meaning of its weights
 MAPS = (
     ("softness", "Softness Group", "softness: 0.5 is as measured, 1 four times softer, 0 four times stiffer"),

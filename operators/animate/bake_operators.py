@@ -61,9 +61,9 @@ class DIMPLE_OT_unbake(polls.Declared, bpy.types.Operator):
     needs = polls.in_object_mode, polls.need(_may_play, "Select a mesh first")
 
     def run(self, context: bpy.types.Context) -> None:
-        from ..bridge import cache_files
+        from ..bridge import bake_files
         from ..press import live_step
 
         meshes = [obj for obj in live_step.candidates(context) if obj.type == "MESH"]
-        if not sum(cache_files.detach_cache(obj) for obj in meshes):
+        if not sum(bake_files.detach_cache(obj) for obj in meshes):
             say(self, {"WARNING"}, "There was no bake on the selected objects")

@@ -20,7 +20,7 @@ from ...core.base import DimpleError
 from ...core.message import Message, about
 from ...core.recording import PointCache
 from ...core.session import step_all
-from ..bridge import cache_files, final_mesh, scene_objects, timeline
+from ..bridge import bake_files, final_mesh, scene_objects, timeline
 from ..press import colliders, follow_settings, live_step, props
 from ..press.object_body import ObjectBody
 from ..press.progress import READY
@@ -70,10 +70,10 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
         DimpleError: an object cannot be baked, the simulation blew up, or a file cannot be written.
     """
     bodies = yield from simulate(context, plan, messages)
-    with cache_files.plain_os_errors("The bake"):
+    with bake_files.plain_os_errors("The bake"):
         for body in bodies:
             if obj := scene_objects.find(body.link.uid, body.link.name):
-                cache_files.attach_cache(context, obj, str(body.path), plan.first, body.link.cuts)
+                bake_files.attach_cache(context, obj, str(body.path), plan.first, body.link.cuts)
 
 
 def simulate(
@@ -87,7 +87,7 @@ def simulate(
     scene = context.scene
     before = scene.frame_current, scene.frame_subframe
     native.use_cores()
-    with contextlib.ExitStack() as files, cache_files.plain_os_errors("The bake"):
+    with contextlib.ExitStack() as files, bake_files.plain_os_errors("The bake"):
         _check(plan)
         files.callback(go_to, scene, before)
         scene.frame_set(plan.first)
@@ -153,8 +153,8 @@ def _opening(
     files.enter_context(final_mesh.attached(context, obj))
     body, notes = yield from Baked.opening(context, obj)
     messages += notes
-    body.path = cache_files.bake_path(context, obj, plan.folder)
-    folder = plan.folder or files.enter_context(cache_files.unfinished_folder(body.path.parent))
+    body.path = bake_files.bake_path(context, obj, plan.folder)
+    folder = plan.folder or files.enter_context(bake_files.unfinished_folder(body.path.parent))
     body.part = folder / body.path.name
     body.cache = PointCache(body.part, len(body.link.rest), plan.first)
     files.callback(_close, body.cache)

@@ -2,7 +2,7 @@
 
 scene_objects reads a body, body_model its materials and pins, final_mesh its surface after all modifiers;
 press_modifier is the modifier that shows a press, and write_back keeps one. modifier_kinds classifies a modifier stack,
-advice informs the artist, timeline is the clock, cache_files finds and plays bakes.
+advice informs the artist, timeline is the clock, bake_files finds and plays bakes.
 """
 
 from __future__ import annotations

@@ -113,7 +113,7 @@ class DIMPLE_OT_open_experiment(polls.Declared, bpy.types.Operator):
     def run(self, context: bpy.types.Context) -> None:
         from ...core.experiment.plan_file import read_plan
         from ...core.experiment.run import Experiment
-        from ..bridge.cache_files import version
+        from ..bridge.bake_files import version
 
         path, settings = Path(bpy.path.abspath(self.filepath)), context.scene.dimple
         plan, participant = read_plan(path), self.participant.strip()

@@ -16,7 +16,7 @@ from ...core.base import DimpleError
 from ...core.recording import PointCache, open_point_cache
 from ...core.recording.basis import Basis, distinct, reduce
 from ...core.recording.split import split
-from ..bridge import cache_files, final_mesh, keyframes, press_modifier, rendered_mesh, scene_objects
+from ..bridge import bake_files, final_mesh, keyframes, press_modifier, rendered_mesh, scene_objects
 
 Singles = npt.NDArray[np.float32]
 SHEAR = 1e-4  # cosine between two axes below which they count as perpendicular: less is invisible on any object
@@ -84,7 +84,7 @@ def _playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
         obj.hide_viewport = False
         obj.hide_set(False)
         if clip.plays:
-            made = cache_files.play(context, obj, *clip.plays)
+            made = bake_files.play(context, obj, *clip.plays)
             shown.callback(press_modifier.sweep_data)
             shown.callback(obj.modifiers.remove, made)
         if clip.plan.rendered:
@@ -102,7 +102,7 @@ def seen(context: bpy.types.Context, clip: Clip, folder: Path) -> Iterator[Seen]
     """
     plan, mesh, matrices = clip.plan, None, []  # type: ignore[var-annotated]
     shaded = "VAT" in plan.formats or plan.key_error > 0
-    stem = cache_files.file_name(clip.obj.name)  # another for each: a file that is still mapped cannot be written anew
+    stem = bake_files.file_name(clip.obj.name)  # another for each: a file that is still mapped cannot be written anew
     paths, caches = [folder / f"seen_{stem}.pc2", folder / f"normals_{stem}.pc2"][: 1 + shaded], []  # type: ignore[var-annotated]
     try:
         with _playing(context, clip), contextlib.ExitStack() as files:

@@ -18,7 +18,7 @@ from typing import Any
 import bpy
 
 from ...core.errors import DimpleError
-from ..names import EXPORTS
+from .export_dialog import EXPORTS
 
 COMMAND = "dimple"
 NAMES = {"abc": "ALEMBIC", "usd": "USD", "glb": "GLB", "fbx": "FBX", "pc2": "PC2", "vat": "VAT"}

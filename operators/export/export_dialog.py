@@ -7,7 +7,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
 from ...core.errors import DimpleError
 from ...core.message import Message
-from ..names import EXPORTS, Op
+from ..names import Op
 from ..press import polls, sessions
 from ..press.progress import READY, FrameRange, Working
 from ..reporting import megabytes, wrapped
@@ -18,6 +18,15 @@ _ASKED = ("formats", "frame_start", "frame_end", "modifiers", "key_error", "over
 _MODIFIERS = (
     ("VIEWPORT", "Viewport", "As the viewport shows it"),
     ("RENDER", "Render", "As a render shows it, often subdivided further"),
+)
+# the formats; `formats` writes them, and is not imported with the dialog
+EXPORTS = (
+    ("ALEMBIC", "Alembic (.abc)", "For other 3D programs and renderers", 1),
+    ("USD", "USD (.usdc)", "A folder with its textures, for other 3D programs, renderers and pipelines", 2),
+    ("GLB", "glTF Binary (.glb)", "For game engines and the web, with morph targets", 4),
+    ("FBX", "FBX (.fbx)", "For game engines, with shape keys", 8),
+    ("PC2", "PC2 Point Cache (.pc2)", "For 3ds Max, and Blender's Mesh Cache modifier", 16),
+    ("VAT", "Vertex Animation Texture", "Two EXR pictures for shaders, of places and normals, and the mesh", 256),
 )
 
 

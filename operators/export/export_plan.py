@@ -25,7 +25,7 @@ from ...core.message import Message, in_a_row
 from ...core.recording import open_point_cache
 from ...core.recording.split import split
 from ..animate import bake_to_files
-from ..bridge import cache_files, final_mesh, modifier_kinds, press_modifier, scene_objects
+from ..bridge import bake_files, final_mesh, modifier_kinds, press_modifier, scene_objects
 from ..reporting import megabytes
 from . import clips, formats, sidecar
 from .clips import Clip, ExportPlan
@@ -39,7 +39,7 @@ STILL = 48  # [bytes] per corner of a face: vertex at rest, normal, two UV maps,
 
 def finals(plan: ExportPlan) -> list[Path]:
     """Return the paths of all files and folders that an export makes."""
-    stems = [cache_files.file_name(obj.name) for obj in plan.objects]
+    stems = [bake_files.file_name(obj.name) for obj in plan.objects]
     endings = [*(FORMATS[each].ending for each in plan.formats), ".csv", ".json"]
     return [plan.folder / f"{stem}{ending}" for stem in stems for ending in endings]
 
@@ -185,10 +185,10 @@ def export(context: bpy.types.Context, plan: ExportPlan, messages: list[str], wr
     Raises:
         DimpleError: an object cannot be exported, files exist already, or the disk refuses.
     """
-    with contextlib.ExitStack() as files, cache_files.plain_os_errors("The export", "folder"):
+    with contextlib.ExitStack() as files, bake_files.plain_os_errors("The export", "folder"):
         context.view_layer.update()
         check(plan)
-        folder = files.enter_context(cache_files.unfinished_folder(plan.folder))
+        folder = files.enter_context(bake_files.unfinished_folder(plan.folder))
         check_space(estimate(plan, [size_of(context, obj, plan) for obj in plan.objects]), plan.folder)
         (folder / "simulated").mkdir()
         found = {obj: played(obj, plan) for obj in plan.objects}
@@ -199,7 +199,7 @@ def export(context: bpy.types.Context, plan: ExportPlan, messages: list[str], wr
             found |= yield from _simulated(context, plan, missing, folder, messages)
         for obj, clip in found.items():
             described = sidecar.describe(context, clip)
-            stem = cache_files.file_name(obj.name)
+            stem = bake_files.file_name(obj.name)
             if clip.table:
                 sidecar.copy_table(clip.table, folder / "table", plan.first, plan.last)
                 _commit(folder / "table", plan.folder / f"{stem}.csv", written)

@@ -10,7 +10,7 @@ from typing import Any
 
 import bpy
 
-from ..bridge import cache_files, scene_objects, timeline
+from ..bridge import bake_files, scene_objects, timeline
 from .clips import Clip, Seen
 from .formats import FORMATS
 
@@ -22,7 +22,7 @@ def describe(context: bpy.types.Context, clip: Clip) -> dict[str, Any]:
     obj = clip.obj
     return {
         "dimple_animation": VERSION,
-        "dimple": cache_files.version(),
+        "dimple": bake_files.version(),
         "blender": bpy.app.version_string,
         "object": obj.name,
         "mesh": f"after modifiers, as for {'a render' if clip.plan.rendered else 'the viewport'}",

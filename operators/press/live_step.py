@@ -15,7 +15,7 @@ from ...core.constants import MAX_FINGERTIPS
 from ...core.message import about, in_a_row
 from ...core.session import Finger
 from ...core.session.clock import step_all
-from ..bridge import cache_files, scene_objects, sizing, timeline
+from ..bridge import bake_files, scene_objects, sizing, timeline
 from ..reporting import gathered
 from . import (
     colliders,
@@ -112,7 +112,7 @@ def advance(
     Returns:
         Sentences for the artist: sessions that ended, or were put back to rest.
     """
-    settings = context.preferences.addons.get(cache_files.PACKAGE)
+    settings = context.preferences.addons.get(bake_files.PACKAGE)
     native.use_cores(settings.preferences.cores / 100 if settings else 1.0)
     messages = [*haptic_fingertips.read(), *showing.end_changed(context.view_layer)]
     began = time.perf_counter()
