@@ -33,8 +33,7 @@ def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
     lines.append((iface_("Tare"), f"{record['tare']:.3g} N"))
     lines.append((iface_("Measured Range"), f"{record['deepest']:.4g} mm, {record['full_scale']:.4g} N"))
     if k := record["k"]:
-        lines.append((iface_("k, Force Balance"), f"{k['value']:.3g} N/mm"))
-        lines.append((iface_("Pretension"), f"{k['pretension']:.3g} N"))
+        lines.append((iface_("k, Force Balance"), f"{k:.3g} N/mm"))
     if record["damping_ratio_hint"] is not None:
         lines.append((iface_("Hysteresis Loss"), f"{record['loss']:.0%}"))
         lines.append((iface_("Damping Ratio"), f"≈ {record['damping_ratio_hint']:.2f}"))
@@ -55,9 +54,9 @@ def headlines(record: dict[str, Any]) -> list[str]:
 
 
 def sentences(record: dict[str, Any]) -> list[str]:
-    """Return the warnings that have an explanation, the assumptions behind k, then the notes of the core."""
+    """Return the warnings that have an explanation, then the notes of the core."""
     warnings = [translated(each, iface_).replace("\n", " ") for each in record["warnings"] if "\n" in each]
-    return [*warnings, *([record["k"]["assumes"]] if record["k"] else []), *record["notes"]]
+    return [*warnings, *record["notes"]]
 
 
 def _with_error(record: dict[str, Any], name: str) -> str:

@@ -17,7 +17,7 @@ from .known_words_and_units import UNITS
 from .measurement import Measurement, read_measurement
 from .press import LoadingCurve, check_loss, prepare
 from .question import Answers
-from .surface_constant import Surface, surface_constant
+from .surface_constant import ASSUMES, surface_constant
 from .touch import settle
 
 
@@ -30,7 +30,7 @@ class Calibration:
     fit: the law and its constants.
     length: edge of the object [m], None if unknown.
     tip: the indenter.
-    surface: k, None without a length.
+    k: constant of the surface's springs [N/m], None without a length.
     miss: largest error of the law at the measured points, None if no force was measured.
     notes: messages about how the file was read.
     warnings: messages about what may be wrong: a headline, and after a line break what it means.
@@ -41,7 +41,7 @@ class Calibration:
     fit: Fit
     length: float | None
     tip: Indenter
-    surface: Surface | None
+    k: float | None
     miss: Miss | None
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
@@ -98,17 +98,12 @@ def _calibration(
 ) -> Calibration:
     miss = largest_miss(loading.depth, loading.force, fit.law(loading.depth))
     read, prepared = measurement.remarks, loading.remarks
+    k = None if length is None else surface_constant(loading.depth, loading.force, length)
     return Calibration(
-        measurement=measurement,
-        loading=loading,
-        fit=fit,
-        length=length,
-        tip=tip,
-        surface=None if length is None else surface_constant(loading.depth, loading.force, length),
-        miss=miss,
-        notes=(*read.notes, *prepared.notes),
+        measurement=measurement, loading=loading, fit=fit, length=length, tip=tip, k=k, miss=miss,
+        notes=(*read.notes, *prepared.notes, *([ASSUMES] if k else [])),
         warnings=(*read.warnings, *prepared.warnings, *doubts(fit, loading, miss, _as_solid(fit, loading, tip))),
-    )
+    )  # fmt: skip
 
 
 def _as_solid(fit: Fit, loading: LoadingCurve, tip: Indenter) -> Miss | None:
@@ -141,8 +136,7 @@ def provenance(calibration: Calibration) -> str:
 
 def source_of_k(calibration: Calibration) -> str:
     """Return k and how it was found; "" if it was not found."""
-    surface = calibration.surface
-    return Message("k {k} N/mm by the force balance", k=f"{surface.k.value / 1e3:.3g}") if surface else ""
+    return Message("k {k} N/mm by the force balance", k=f"{calibration.k / 1e3:.3g}") if calibration.k else ""
 
 
 def to_record(calibration: Calibration) -> dict[str, Any]:
@@ -168,7 +162,7 @@ def to_record(calibration: Calibration) -> dict[str, Any]:
         "tip": c.tip.shape,
         "tip_radius": c.tip.radius * 1e3,
         "length": None if c.length is None else c.length * 1e3,
-        "k": c.surface and c.surface.to_record(),
+        "k": c.k and c.k / 1e3,
         "provenance": provenance(c),
         "source_of_k": source_of_k(c),
         "notes": list(c.notes),

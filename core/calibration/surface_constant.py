@@ -1,20 +1,18 @@
 """The surface's spring constant k of Eq. (4) from a press, by the balance of forces on a string.
 
 A string of length l, pressed in its middle to a depth x by F, has two sides of length h = sqrt((l/2)^2 + x^2). So its
-tension is S = F h / (2 x), and its stretch 2 h - l. The slope of S over the stretch is k; S at zero stretch is the
-tension before the press. (Eqs. (9) and (10) of the paper give k = 2 A E / l, regardless of the measurement.)
+tension is S = F h / (2 x), and its stretch 2 h - l. The slope of S over the stretch is k.
+(Eqs. (9) and (10) of the paper give k = 2 A E / l, regardless of the measurement.)
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..base import DimpleError, Floats
-from .fit import Constant, slope_of
+from .fit import slope_of
 
 _CLEAR = 0.05  # share of the largest depth: closer to the touch the tension is 0/0, pure noise
 ASSUMES = (
@@ -23,21 +21,8 @@ ASSUMES = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Surface:
-    """The surface's k [N/m] and its tension before the press [N]."""
-
-    k: Constant
-    pretension: float
-
-    def to_record(self) -> dict[str, Any]:
-        """Return k [N/mm] and the tension [N] as plain data, with their assumptions."""
-        k, half_width = self.k.value / 1e3, self.k.half_width / 1e3
-        return {"value": k, "half_width": half_width, "pretension": self.pretension, "assumes": ASSUMES}
-
-
-def surface_constant(depth: Floats, force: Floats, length: float) -> Surface | None:
-    """Return k and the tension before the press, None if the press does not determine a positive k.
+def surface_constant(depth: Floats, force: Floats, length: float) -> float | None:
+    """Return k [N/m], None if the press does not determine a positive one.
 
     Args:
         depth, force: (n,) rows of the loading, from the touch [m], [N].
@@ -53,9 +38,8 @@ def surface_constant(depth: Floats, force: Floats, length: float) -> Surface | N
     x, y = stretch[clear], tension[clear]
     if len(x) < 8 or np.ptp(x) == 0:
         return None
-    slope, error = slope_of(x, y)  # the rows are assumed to be independent
-    k = Constant(value=slope, error=error, half_width=1.96 * error)
-    return Surface(k=k, pretension=float(y.mean() - slope * x.mean())) if slope > 0 else None
+    slope, _ = slope_of(x, y)
+    return slope if slope > 0 else None
 
 
 def string_balance(depth: Floats, force: Floats, length: float) -> tuple[Floats, Floats]:

@@ -39,7 +39,7 @@ def to_text(calibration: Calibration) -> str:
     from ...core.material import NOTICEABLE_FORCE
 
     record = to_record(calibration)
-    loading, fit, surface = calibration.loading, calibration.fit, calibration.surface
+    loading, fit = calibration.loading, calibration.fit
     record["date"], record["noticeable"] = date.today().isoformat(), NOTICEABLE_FORCE
     record["provenance"] = Message(
         "{provenance}, calibrated {date}", provenance=record["provenance"], date=record["date"]
@@ -47,7 +47,6 @@ def to_text(calibration: Calibration) -> str:
     step, x = math.ceil(len(loading.depth) / POINTS), np.linspace(0, loading.depth.max(), BAND)
     record["points"] = _rounded(1e3 * loading.depth[::step], loading.force[::step])
     record["band"] = _rounded(1e3 * x, fit.law(x) - fit.band(x), fit.law(x) + fit.band(x))
-    record["k_to_use"] = surface.k.value / 1e3 if surface else None
     return to_json(record)
 
 

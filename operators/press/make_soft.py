@@ -81,9 +81,8 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, l
     if len(obj.data.vertices) > LARGE:
         return Message(
             '"{name}" is soft: "{material}". It is prepared when you press it first.',
-            name=obj.name,
-            material=obj.active_material.name,
-        ), []
+            name=obj.name, material=obj.active_material.name,
+        ), []  # fmt: skip
     model = ObjectBody.from_object(obj).session.model  # planned now, so that the first press begins at once
     size, notes = f"{1e3 * model.mesh.size:.3g} mm", [about(obj.name, note) for note in model.notes]
     said = Message(

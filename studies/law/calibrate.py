@@ -13,7 +13,6 @@ import numpy as np
 from core.calibration.calibrate import Calibration, calibrate, to_record
 from core.calibration.doubts import Miss
 from core.calibration.question import Answers, Undecided
-from core.calibration.surface_constant import ASSUMES
 from core.material import POINT, TIPS, Indenter
 from studies.files import new_figure, save_picture, write_json
 
@@ -76,9 +75,8 @@ def to_lines(calibration: Calibration) -> list[str]:
     if loading.damping_ratio is not None:
         lost = 100 * (loading.loss or 0)
         lines.append(f"  {lost:.0f} % of the work is lost: damping ratio about {loading.damping_ratio:.2f}")
-    if c.surface is not None:
-        k = f"{c.surface.k.value / 1e3:.3g} N/mm over {c.surface.pretension:.3g} N of tension"
-        lines.append(f"  k = {k}. {ASSUMES}")
+    if c.k is not None:
+        lines.append(f"  k = {c.k / 1e3:.3g} N/mm")
     lines += [f"  Note: {note}" for note in c.notes]
     lines += ["  Warning: " + warning.replace("\n", "\n    ") for warning in c.warnings]
     return lines

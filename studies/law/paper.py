@@ -106,9 +106,7 @@ def constants(curves: Sequence[Calibration], virtual: Sequence[Calibration]) -> 
             fitted, pressed = getattr(curve.fit, name), getattr(again.fit, name)
             printed = getattr(preset.material, name)
             yield number, name, printed / unit, fitted.value / unit, fitted.half_width / unit, pressed.value / unit
-        balance = curve.surface.k if curve.surface else None
-        values = (balance.value / 1e3, balance.half_width / 1e3) if balance else (None, None)
-        yield number, "k", preset.material.k / 1e3, *values, None
+        yield number, "k", preset.material.k / 1e3, curve.k and curve.k / 1e3, None, None
 
 
 def forces(preset: Preset, curve: Calibration, virtual: Calibration) -> Iterable[Series]:
@@ -141,7 +139,7 @@ def table_lines(rows: Sequence[tuple[Any, ...]]) -> list[str]:
         f"{'object':>6} {'':>3} {'printed':>8} {'from the curve':>18} {'virtual press':>14}",
     ]
     for number, name, printed, value, half, again in rows:
-        curve = "-" if value is None else f"{value:.3f} ± {half:.3f}"
+        curve = "-" if value is None else f"{value:.3f}" if half is None else f"{value:.3f} ± {half:.3f}"
         lines.append(
             f"{number:>6} {name:>3} {printed:>8.2f} {curve:>18} {'-' if again is None else f'{again:.3f}':>14}"
         )

@@ -47,7 +47,7 @@ def test_the_command_writes_constants_in_the_units_of_the_paper(tmp_path):
     for name in ("K1", "K2", "x0"):
         low, high = report[f"{name}_interval"]
         assert low < report[name] < high
-    assert report["k"]["value"] > 0 and report["k"]["assumes"]
+    assert report["k"] > 0 and any("Force balance of a string" in note for note in report["notes"])
 
 
 @pytest.mark.parametrize("suffix", ["obj", "stl", "ply"])
@@ -147,9 +147,7 @@ def test_k_by_the_force_balance_is_that_of_a_string():
     depth = np.linspace(0, 0.03, 200)
     h = np.hypot(length / 2, depth)
     force = 2 * (before + k * (2 * h - length)) * depth / h
-    surface = surface_constant(depth, force, length)
-    assert surface.k.value == pytest.approx(k, rel=1e-6)
-    assert surface.pretension == pytest.approx(before, rel=1e-6)
+    assert surface_constant(depth, force, length) == pytest.approx(k, rel=1e-6)
 
 
 @pytest.mark.parametrize("evil", ["=cmd|' /C calc'!A0", "+1+1", "-2+3", "@SUM(A1)", "\t=1", "a\n=1", 'x",=1', "x;=1"])
