@@ -18,6 +18,7 @@ LAST = 12  # frame
 def animate(at: Place, body: str, out: Path, check: Check) -> robot.Waits:
     """Add a fingertip, key it twice with its arrow dragged between, bake; then click it with the tool."""
     scene, obj = bpy.context.scene, bpy.data.objects[body]
+    scene.frame_set(1)  # an earlier scene may have played
     scene.frame_end, scene.dimple.cache_dir, obj.dimple.enabled = LAST, "/tmp", True
     yield from clicking.search("Add Fingertip", at)
     yield from robot.until(lambda: scene.dimple.finger_1 is not None, "there is a fingertip", 20)
