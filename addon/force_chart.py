@@ -76,10 +76,10 @@ def _acting(session: Any, index: int, material: Any, curves: Curves) -> dict[str
 
     depths = [curves.deepest * line / LINES for line in range(LINES + 1)]
     forces, radius = session.law(index, depths), session.fingers[index].radius
+    if all(abs(force - material.law(depth)) <= 1e-6 * force for force, depth in zip(forces, depths, strict=True)):
+        return {}
     if material.indenter != Indenter(shape="sphere", radius=radius):
         name = iface_("Predicted for {} mm").format(f"{1e3 * radius:.3g}")
-    elif all(abs(force - material.law(depth)) <= 1e-6 * force for force, depth in zip(forces, depths, strict=True)):
-        return {}
     else:
         name = iface_("As Painted")
     return {"here": list(zip(depths, forces, strict=True)), "name": name}

@@ -22,7 +22,7 @@ from .object_link import find, get_points, scale_of_body
 if TYPE_CHECKING:
     from .object_link import Floats, ObjectLink, Singles
 
-WIDE = 0.83  # [fingertip radii] in faces wider than this a dent shows facets
+WIDE = 0.75  # [fingertip radii] in faces wider than this a dent shows facets, and a narrow one a dark corner
 SHARE = 0.05  # fraction of the surface that may lie in wider faces
 MOST = 20_000  # [vertices] largest mesh made by subdividing: a larger one does not run live
 

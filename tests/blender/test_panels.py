@@ -156,7 +156,7 @@ def test_a_calibration_shows_its_constants_with_errors_and_the_just_noticeable_d
     ], "the material shows what it was given"
     before = " ".join(draw(bpy, panel, object=body))
     body.active_material.dimple.K1 = 2.0
-    edited = "The constants were edited after the measurement."
+    edited = "The constants have been edited since."
     assert edited not in before and edited in " ".join(draw(bpy, panel, object=body))
     assert edited in " ".join(draw(bpy, bpy.types.DIMPLE_PT_material, material=body.active_material))
 

@@ -18,6 +18,7 @@ LAST = 12  # frame
 def animate(at: Place, body: str, out: Path, check: Check) -> robot.Waits:
     """Add a fingertip, key it twice with its arrow dragged between, bake; then click it with the tool."""
     scene, obj = bpy.context.scene, bpy.data.objects[body]
+    scene.frame_set(1)  # an earlier scene may have played
     scene.frame_end, scene.dimple.cache_dir, obj.dimple.enabled = LAST, "/tmp", True
     yield from clicking.search("Add Fingertip", at)
     yield from robot.until(lambda: scene.dimple.finger_1 is not None, "there is a fingertip", 20)
@@ -117,25 +118,3 @@ def click_with_tool(name: str, out: Path, check: Check) -> robot.Waits:
     robot.screenshot(out / "12-clicked.png")
     chosen = [each.name for each in bpy.context.selected_objects]
     check("a click with the Poke tool selects it", chosen == [name] and not robot.modal_operators(), f"{chosen}")
-
-
-def key_a_press(at: Place, out: Path, check: Check) -> robot.Waits:
-    """Press with the Poke tool, leave, and turn the press into keys."""
-    scene = bpy.context.scene
-    bpy.ops.dimple.unbake()
-    yield from robot.move(*at)
-    yield from robot.button(*at, "PRESS")
-    yield from robot.looks(40)
-    for x in range(0, 60, 6):
-        yield from robot.move(at[0] + x, at[1])
-    yield from robot.looks(20)
-    yield from robot.button(at[0] + 54, at[1], "RELEASE")
-    yield from robot.looks(40)
-    check("the poke goes on after a press", "DIMPLE_OT_poke" in robot.modal_operators())
-    yield from robot.click(*(yield from clicking.button_in_header("bpy.ops.dimple.key_press(")))
-    yield from robot.until(lambda: scene.dimple.finger_2 is not None, "the press is a fingertip", 20)
-    frames = keyed(scene.dimple.finger_2.name)
-    check("a press by hand becomes keyframes", len(frames) > 3, f"{frames}")
-    yield from robot.until(lambda: not robot.modal_operators(), "the poke has left the mouse to the gizmo", 20)
-    yield from robot.redrawn()
-    robot.screenshot(out / "12-keyed.png")

@@ -100,17 +100,6 @@ def in_header(name: str) -> Found:
     return found[name]
 
 
-def button_in_header(command: str) -> Found:
-    """Return where a button of the tool's settings is."""
-    header = header_of(robot.area())
-    for x in range(header.x + 4, header.x + header.width, ALONG // 2):
-        place = x, header.y + header.height // 2
-        yield from robot.move(*place)
-        if robot.command_under(header).startswith(command):
-            return place
-    raise robot.NotReached(f"no button of the tool's header calls {command}")
-
-
 def button(name: str) -> Found:
     """Return where the button of an operator of ours is in the sidebar, found by hovering."""
     wanted = f"bpy.ops.dimple.{name}("

@@ -41,8 +41,8 @@ class Hand:
         """Click the button of an operator in the sidebar."""
         yield from self.click((yield from clicking.button(name)))
 
-    def drag(self, at: Place, by: Place) -> robot.Waits:
-        """Press on the body until the fingertip is deep, slide, let go."""
+    def drag(self, at: Place, by: Place, picture: Path) -> robot.Waits:
+        """Press on the body until the fingertip is deep, slide, take a picture, let go."""
         self.count += 1
         yield from robot.move(*at)
         yield from robot.button(*at, "PRESS")
@@ -51,6 +51,7 @@ class Hand:
             yield from robot.move(at[0] + share * by[0], at[1] + share * by[1])
             yield from robot.looks(4)
         yield from robot.redrawn()
+        robot.screenshot(picture)
         yield from robot.button(at[0] + by[0], at[1] + by[1], "RELEASE")
         yield from robot.until(lambda: depth() == 0, "it is let go", 120)
 
@@ -74,8 +75,7 @@ def first(out: Path, check: Check) -> robot.Waits:
     yield from robot.until(lambda: bpy.data.objects["Cube"].dimple.enabled, "the cube is soft", 60)
     yield from robot.redrawn()
     robot.screenshot(out / "m-2-soft.png")
-    yield from hand.drag(at, (30, 6))
-    robot.screenshot(out / "m-3-pressed.png")
+    yield from hand.drag(at, (30, 6), out / "m-3-pressed.png")
     check("the default cube is pressed by four actions", hand.count <= PRESS, f"{hand.count}")
     with tempfile.TemporaryDirectory() as place:
         yield from animate(Path(place), hand, out, check)

@@ -16,7 +16,7 @@ import seeing
 
 Check = Callable[..., None]
 Scene = Callable[[tuple[int, int], Path, Check], robot.Waits]
-FORCE_N, GENTLE_N = 15.0, 2.0  # past the knee of the soft one; short of it
+FORCE_N = 15.0  # past the knee of the soft one
 SOFT, DRAGGED, HARD = 0.3, 2.0, 3.0  # [N/mm] of K1
 CUTS = 20  # of an edge of the cube: then it is fine enough for the fingertip
 
