@@ -169,9 +169,4 @@ def use_cores(share: float = 1.0) -> None:
     library().dm_set_workers(max(1, round(share * (os.cpu_count() or 1))))
 
 
-def use(own: ctypes.CDLL) -> None:
-    """Use this library from now on: a test's own build."""
-    _loaded.append(own)
-
-
 _loaded: list[ctypes.CDLL] = []

@@ -12,4 +12,4 @@ from core import native
 def _library() -> None:
     named = os.environ.get("DIMPLE_LIBRARY")
     if named:
-        native.use(native.load(Path(named)))
+        native._loaded.append(native.load(Path(named)))
