@@ -198,7 +198,7 @@ class Scenes:
 def main(seed: int) -> None:
     named = os.environ.get("DIMPLE_LIBRARY")
     if named:
-        native.use(native.load(Path(named)))
+        native._loaded.append(native.load(Path(named)))
     fuzzer, library, codes = Fuzzer(seed), native.library(), dict[str, dict[int, int]]()
     rng, bodies, scenes = fuzzer.rng, list[ctypes.c_void_p](), Scenes(fuzzer)
     address = ctypes.byref
