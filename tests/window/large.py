@@ -29,7 +29,7 @@ def press_large(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     running, runs = robot.extension("operators.press.sessions"), robot.extension("operators.press.modal_runs").runs
     _poke()
     yield from robot.looks(3)
-    check("a large mesh gets ready while Blender goes on", [run.kind for run in runs] == ["start"])
+    check("a large mesh gets ready while Blender goes on", [run.kind for run in runs] == ["work"])
     robot.screenshot(out / "0-getting-ready.png")
     yield from robot.key("ESC", *at)
     yield from robot.until(lambda: not runs, "Esc stops it", 60)
