@@ -79,7 +79,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     spread_mm: FloatProperty(
         name="Spread (mm)",
         description="How far a dent reaches beyond the fingertip. At 0, the surface stiffness k decides",
-        default=0.0, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,
+        default=12.0, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,
     )  # fmt: skip
     mass_from: EnumProperty(
         name="Mass From", description="Enter the mass directly, or let it follow from a density",
@@ -124,11 +124,6 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     )  # fmt: skip
     edited: switch("Edited", "The constants were changed by hand after they had been measured")
     calibration: kept_text("Calibration", "The measurement behind these constants")
-
-    def is_chosen(self) -> bool:
-        """Return whether its law was set: by a preset, a measurement or by hand."""
-        law = "K1", "K2", "x0", "k", "spread_mm", "fill", "pressure_kpa", "density", "mass_kg"
-        return any(map(self.is_property_set, law))
 
     def to_params(self) -> dict[str, object]:
         """Return the keyword arguments of `core.material.Material`, in SI units."""

@@ -195,6 +195,6 @@ OBJECTS = tuple(sorted((*PRESETS, *EVERYDAY), key=lambda preset: -softness(prese
 
 
 def found(material: Material) -> Preset | None:
-    """Return the preset with the constants of a material, whatever its mass; None if there is none."""
-    mass, density = material.mass, material.density
-    return next((each for each in OBJECTS if replace(each.material, mass=mass, density=density) == material), None)
+    """Return the preset with the constants of a material, whatever its mass and spread; None if there is none."""
+    own = {"mass": material.mass, "density": material.density, "spread": material.spread}
+    return next((each for each in OBJECTS if replace(each.material, **own) == material), None)

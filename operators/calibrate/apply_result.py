@@ -49,7 +49,7 @@ class DIMPLE_OT_apply_calibration(polls.Declared, bpy.types.Operator):
         settings.K1, settings.K2, settings.x0 = record["K1"], record["K2"], record["x0"]
         k = record["source_of_k"] if self.use_k else ""
         if k:
-            settings.k = record["k"]
+            settings.k, settings.spread_mm = record["k"], 0.0  # k decides how far a dent reaches
         if self.use_damping and record["damping_ratio_hint"] is not None:
             settings.damping_ratio = record["damping_ratio_hint"]
         settings.tip, settings.tip_radius_mm = record["tip"].upper(), record["tip_radius"]

@@ -4,7 +4,7 @@ import bpy
 
 from ...core.errors import DimpleError
 from ...core.message import Message, about, in_a_row
-from ..bridge.material_presets import apply, material_of
+from ..bridge.material_presets import material_of
 from ..bridge.sizing import fit, settle_size
 from ..names import Op
 from ..reporting import gathered, report, say
@@ -14,7 +14,6 @@ from .progress import LARGE
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # types other than meshes are converted
 TEXT_DEPTH = 0.15  # [size of the characters] half of the depth that flat text gets
 PIN = "Pin"  # name of the vertex group that pins a body unless another is chosen
-PRESET = "stress_ball"  # of a mesh whose material nobody has chosen: its dent is narrow and smooth, so it is seen
 
 
 class DIMPLE_OT_make_soft(polls.Declared, bpy.types.Operator):
@@ -62,7 +61,6 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, l
     Raises:
         DimpleError: the mesh cannot be pressed; only its material and settings may have been set.
     """
-    from ...core.everyday_presets import OBJECTS
     from ..bridge import scene_objects
     from .object_body import ObjectBody
 
@@ -70,9 +68,7 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, l
     scene_objects.check_writable(obj)
     if sessions.get(obj):
         raise DimpleError('"{name}" is being pressed already.', name=obj.name)
-    if obj.active_material is None or not (obj.active_material.library or obj.active_material.dimple.is_chosen()):
-        preset = next(each for each in OBJECTS if each.name == PRESET)
-        apply(material_of(obj, preset.label).dimple, preset)
+    material_of(obj, "Soft")
     settle_size(context.scene, obj)
     fit(context.scene, obj)
     if not obj.dimple.pin_group and PIN in obj.vertex_groups:

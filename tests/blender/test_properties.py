@@ -24,7 +24,7 @@ def core(name: str) -> ModuleType:
 def test_a_new_material_is_the_second_object_of_the_paper(material: Any) -> None:
     assert material.to_params() == {
         "K1": 610.0, "K2": 7230.0, "k": 9200.0, "x0": 0.0163, "density": 100.0,
-        "damping_ratio": 0.2, "friction": 0.5, "fill": "air", "pressure": 0.0, "spread": None,
+        "damping_ratio": 0.2, "friction": 0.5, "fill": "air", "pressure": 0.0, "spread": 0.012,
         "indenter": core("material").Indenter(shape="sphere", radius=0.010),
     }  # fmt: skip
     assert material.provenance == ""
