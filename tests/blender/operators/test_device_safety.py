@@ -281,7 +281,7 @@ def test_a_mouse_that_lets_a_pressed_fingertip_go_disarms(bpy: ModuleType, port:
     above = Finger((0.0, 0.0, entry.link.scale + 0.050), 0.010)
     for _ in range(3):  # a busy machine may have disarmed it meanwhile
         wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
-        for _ in range(20):  # until the dent has come back
+        for _ in range(90):  # until the dent has come back
             live_step.advance(bpy.context, 1 / 60, pressed={entry.link.uid: (above,)})
         notes += live_step.advance(bpy.context, 1 / 60) + live_step.advance(bpy.context, 1 / 60)
         wait(lambda report: report.arming.name == "OFF", bpy)
