@@ -196,5 +196,8 @@ OBJECTS = tuple(sorted((*PRESETS, *EVERYDAY), key=lambda preset: -softness(prese
 
 def found(material: Material) -> Preset | None:
     """Return the preset with the constants of a material, whatever its mass and spread; None if there is none."""
-    own = {"mass": material.mass, "density": material.density, "spread": material.spread}
-    return next((each for each in OBJECTS if replace(each.material, **own) == material), None)
+    mass, density, spread = material.mass, material.density, material.spread
+    for each in OBJECTS:
+        if replace(each.material, mass=mass, density=density, spread=spread) == material:
+            return each
+    return None
