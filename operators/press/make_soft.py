@@ -61,6 +61,7 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, l
     Raises:
         DimpleError: the mesh cannot be pressed; only its material and settings may have been set.
     """
+    from ...core.everyday_presets import OBJECTS
     from ..bridge import scene_objects
     from .object_body import ObjectBody
 
@@ -68,7 +69,10 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, l
     scene_objects.check_writable(obj)
     if sessions.get(obj):
         raise DimpleError('"{name}" is being pressed already.', name=obj.name)
-    material_of(obj, "Soft")
+    settings = material_of(obj, "Soft").dimple
+    preset = next((each for each in OBJECTS if each.name == obj.dimple.material), None)  # with these constants
+    if preset and not (settings.provenance or settings.id_data.library):
+        settings.provenance = preset.provenance
     settle_size(context.scene, obj)
     fit(context.scene, obj)
     if not obj.dimple.pin_group and PIN in obj.vertex_groups:

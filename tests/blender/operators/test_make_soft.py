@@ -24,6 +24,7 @@ def test_a_bare_cube_is_ready_for_its_first_press_and_keeps_its_mesh(
     before = coordinates(bare)
     assert bpy.ops.dimple.make_soft() == {"FINISHED"}
     assert bare.active_material.name == "Soft" and bare.dimple.material == "object_2_vinyl_air"
+    assert "Sakama" in bare.active_material.dimple.provenance
     assert bare.dimple.enabled and bare.dimple.size_mode == "CUSTOM" and bare.dimple.size_mm == 165
     assert bare.dimple.plan_reason, "it is planned already"
     bpy.ops.dimple.poke(**PRESS)
