@@ -102,7 +102,7 @@ def seen(context: bpy.types.Context, clip: Clip, folder: Path) -> Iterator[Seen]
     """
     plan, mesh, matrices = clip.plan, None, []  # type: ignore[var-annotated]
     shaded = "VAT" in plan.formats or plan.key_error > 0
-    stem = bake_files.file_name(clip.obj.name)  # another for each: a file that is still mapped cannot be written anew
+    stem = bake_files.file_name(clip.obj.name)  # a file of its own, since a mapped one cannot be overwritten on Windows
     paths, caches = [folder / f"seen_{stem}.pc2", folder / f"normals_{stem}.pc2"][: 1 + shaded], []  # type: ignore[var-annotated]
     try:
         with _playing(context, clip), contextlib.ExitStack() as files:

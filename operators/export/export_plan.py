@@ -87,7 +87,7 @@ def size_of(context: bpy.types.Context, obj: bpy.types.Object, plan: ExportPlan)
     size, cuts = _size(obj, mesh), 0 if played(obj, plan) else final_mesh.cuts_of(context, obj, mesh)
     divided = [each for each in obj.modifiers if hasattr(each, "render_levels") and plan.rendered]
     finer = 4 ** (cuts + sum(each.render_levels - each.levels for each in divided))
-    more = finer  # times as many vertices, and half as many again where triangles become three quads
+    more = finer  # factor on the vertices: half as much again where triangles become three quads
     if finer > 1:
         more *= max(1.0, size.corners / 4 / max(size.vertices, 1))
     return Size(int(more * size.vertices), finer * size.corners, int(more * size.split), size.smooth, size.pictures)

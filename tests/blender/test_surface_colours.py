@@ -76,7 +76,7 @@ def test_the_surface_is_drawn_in_the_colours_of_the_scale(
         seen_in_colours(bpy, colours, halves, entry, name)
     before = colours.made(halves.session_uid, entry, name)
     entry.session.step(0.05)
-    assert colours.made(halves.session_uid, entry, name) is not before, "in the next frame anew"
+    assert colours.made(halves.session_uid, entry, name) is not before, "the next frame has colors of its own"
 
 
 def seen_in_colours(bpy: ModuleType, colours: ModuleType, halves: Any, entry: Any, name: str) -> None:  # noqa: F811

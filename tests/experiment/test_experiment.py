@@ -1,4 +1,4 @@
-"""The sensory comparison without Blender: plans, what counts as felt, and files that lose nothing."""
+"""The sensory comparison without Blender: plans, which intervals count, and files that lose nothing."""
 
 import csv
 import json

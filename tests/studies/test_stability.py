@@ -48,7 +48,7 @@ def test_the_limits_of_one_damped_mode_are_those_in_the_words(z: float) -> None:
 def test_the_limits_beside_that_of_semi_implicit_euler_are_those_in_the_words(
     method: str, z: float, share: float
 ) -> None:
-    """Without damping and with it: a quarter less for Verlet, and 1.4 or 1.9 times as long for Runge-Kutta."""
+    """Without damping and with it: a quarter less for Verlet, and a factor of 1.4 or 1.9 more for Runge-Kutta."""
     mode = np.array([[0.0, 1.0], [-1.0, -2 * z]])
     assert bound(method, mode) / bound("semi_implicit", mode) == pytest.approx(share, rel=0.03)
 

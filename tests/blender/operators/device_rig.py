@@ -109,7 +109,7 @@ def softened(bpy: ModuleType, body: Any) -> Any:
     return material.dimple
 
 
-def felt(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> Any:
+def under_device(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> Any:
     """Start a session on a soft body under the fingertips of the device at a port."""
     body = add()
     softened(bpy, body)

@@ -17,11 +17,11 @@ from tests.blender.operators.device_rig import (
     PATIENCE,
     connect,
     connection,
-    felt,
     gone,
     run,
     softened,
     strongest,
+    under_device,
     wait,
 )
 from tests.haptics.machine import NEEDS_PTY
@@ -33,7 +33,7 @@ pytestmark = NEEDS_PTY
 def test_three_fingertips_press_the_session_and_get_its_force(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
-    entry = felt(bpy, port, add)
+    entry = under_device(bpy, port, add)
     assert bpy.ops.dimple.arm_device(hold_s=60.0) == {"FINISHED"}
 
     def pressed(report: Any) -> bool:
@@ -86,7 +86,7 @@ def test_a_killed_process_takes_the_force_and_not_the_session(
 ) -> None:
     from bl_ext.user_default.dimple.operators.press import live_step, sessions
 
-    entry = felt(bpy, port, add)
+    entry = under_device(bpy, port, add)
     bpy.ops.dimple.arm_device(hold_s=60.0)
     wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
     servo = connection().device.process

@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
-from tests.blender.operators.device_rig import connect, connection, felt, run, softened, strongest, wait
+from tests.blender.operators.device_rig import connect, connection, run, softened, strongest, under_device, wait
 from tests.haptics.machine import NEEDS_PTY
 
 pytestmark = NEEDS_PTY
 
 
 def test_without_the_dead_man_switch_there_is_no_force(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
-    felt(bpy, port, add)
+    under_device(bpy, port, add)
     bpy.ops.dimple.arm_device(hold_s=0.0)
     until = time.perf_counter() + 1.0
     report = wait(lambda _: time.perf_counter() > until, bpy)
@@ -194,7 +194,7 @@ def test_another_place_or_radius_of_the_device_disarms_while_a_fingertip_presses
     """As when a step that set it is undone, or the wheel turns: the wall would jump by as much."""
     from bl_ext.user_default.dimple.operators.press import live_step
 
-    felt(bpy, port, add)
+    under_device(bpy, port, add)
     notes, settings = [], bpy.context.scene.dimple
     for _ in range(3):  # a busy machine may have disarmed it meanwhile
         wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
@@ -234,7 +234,7 @@ def test_a_body_that_is_somewhere_else_at_once_disarms(
 
 def test_a_pause_lets_the_key_go_though_it_is_held(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
     """Nothing steps the sessions: the wall fades, the fingertip sinks in, and when it goes on nothing may push it."""
-    felt(bpy, port, add)
+    under_device(bpy, port, add)
     wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
     report = wait(lambda report: report.arming.name in ("WAITING", "OFF"))
     assert strongest(report) == 0.0 and connection().device.held_until > time.perf_counter()
@@ -260,7 +260,7 @@ def test_what_the_mouse_presses_is_not_rendered_by_the_device(
     from bl_ext.user_default.dimple.core.session import Finger
     from bl_ext.user_default.dimple.operators.press import live_step
 
-    entry = felt(bpy, port, add)
+    entry = under_device(bpy, port, add)
     live_step.advance(bpy.context, 1 / 60)
     mouse = Finger((0.0, 0.0, entry.link.scale + 0.010 - 0.012), 0.010)
     for _ in range(3):
@@ -277,7 +277,7 @@ def test_a_mouse_that_lets_a_pressed_fingertip_go_disarms(bpy: ModuleType, port:
     from bl_ext.user_default.dimple.core.session import Finger
     from bl_ext.user_default.dimple.operators.press import live_step
 
-    entry, notes = felt(bpy, port, add), []
+    entry, notes = under_device(bpy, port, add), []
     above = Finger((0.0, 0.0, entry.link.scale + 0.050), 0.010)
     for _ in range(3):  # a busy machine may have disarmed it meanwhile
         wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
