@@ -187,8 +187,8 @@ def _require(holds: bool, name: str, rule: str, value: float, unit: str = "") ->
         raise DimpleError("{rule} (it is {given}). Change it in Material > Dimple.", rule=said, given=given)
 
 
-# for a body without a material, and for a new one in the panel: the law of the vinyl cube, as heavy as foam, and a dent
-# little wider than the fingertip, so that it is seen; no measurement gives its width
+# for a body without a material, and for a new one in the panel: the law of the vinyl cube, as heavy as foam. The spread
+# is not measured: little wider than a fingertip of 10 mm, so that a dent is seen on a body of 165 mm
 DEFAULT_MATERIAL = Material(K1=610, K2=7230, x0=0.0163, k=9_200, spread=0.012, density=100, indenter=FINGERTIP)
 
 _SOURCE = (

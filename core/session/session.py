@@ -139,7 +139,8 @@ class Session:
             self._rest.carry(self.body)
         else:
             self._rest.let_go(self.body)
-        self._rest.met = None if alone else self._rest.met
+        if alone:
+            self._rest.met = None
         self._done, self._note, self._started = 0, "", time.perf_counter()
         meets = not alone or any(self._tips)
         self.most = ANSWERED if meets and (self._rest.sway or self._rest.moves) else MAX_STEPS // self.substeps - 1

@@ -28,8 +28,9 @@ class DIMPLE_OT_apply_calibration(polls.Declared, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     use_k: BoolProperty(
-        name="Surface Spring", description="Also set k, where it follows from the size of the object", default=True
-    )
+        name="Surface Spring", default=True,
+        description="Also set k, and let it decide the spread, if the size of the object is known",
+    )  # fmt: skip
     use_damping: BoolProperty(
         name="Damping Ratio", description="Also set the damping ratio, where it follows from the unloading curve",
         default=True,

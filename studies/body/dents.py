@@ -91,7 +91,7 @@ def roughness(mesh: Mesh, one: Settled) -> float:
 def roughness_rows(subdivisions: Sequence[int]) -> Iterator[tuple[object, ...]]:
     """Yield the roughness [%] of dents on meshes and on the proxies of sessions, by friction and depth [mm]."""
     for friction in FRICTIONS:
-        material = replace(DEFAULT_MATERIAL, friction=friction)
+        material = replace(DEFAULT_MATERIAL, friction=friction, spread=None)
         for mesh in map(ball, subdivisions):
             for proxy in sorted({0, planned(mesh, material)}):
                 for one in settle(mesh, material, TIP, DEPTHS, proxy=proxy):
