@@ -69,8 +69,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     K1: _stiffness("K1 (N/mm)", 0.61, "How hard the first millimeters are: force per depth, up to the knee")
     K2: _stiffness("K2 (N/mm)", 7.23, "How hard the material is deeper down: force per depth, beyond the knee")
     x0: FloatProperty(
-        name="Knee x0 (mm)", description="How deep the soft part reaches: the depth at which the stiffness changes "
-                                         "from K1 to K2",
+        name="Knee x0 (mm)", description="How deep the soft part is: where the stiffness changes from K1 to K2",
         default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **KEYED,
     )  # fmt: skip
     k: _stiffness(

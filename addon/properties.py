@@ -189,8 +189,7 @@ class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
     )  # fmt: skip
     show_overlay: switch("Overlay", "Draw fingertips, forces and numbers in the viewport", on=True)
     show_field: EnumProperty(
-        name="Colors", description="Color pressed bodies by pressure, depth or stretch, with a scale", items=_FIELDS,
-        **FIXED,
+        name="Colors", description="Color bodies by pressure, depth or stretch, with a scale", items=_FIELDS, **FIXED
     )
     show_chart: switch("Chart", "Draw force against depth, with the material's curve", on=True)
 

@@ -39,8 +39,7 @@ FILLS = {
         PressureLaw.BULK, reserve=2.0,
     ),
     "solid": Fill(
-        "Solid", "Solid to the core, like rubber, jelly or flesh: it keeps its volume, and gives way around a "
-                 "fingertip",
+        "Solid", "Solid to the core, like rubber, jelly or flesh: it keeps its volume, and yields around a fingertip",
         3, PressureLaw.BULK, reserve=2.0, elastic=True,
     ),
     "none": Fill("None", "An empty shell without pressure, for open meshes", 2, PressureLaw.NONE),

@@ -179,8 +179,7 @@ def _named(table: Table, name: str, role: str) -> int:
         found = [i for i, each in enumerate(table.names) if wanted in (each.lower(), table.title(i).lower())]
         if len(found) != 1:
             raise DimpleError(
-                "“{name}” is not the name of one column. Enter its number, 1 to {most}.", name=name,
-                most=len(table.names),
+                "“{name}” does not name one column. Enter its number, 1 to {most}.", name=name, most=len(table.names)
             )
         at = found[0]
     if (count := int(np.isfinite(table.numbers[:, at]).sum())) < MIN_ROWS:

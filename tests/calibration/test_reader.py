@@ -275,7 +275,7 @@ def test_a_long_recording_is_thinned_and_says_so(make, write):
 
 def test_answers_that_name_nothing_are_refused(curve, write):
     path = write(table(curve, lambda i, d, f: f"{d:.5f},{f:.5f}", head="Depth (mm),Force (N)\n"))
-    with pytest.raises(DimpleError, match="not the name of one column"):
+    with pytest.raises(DimpleError, match="does not name one column"):
         read_measurement(path, Answers(force_column="Kraft"))
     with pytest.raises(DimpleError, match="not a unit of force"):
         read_measurement(path, Answers(force_unit="furlong"))
