@@ -124,7 +124,7 @@ EVERYDAY = (
             indenter=Indenter(shape="punch", radius=0.0126),
         ),
         size=0.04,
-        provenance=f"{MADE_UP}; but the rules of a double yellow dot say 39.5 to 40.5 mm across and 23 to 25 g",
+        provenance=f"{MADE_UP}; but the rules for a double-yellow-dot ball say 39.5 to 40.5 mm across and 23 to 25 g",
     ),
     _ball(
         "volleyball", "Volleyball", "FIVB rule 3: 65 to 67 cm round, 0.30 to 0.325 kgf/cm2, 260 to 280 g",
@@ -143,10 +143,10 @@ EVERYDAY = (
     _rubber("dragon_skin_10", "Silicone 10 A", "Dragon Skin 10", 22, 1070),
     _foam("sofa_foam", "Sofa foam", (25, 30), "sofa seats"),
     _foam(
-        "chair_foam", "Chair foam", (35, 45), "medium firm to very firm foam, as we take chairs to have"
+        "chair_foam", "Chair foam", (35, 45), "medium firm to very firm foam, assumed here for chairs"
     ),
-    _flesh("skin", "Skin and fat", (26.1, 19.0), "subcutaneous tissue of the seat under 1 N", 1000),
-    _flesh("flesh", "Flesh", (62.2, 10.3), "relaxed muscle of the seat under 5 N", 1060),
+    _flesh("skin", "Skin and fat", (26.1, 19.0), "subcutaneous tissue of the buttocks under 1 N", 1000),
+    _flesh("flesh", "Flesh", (62.2, 10.3), "relaxed muscle of the buttocks under 5 N", 1060),
     _jelly("jelly", "Jelly", (175, 225)),
     _made_up(
         "dough", "Bread dough",

@@ -154,7 +154,7 @@ def build_model(
         DimpleError: a material is missing, or a map has the wrong length.
     """
     if not np.isfinite(gravity).all() or np.shape(gravity) != (3,) or not math.isfinite(ground or 0.0):
-        raise DimpleError("Gravity must be three numbers and the ground's height one.")
+        raise DimpleError("Gravity must be three numbers, and the height of the ground one number.")
     if not materials or mesh.triangle_material.max() >= len(materials) or mesh.triangle_material.min() < 0:
         raise DimpleError("A face uses a material slot that is empty. Assign a material to it.")
     held = _on_vertices(mesh, pinned, "pins", 0.0)
@@ -238,7 +238,7 @@ def _ground(mesh: Mesh, pinned: Bools, ground: float | None) -> tuple[float | No
         return ground, ()
     lowest = float(heights.min())
     return lowest, (Message(
-        "The body starts {depth:.3g} mm below the ground, so for it the ground is as low as it is. Move it up to let "
+        "The body starts {depth:.3g} mm below the ground, so the ground is lowered for this body. Move it up to let "
         "it fall.",
         depth=1e3 * (ground - lowest)
     ),)  # fmt: skip

@@ -56,7 +56,7 @@ class HaplyLine(SocketLine):
         except DimpleError:
             raise
         except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise LineLost("The Haply service sent what is not understood: {error}.", error=repr(error)) from None
+            raise LineLost("The Haply service sent data that Dimple cannot read: {error}.", error=repr(error)) from None
 
     def write(self, data: bytes) -> bool:
         """Take the frames of the servo and set the forces; return False if these could not be sent."""
@@ -129,7 +129,7 @@ def open_haply(path: str) -> HaplyLine:
     """
     number = path.removeprefix(PREFIX)
     if not number.isdecimal() or not 0 < int(number) < 0x10000:
-        raise DimpleError("{path} is no port of a Haply service. Write it as {example}.", path=path, example=EXAMPLE)
+        raise DimpleError("{path} is not a port of a Haply service. Write it as {example}.", path=path, example=EXAMPLE)
     try:
         return HaplyLine(WebSocket(int(number)), path)
     except OSError as error:

@@ -63,8 +63,8 @@ class Log:
                 with copy.open("xb") as file:
                     file.write(self._data + self._text(row))
                 raise DimpleError(
-                    "Another program has changed {path}. All answers, this one too, are in {copy}: put it in its "
-                    "place, then open the experiment again.",
+                    "Another program has changed {path}. All answers, including this one, are in {copy}. Replace the "
+                    "changed file with it, then open the experiment again.",
                     path=self.path, copy=copy.name
                 )  # fmt: skip
             self._write(self._text(row))
@@ -95,7 +95,7 @@ class Log:
                 import fcntl
                 fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise DimpleError("{path} is open already, perhaps in another Blender.", path=self.path) from None
+            raise DimpleError("{path} is already open, perhaps in another Blender.", path=self.path) from None
 
     def _text(self, row: Row) -> bytes:
         """Return a row as bytes to append, after a line break if the file ends within a line."""
@@ -130,7 +130,7 @@ def parsed(path: Path, data: bytes) -> list[Row]:
     rows = [dict(zip(COLUMNS, cells, strict=True)) for cells in map(_cells, lines) if cells]
     damaged = any(not (row["trial"] + row["answer"]).isdecimal() for row in rows if row["event"] == "answer")
     if _cells(head) != [*COLUMNS] or damaged:
-        raise DimpleError("{path} is not a file of answers. Choose another.", path=path)
+        raise DimpleError("{path} is not an answer file. Choose another.", path=path)
     return rows
 
 

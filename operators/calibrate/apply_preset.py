@@ -22,7 +22,7 @@ class DIMPLE_OT_apply_preset(polls.Declared, bpy.types.Operator):
     bl_label = "Apply Preset"
     bl_options = {"REGISTER", "UNDO"}
 
-    preset: StringProperty(name="Preset", description="Name of a measured object, such as object_2_vinyl_air")
+    preset: StringProperty(name="Preset", description="Identifier of a preset, such as object_2_vinyl_air")
 
     needs = polls.needs_mesh, polls.is_own
 
@@ -32,7 +32,7 @@ class DIMPLE_OT_apply_preset(polls.Declared, bpy.types.Operator):
         preset = next((each for each in OBJECTS if each.name == self.preset), None)
         if preset is None:
             known = ", ".join(each.name for each in OBJECTS)
-            raise DimpleError('There is no preset "{preset}". There are: {known}.', preset=self.preset, known=known)
+            raise DimpleError('There is no preset "{preset}". Known presets: {known}.', preset=self.preset, known=known)
         give(context.object, preset)
 
 

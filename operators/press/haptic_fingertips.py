@@ -122,8 +122,8 @@ def read() -> list[str]:
     armed = report.link is LinkState.READY and report.arming is not Arming.OFF
     if gap > SLOW_S and armed and not connection.slow:
         connection.slow, connection.note = True, Message(
-            "Blender draws only {rate:.1f} frames a second, so the dead-man key lapses and there is no force. "
-            "Simulate a proxy, or draw less.",
+            "Blender draws only {rate:.1f} frames a second, so the dead-man key times out and there is no force. "
+            "Simulate a proxy, or simplify the view.",
             rate=1 / gap
         )  # fmt: skip
     elif gap < SLOW_S / 2 or not armed:
@@ -188,7 +188,7 @@ def write(scene: bpy.types.Scene) -> None:
                 deepest[i], surfaces[i] = touches[i].depth, surface
     if kicks and connection.report.arming.name != "OFF":
         connection.device.disarm()
-        connection.note = "What is under a fingertip has changed. Lift it and arm the device again."
+        connection.note = "The surface under a fingertip has changed. Lift the fingertip and arm the device again."
     connection.known = known
     connection.device.write(surfaces)
 

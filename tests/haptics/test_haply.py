@@ -218,5 +218,5 @@ def test_a_close_and_an_endless_message_end_the_connection(bad: bytes) -> None:
 
 @pytest.mark.parametrize("answer", [b"HTTP/1.1 200 OK\r\n\r\n", b"SSH-2.0-x\r\n\r\n", HaplyService.welcome(b"another")])
 def test_what_is_no_web_socket_is_refused(answer: bytes) -> None:
-    with pytest.raises(DimpleError, match="no device's service"):
+    with pytest.raises(DimpleError, match="not the port of a device service"):
         Peer(answer).open()

@@ -242,7 +242,7 @@ def test_a_port_with_something_else_behind_it_is_refused_within_a_second(data: b
         return report.link is not LinkState.OPENING
 
     report = drive(device, answered)
-    assert report.link is LinkState.REFUSED and "Nothing answers within 1 s" in report.note
+    assert report.link is LinkState.REFUSED and "Nothing answered within 1 s" in report.note
     assert gone(pid)
     device.close()
     os.close(master)
