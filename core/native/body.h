@@ -148,6 +148,9 @@ struct dm_state {
     double turned[9]; /* rotation of the last fit */
     dm_rigid drift;      /* rigid part of the velocities, or the rigid acceleration to subtract */
     dm_inertia moments;
+    double fill_share[9]; /* angular momentum of the fill over that of the skin, in the shape at rest */
+    double fill_momentum[3]; /* that of the fill as the substep began [N m s], */
+    int fill_turns;          /* which is known: nothing has changed the body since */
     double resisted[3]; /* rolling resistance of the surfaces that it touches, in the next substep [N m] */
     double dt, skin_travel; /* [s]; [m] farthest that a vertex may move in a step, 0: no limit */
 

@@ -60,6 +60,7 @@ class Twin:
         self._surface: RestSurface = self._lay_surface()
         self._fitted: Pose = np.eye(3), np.zeros(3)  # as the substep began
         self.meets = False  # it is in a scene
+        self.turning = Turning(model.mesh.size)
         self._moved: Floats | None = None  # the shape at rest, where it is not the model's
         self._rest_rate: Floats | None = None  # in the next motion
         self.sag = 0.0  # [m/s] that gravity gives in a substep, and contact takes back: in a scene
@@ -77,6 +78,7 @@ class Twin:
         if model.rigged and not old.rigged:
             self._state.pose = np.eye(3), np.zeros(3)
         self._rest_pins(model.pinned)
+        self.turning.fill = None
         self._fine = surface or (model if self._fine is old else self._fine)
         self.model, self._rest = model, Rest()
         if self._moved is not None:
@@ -100,6 +102,7 @@ class Twin:
         if len(self._fine.mesh.rest_positions) != len(self.model.mesh.rest_positions):
             raise ValueError("a proxy has a surface of its own")
         self._moved, self._rest_rate, self._rest = np.array(rest), rate, Rest()
+        self.turning.fill = None
         if rate is not None and self.model.free:  # only the shape counts
             k1 = self.model.matching.k1
             self._rest_rate = rate - (rate @ k1 / max(k1.sum(), 1e-300))[:, None]
@@ -116,7 +119,7 @@ class Twin:
     def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
         """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s], the shape at rest at rest."""
         state = self._state = initial_state(self.model)
-        self._rest_rate = None
+        self._rest_rate = self.turning.fill = None
         state.positions[:] = positions
         state.velocities[:] = 0.0 if velocities is None else velocities
         self._led, self._rest = False, Rest()
@@ -134,7 +137,7 @@ class Twin:
 
     def step(self, motion: Motion) -> Frame:
         """Run the ticks of a motion."""
-        call, self.sag, self.meets = self.begin(motion), 0.0, False
+        call, self.sag, self.meets, self.turning.moment = self.begin(motion), 0.0, False, np.zeros(3)
         while call.ticks < motion.ticks and call.finite:
             touches = self.begin_tick(call)
             for left in reversed(range(motion.substeps)) if not self._rest.asleep else ():
@@ -204,15 +207,15 @@ class Twin:
         """Return what the fingertips may touch in the tick under way."""
         return next(each_tick(self.model, self._state, call.path, call.motion.tick))
 
-    def substep(self, call: Call, touches: list[Near], left: int, turning: Turning | None = None) -> None:
+    def substep(self, call: Call, touches: list[Near], left: int) -> None:
         """Advance the body by a substep after which so many come in the tick, fingertips included."""
         try:
             with np.errstate(all="ignore"):  # the frame says when it has blown up
-                self._advance(call, touches, left, turning)
+                self._advance(call, touches, left)
         except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
             self._state.positions[:] = np.nan
 
-    def _advance(self, call: Call, touches: list[Near], left: int, turning: Turning | None) -> None:
+    def _advance(self, call: Call, touches: list[Near], left: int) -> None:
         model, state, dt = self.model, self._state, call.motion.tick / call.motion.substeps
         before = state.positions.copy()
         near = [h for h in touches if len(h.vertices) or len(h.triangles)]
@@ -220,11 +223,12 @@ class Twin:
         if model.free:
             self._fitted = self._pose()
             self._press_free(call, touches, left + 1, dt)
-        if turning:
-            turning.measure(model.mass, before, state.velocities)
+            turning, turn = self.turning, self._fitted[0]
+            turning.measure(model.matching.mass, before, state.velocities)
+            turning.turn_fill(turn @ model.fill_momentum @ turn.T, dt)
         semi_implicit.advance(model, state, dt)
-        if turning:
-            by = dt * turning.acceleration(before)
+        if model.free:
+            by = np.where(model.inverse_mass > 0, dt * turning.acceleration(before), 0.0)
             state.velocities -= by
             state.positions -= dt * by
         if near:

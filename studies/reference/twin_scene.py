@@ -58,7 +58,7 @@ class TwinScene:
         sizes = [body.model.mesh.size for body in bodies]
         sizes += [2 * prop.radius if prop else 0.0 for prop in self._props.of[len(bodies) :]]
         self._sizes = TOO_NEAR * np.array(sizes)
-        self._turning: list[Turning | None] = [Turning(b.model.mesh.size) if b.model.free else None for b in bodies]
+        self._turning: list[Turning | None] = [b.turning if b.model.free else None for b in bodies]
         self._turning += [None] * len(colliders)
         self._touched = np.zeros(len(self._part), bool)  # of the surfaces, in the last substep
         self._share, self._late = np.ones(len(self._part)), np.zeros(len(self._part))
@@ -153,9 +153,9 @@ class TwinScene:
                 touches[i] = self._bodies[i].near(calls[i])
             self._wakes = False
             self._props.begin(self._last, self._dt)
-            for body, call, near, turning in zip(self._bodies, calls, touches, self._turning, strict=False):
+            for body, call, near in zip(self._bodies, calls, touches, strict=True):
                 if not body.rest.asleep:
-                    body.substep(call, near, substeps - 1 - step, turning)
+                    body.substep(call, near, substeps - 1 - step)
             with np.errstate(all="ignore"):  # the frame says when it has blown up
                 self._was = [x.copy() for x in self._here]
                 self._lead_colliders(step, substeps)
