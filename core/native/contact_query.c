@@ -120,7 +120,7 @@ static void dm_query_pair(dm_scene_state *s, uint32_t i, uint32_t j) {
         dm_bring_near(s->both[k], DM_BOUND * s->reach / 2, DM_STALE * (s->reach - s->touch) / 2);
         if (!s->both[k]->fitted) dm_fit_boxes(s, s->both[k]), s->both[k]->fitted = 1;
     }
-    dm_visit_pairs(s, f, g, s->reach, dm_pair_triangles);
+    dm_visit_pairs(s, f, g, s->reach, dm_pair_leaves);
     dm_note_waiting(s, 1), dm_note_waiting(s, 2);
     s->runs = dm_grown(s, s->runs, s->run_count, &s->run_room, sizeof *s->runs);
     if (dm_has_room(s)) s->runs[s->run_count++] = (dm_run){i, j, s->pair_count, 0};

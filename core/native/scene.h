@@ -37,10 +37,14 @@ typedef struct { /* the surface of a body, or a collider */
                                           * substep; it has released skin in this call */
 } dm_surface;
 
-typedef struct { /* a box with the triangles in it, a leaf with one; its first child follows it, the other child is `next` */
+typedef struct { /* a box with triangles, at most eight in a leaf; its first child follows it, the other one is `next` */
     double low[3], high[3];
     uint32_t start, end, next;
 } dm_node;
+
+typedef struct { /* boxes of triangles or edges by coordinate, so that one box is compared with eight at once */
+    double *low[3], *high[3];
+} dm_boxes;
 
 typedef struct { /* a vertex and a face, or two edges, nearer than `reach` at the query */
     uint32_t at[4], parts[2]; /* in `near`: vertex and corners, or ends of both edges; the triangle, or both edges */
@@ -107,7 +111,8 @@ typedef struct dm_scene_state {
     double (*given)[3];                      /* impulse on each vertex in a call [N s] */
     uint32_t (*corners)[3], (*edges_of)[3], (*edges)[2], (*across)[2]; /* across: far corners of the faces at an edge */
     uint8_t *left_out; /* of self-contact: vertices of faces that intersected others of the body at the start */
-    uint8_t *owns; /* bits: the corners, and the edges, that a triangle represents */
+    uint32_t *vertex_start, *edge_start, *listed; /* each vertex, in `listed`, and each edge belongs to one triangle */
+    dm_boxes boxes, edge_boxes;
     uint32_t *ring_start, *ring, *place; /* neighbours of a vertex; its index in `near` */
     dm_node *nodes;
     dm_neighbour *near;
