@@ -88,5 +88,5 @@ static void dm_scene_state_find(dm_scene_state *s, dm_crossings *found) {
             const dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
             if (dm_may_touch(s, f, g)) dm_visit_pairs(s, f, g, 0, dm_count_crossings);
         }
-    s->due = 1;
+    s->run_count = 0, s->due = 1; /* the places that all displacements are counted from have changed */
 }

@@ -56,7 +56,7 @@ static void dm_place_collider(dm_scene_state *s, int64_t which, const double *po
             s->here[f->first + k][c] = s->aim[f->first + k][c] = positions[(uint32_t)c * f->count + k];
             s->rate[f->first + k][c] = 0;
         }
-    s->surfaces[which].fitted = 0;
+    s->surfaces[which].fitted = 0, s->surfaces[which].placed = 1;
 }
 
 static int32_t dm_lay_collider(dm_scene_state *s, dm_surface *f, const dm_collider_def *d) {
