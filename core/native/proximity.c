@@ -104,22 +104,28 @@ static void dm_pair_vertices(dm_scene_state *s, const dm_node *a, const dm_node 
     }
 }
 
+/* Pair an edge with those after `from` that belong to the triangles of a leaf. */
+static void dm_pair_edge(dm_scene_state *s, uint32_t edge, uint32_t from, uint32_t end) {
+    const uint32_t *own = s->edges[edge];
+    double low[3], high[3];
+    for (int c = 0; c < 3; c++) low[c] = s->edge_boxes.low[c][edge], high[c] = s->edge_boxes.high[c][edge];
+    for (; from < end; from += DM_LANES)
+        for (uint32_t near = dm_near_boxes(&s->edge_boxes, from, end, low, high, s->reach); near; near &= near - 1) {
+            uint32_t other = from + (uint32_t)__builtin_ctz(near);
+            const uint32_t *at = s->edges[other];
+            if (!dm_share_a_vertex(own, 2, at, 2))
+                dm_let_wait(s, (dm_pair){{own[0], own[1], at[0], at[1]}, {edge, other}, 2, 0});
+        }
+}
+
 /* Pair the edges that belong to the triangles of two leaves, or of one. */
 static void dm_pair_edges(dm_scene_state *s, const dm_node *a, const dm_node *b) {
-    uint32_t end = s->edge_start[b->end];
-    for (uint32_t e = s->edge_start[a->start]; e < s->edge_start[a->end]; e++) {
-        const uint32_t *own = s->edges[e];
-        double low[3], high[3];
-        for (int c = 0; c < 3; c++) low[c] = s->edge_boxes.low[c][e], high[c] = s->edge_boxes.high[c][e];
-        if (dm_boxes_apart(low, high, b->low, b->high) > s->reach) continue;
-        for (uint32_t from = a == b ? e + 1 : s->edge_start[b->start]; from < end; from += DM_LANES)
-            for (uint32_t near = dm_near_boxes(&s->edge_boxes, from, end, low, high, s->reach); near; near &= near - 1) {
-                uint32_t other = from + (uint32_t)__builtin_ctz(near);
-                const uint32_t *at = s->edges[other];
-                if (!dm_share_a_vertex(own, 2, at, 2))
-                    dm_let_wait(s, (dm_pair){{own[0], own[1], at[0], at[1]}, {e, other}, 2, 0});
-            }
-    }
+    uint32_t end = s->edge_start[a->end];
+    for (uint32_t from = s->edge_start[a->start]; from < end; from += DM_LANES)
+        for (uint32_t near = dm_near_boxes(&s->edge_boxes, from, end, b->low, b->high, s->reach); near; near &= near - 1) {
+            uint32_t edge = from + (uint32_t)__builtin_ctz(near);
+            dm_pair_edge(s, edge, a == b ? edge + 1 : s->edge_start[b->start], s->edge_start[b->end]);
+        }
 }
 
 /* Collect the pairs of the vertices, edges and faces of two leaves, or of one, that may be near. */
