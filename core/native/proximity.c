@@ -99,7 +99,7 @@ static void dm_pair_vertices(dm_scene_state *s, const dm_node *a, const dm_node 
             uint32_t face = b->start + (uint32_t)__builtin_ctz(near);
             const uint32_t *at = s->corners[face];
             if (!dm_share_a_vertex(s->listed + k, 1, at, 3))
-                dm_let_wait(s, (dm_pair){{s->listed[k], at[0], at[1], at[2]}, {face, 0}, 1, 0});
+                dm_let_wait(s, (dm_pair){.at = {s->listed[k], at[0], at[1], at[2]}, .parts = {face}, .ones = 1});
         }
     }
 }
@@ -114,7 +114,7 @@ static void dm_pair_edge(dm_scene_state *s, uint32_t edge, uint32_t from, uint32
             uint32_t other = from + (uint32_t)__builtin_ctz(near);
             const uint32_t *at = s->edges[other];
             if (!dm_share_a_vertex(own, 2, at, 2))
-                dm_let_wait(s, (dm_pair){{own[0], own[1], at[0], at[1]}, {edge, other}, 2, 0});
+                dm_let_wait(s, (dm_pair){.at = {own[0], own[1], at[0], at[1]}, .parts = {edge, other}, .ones = 2});
         }
 }
 
