@@ -55,7 +55,7 @@ class HaplyLine(SocketLine):
             return self._take(json.loads(messages[-1])) if messages else b""
         except DimpleError:
             raise
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
+        except (ArithmeticError, AttributeError, KeyError, TypeError, ValueError) as error:
             raise LineLost("The Haply service sent what is not understood: {error}.", error=repr(error)) from None
 
     def write(self, data: bytes) -> bool:
@@ -110,7 +110,7 @@ class HaplyLine(SocketLine):
             at = device.get("state", {}).get("cursor_position", {})
             place = [float(at.get(axis, math.nan)) for axis in "xyz"]
             trusted = all(device.get("status", {}).get(name, True) for name in ("ready", "calibrated", "power_supply"))
-            trusted &= all(abs(part) < 0x7FFF * wire.PLACE_STEP for part in place)
+            trusted &= all(abs(part) < wire.LAST_PLACE * wire.PLACE_STEP for part in place)
             words += [round(part / wire.PLACE_STEP) if trusted else 0 for part in place]
             status |= 0 if trusted else wire.MASKED << i
         grips = (*message.get("wireless_verse_grip", ()), *message.get("custom_verse_grip", ()))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 # force and speed, whatever a device reports about itself
 HARD_CEILING = 20.0  # [N] largest force: twice the peak of the Haptic Master
-SLEW = 1000.0  # [N/s] fastest change of force: 1 N per millisecond, so that the peak of a device takes ten ticks
+SLEW = 1000.0  # [N/s] fastest rise of force: 1 N per millisecond, so that the peak of a device takes ten ticks
 TOP_SPEED = 1.5  # [m/s] no hand exploring an object is faster; a runaway motor is
 RMS_TIME = 10.0  # [s] window of the root mean square force, which stands for the heating of the motors
 

@@ -223,7 +223,7 @@ class Servo:
             if finger.bad:
                 finger.guard.zero()
             else:
-                finger.guard.output(force, gain, dt)
+                finger.guard.output(force, gain, dt, finger.contact.depth(finger.at))
         new = self._switch.arming is Arming.ASKED and not asked
         return wire.encode(wire.Arm(self._session)) if new else b""
 
