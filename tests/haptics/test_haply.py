@@ -136,6 +136,23 @@ def test_a_service_that_stands_still_is_lost_and_one_that_ends_too(serve: Callab
     device.close()
 
 
+def test_a_second_blender_is_refused_and_takes_over_once_the_first_has_ended(
+    serve: Callable[..., HaplyService],
+) -> None:
+    """The service takes forces from all its clients; those of two would alternate on the hand."""
+    service = serve(devices=1)
+    first, second = Device(f"haply:{service.number}"), Device(f"haply:{service.number}")
+    first.open()
+    drive(first, lambda report: report.states > 10, held=False)
+    second.open()
+    report = drive(second, lambda report: report.link is LinkState.REFUSED, held=False)
+    assert "another Blender" in report.note and drive(first, lambda _: True).link is LinkState.READY
+    first.close()
+    second.open()
+    drive(second, lambda report: report.states > 10, held=False)
+    second.close()
+
+
 def test_a_device_that_is_not_ready_is_not_trusted(serve: Callable[..., HaplyService]) -> None:
     service = serve(devices=2)
     service.status["calibrated"] = False
