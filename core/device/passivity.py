@@ -80,15 +80,15 @@ class SentForces:
 
     The device ramps its force by itself after its dead-man switch was released, even by the command sent in a silence.
 
+    delay: mean time from a position to the force that answers it [s].
     sent: forces by sequence number of their command [N], None if it releases the dead-man switch; and when the STATE
         that it answers was sent, on the device's clock [us].
-    delay: mean time from a position to the force that answers it [s].
     since: when the device first acknowledged the acting command, on its clock [s].
     ramp_since: when its ramp began, if it is ramping, on its clock [s].
     """
 
+    delay: float
     sent: dict[int, tuple[Forces | None, int]] = field(default_factory=dict)
-    delay: float = 2 * limits.TICK  # until it is measured
     since: float = 0.0
     ramp_since: float = 0.0
 
