@@ -2,6 +2,7 @@
 
 import json
 import math
+import signal
 import socket
 import threading
 import time
@@ -95,15 +96,19 @@ def end(service: HaplyService) -> None:
         time.sleep(0.01)
 
 
-def test_a_servo_that_is_killed_leaves_no_force(serve: Callable[..., HaplyService]) -> None:
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_servo_that_is_killed_or_hangs_leaves_no_force(
+    serve: Callable[..., HaplyService], how: signal.Signals
+) -> None:
+    """Blender ends one that hangs: the service holds the last force for as long as its client is connected."""
     service = serve(devices=1)
     device = Device(f"haply:{service.number}")
     device.open()
     drive(device, lambda report: report.tips and report.tips[0].force[2] > 0.5)
     assert device.process
-    device.process.kill()
-    end(service)
+    device.process.send_signal(how)
     assert drive(device, lambda report: report.link is LinkState.LOST).arming is Arming.OFF
+    end(service)
     device.close()
 
 
