@@ -28,10 +28,10 @@ class Spec:
     continuous_force: float = 4.0
     viscous: float = 2.0
     tick_hz: int = 1000
-    hold: float = 0.005
-    zero: float = 0.025
-    latch: float = 0.100
-    tip_speed: float = 1.5
+    hold: float = STATE_GAP
+    zero: float = ZERO_TIME
+    latch: float = LOST_TIME
+    tip_speed: float = TOP_SPEED
 
     def left(self, age: float) -> float:
         """Return the share of a force that still acts at an age of its command [s]."""

@@ -42,7 +42,7 @@ class UdpLine(SocketLine):
                 parts.append(self._seal.open(self._port.recv(MAX_BYTES)))
             except BlockingIOError:
                 return b"".join(parts)
-            except ConnectionRefusedError:  # nothing listens there now: silence, which the servo handles
+            except ConnectionError:  # nothing listens there now: silence, which the servo handles
                 continue
             except OSError as error:
                 raise self._gone(error) from None
@@ -51,7 +51,7 @@ class UdpLine(SocketLine):
         """Send frames; return False if they could not be sent."""
         try:
             return bool(self._port.send(self._seal.close(data)))
-        except (BlockingIOError, ConnectionRefusedError):
+        except (BlockingIOError, ConnectionError):
             return False
         except OSError as error:
             raise self._gone(error) from None

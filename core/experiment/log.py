@@ -10,7 +10,6 @@ import csv
 import errno
 import io
 import os
-import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import Final
 
 from ..errors import DimpleError
+from ..file_lock import lock
 
 COLUMNS: Final = (
     "event", "time", "participant", "plan", "trial", "part", "first", "first_level", "first_s", "first_times",
@@ -87,13 +87,7 @@ class Log:
 
     def _lock(self) -> None:
         try:
-            if sys.platform == "win32":
-                import msvcrt
-                self.file.seek(1 << 40)  # a byte far beyond the end, so that others can read
-                msvcrt.locking(self.file.fileno(), msvcrt.LK_NBLCK, 1)
-            else:
-                import fcntl
-                fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock(self.file)
         except OSError:
             raise DimpleError("{path} is already open, perhaps in another Blender.", path=self.path) from None
 

@@ -104,8 +104,8 @@ def test_the_servo_hangs(emulator: Rig) -> None:
     device.process.send_signal(signal.SIGSTOP)
     report = drive(device, lambda report: report.link is LinkState.LOST)
     assert report.arming is Arming.OFF and "does not answer" in report.note
-    device.close()
     assert gone(pid)
+    device.close()
     assert needs_a_new_arm(emulator.port)
     emulator.stop()
     assert emulator.force_left() < NOISE
