@@ -167,9 +167,8 @@ struct dm_state {
     int meets;             /* it is stepped in a scene */
     uint64_t changes;      /* counts changes from outside a scene */
     int rested, asleep;    /* it may fall asleep; it sleeps: it is not stepped until something wakes it */
-    double sag;            /* [m/s] added by gravity in a substep, undone by contact in position only; 0: none */
-    double fastest, quiet; /* [m/s] greatest speed in the last tick; [s] time since it became slow */
-    dm_vec3 *still;        /* (groups,) its places when it became slow */
+    double fastest, quiet; /* [m/s] greatest speed in the last tick; [s] time since it became quiet */
+    dm_vec3 *still;        /* (groups,) its places when it became quiet */
     double bounds[2][3], still_pose[12], still_volume; /* of a body that sleeps */
 
     dm_facet *facets;

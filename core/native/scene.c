@@ -258,7 +258,7 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
         if (dm_is_changed(s)) s->due = 1;
         for (int64_t i = 0; i < substeps && awake && s->code == DM_OK; i++)
             dm_run_scene_substep(s, motions, t, frames, substeps - 1 - i);
-        dm_note_sag(s), dm_note_late(s);
+        dm_note_late(s);
         for (int64_t k = 0; k < bodies; k++) {
             dm_end_tick(s->surfaces[k].body, motions + k, t, frames + k);
             finite = finite && frames[k].finite;

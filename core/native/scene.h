@@ -33,7 +33,7 @@ typedef struct { /* the surface of a body, or a collider */
     double load, spin_beside[3];        /* in a substep: impulses on it [N s]; sum of impulse times the other's spin */
     double resisting[3], moment_of[3];  /* rolling resistance [N m]: kept over the substeps; in the next one */
     uint64_t changes;       /* of the body, at the last query */
-    uint8_t self, moving, kept, touched; /* moving: a collider; kept: it must stay awake */
+    uint8_t self, moving, kept; /* moving: a collider; kept: it must stay awake */
     uint8_t fitted, stuck, pressed, torn, placed; /* its boxes are up to date; skin cannot get out of its way; wakes in
                                                   * the next substep; it has released skin in this call; was put elsewhere */
 } dm_surface;

@@ -229,7 +229,7 @@ static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
 
 static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
     dm_begin_motion(b, m, frame);
-    memset(b->resisted, 0, sizeof b->resisted), b->sag = 0, b->meets = 0, b->changes++;
+    memset(b->resisted, 0, sizeof b->resisted), b->meets = 0, b->changes++;
     for (int64_t t = 0; t < m->ticks && frame->finite; t++) {
         dm_begin_tick(b, m, t, frame);
         for (int64_t s = 0; s < m->substeps && !b->asleep; s++) dm_run_substep(b, m->substeps - 1 - s, frame);

@@ -63,7 +63,6 @@ class Twin:
         self.turning = Turning(model.mesh.size)
         self._moved: Floats | None = None  # the shape at rest, where it is not the model's
         self._rest_rate: Floats | None = None  # in the next motion
-        self.sag = 0.0  # [m/s] that gravity gives in a substep, and contact takes back: in a scene
         self.set_state(model.matching.rest)
 
     def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
@@ -137,7 +136,7 @@ class Twin:
 
     def step(self, motion: Motion) -> Frame:
         """Run the ticks of a motion."""
-        call, self.sag, self.meets, self.turning.moment = self.begin(motion), 0.0, False, np.zeros(3)
+        call, self.meets, self.turning.moment = self.begin(motion), False, np.zeros(3)
         while call.ticks < motion.ticks and call.finite:
             touches = self.begin_tick(call)
             for left in reversed(range(motion.substeps)) if not self._rest.asleep else ():
@@ -304,13 +303,12 @@ class Twin:
         self._comes_back = REST_TIME if self._is_beside_others(None) else back
         if self._rest.asleep:
             return
-        state, tick, path = self._state, call.motion.tick, call.path
+        state, tick = self._state, call.motion.tick
         with np.errstate(all="ignore"):
             call.finite = self._is_finite(tick)
         if call.finite:
             size, led = self.model.mesh.size, call.motion.pins is not None or self._rest_rate is not None
-            held = len(path.radii) > 0 and bool((path.centres[:, 0] == path.centres[:, 1]).all())
-            self._rest.watch(state.positions, state.velocities, size, tick, led=led, sag=self.sag, held=held)
+            self._rest.watch(state.positions, state.velocities, size, tick, led=led)
 
     def end(self, call: Call) -> Frame:
         """End a motion and return what it came to."""

@@ -71,7 +71,6 @@ class TwinScene:
         self._sizes = TOO_NEAR * np.array(sizes)
         self._turning: list[Turning | None] = [b.turning if b.model.free else None for b in bodies]
         self._turning += [None] * len(colliders)
-        self._touched = np.zeros(len(self._part), bool)  # of the surfaces, in the last substep
         self._share, self._late = np.ones(len(self._part)), np.zeros(len(self._part))
         self._ends = [x.copy() for x in self._here]  # where colliders were to be at the end of the last tick
         self._due, self._wakes, self._approach = True, True, 0.0
@@ -182,8 +181,7 @@ class TwinScene:
         for i, aim in enumerate(self._aims, len(self._bodies)):
             late = 0.0 if aim is None else np.linalg.norm(aim - self._here[i - len(self._bodies)], axis=0).max()
             self._late[i] = late
-        for i, (body, call) in enumerate(zip(self._bodies, calls, strict=True)):
-            body.sag = float(np.linalg.norm(body.model.gravity)) * self._dt if self._touched[i] else 0.0
+        for body, call in zip(self._bodies, calls, strict=True):
             body.end_tick(call)
         for _, prop in self._props.awake:
             prop.watch(self._tick)
@@ -357,7 +355,6 @@ class TwinScene:
         sides, sleeps = self._surfaces.of_vertex[meetings.at[:, [0, 3]]], self._asleep()
         if not len(meetings.gap):
             resist(self._turning, sides, meetings.gap, self._dt, sleeps)
-            self._touched = np.zeros(len(self._part), bool)
             self._props.answer(sides, meetings.point, meetings.normal)
             return
         asleep = sleeps[sides[:, 0]] | sleeps[sides[:, 1]]
@@ -377,7 +374,6 @@ class TwinScene:
         np.add.at(self._given, meetings.at, meetings.weights[:, :, None] * passed[:, None])
         np.add.at(self._impulses, sides[:, 0], given)
         np.subtract.at(self._impulses, sides[:, 1], given)
-        self._touched = np.isin(np.arange(len(self._part)), sides[active])
         self._most_touching = max(self._most_touching, int((passed != 0).any(axis=1).sum()))
 
     def _keep_apart(self) -> None:
