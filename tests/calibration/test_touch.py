@@ -64,16 +64,6 @@ def test_a_force_on_the_cell_where_the_file_begins_is_asked_and_the_answer_is_ta
         assert to_record(done)["deepest"] == pytest.approx(1e3 * DEEPEST[preset.name], rel=0.01)
 
 
-def test_a_touch_that_the_noise_hides_is_asked_for_with_the_constants_of_each(tmp_path):
-    """A millimetre before the touch, which the file calls 0, under half a newton of noise."""
-    pressed(tmp_path / "x.csv", PRESETS[1], approach=0.0015, seed=1)
-    with pytest.raises(Undecided, match="noise hides the first touch") as caught:
-        calibrate(tmp_path / "x.csv")
-    (question,) = caught.value.questions
-    found = [calibrate(tmp_path / "x.csv", Answers(contact_mm=float(c.value))).fit for c in question.candidates]
-    assert [f"then K1 is {fit.K1.text(1e3)} N/mm" for fit in found] == [c.label for c in question.candidates]
-
-
 @pytest.mark.parametrize("offset", [-0.4, -0.05])
 def test_a_load_cell_below_nothing_is_tared_and_that_is_said(offset, tmp_path):
     preset = PRESETS[1]
@@ -102,18 +92,6 @@ def test_air_before_a_body_that_stiffens_smoothly_is_no_soft_first_piece(zero, t
     done = calibrate(tmp_path / "x.csv")
     assert done.loading.reading(0) == pytest.approx(8 + 1e3 * zero, abs=1.5)  # there the force is that of the noise
     assert done.loading.tare == pytest.approx(50 * tare, abs=0.1)
-
-
-def test_a_first_piece_that_carries_nothing_is_asked_about(tmp_path):
-    """A load cell that drifts by 1 % in the air looks like a body that is very soft at first."""
-    depth = np.linspace(0, 0.02, 400)
-    force = 25 * depth + 6000 * np.maximum(depth - 0.012, 0)
-    write_press(tmp_path / "x.csv", depth, force + 0.01 * np.random.default_rng(0).normal(size=400))
-    with pytest.raises(Undecided, match="rises by no more than") as caught:
-        calibrate(tmp_path / "x.csv")
-    air, soft = (float(c.value) for c in caught.value.questions[0].candidates)
-    assert calibrate(tmp_path / "x.csv", Answers(contact_mm=air)).fit.K2.value == pytest.approx(6000, rel=0.02)
-    assert calibrate(tmp_path / "x.csv", Answers(contact_mm=soft)).fit.K1.value == pytest.approx(25, rel=0.1)
 
 
 @pytest.mark.parametrize("drift", [0.03, -0.05])
