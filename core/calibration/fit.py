@@ -218,8 +218,8 @@ def _least_squares(
             break
     K1, K2 = best[2] * high / span, best[2 + knee] * high / span
     contact, join, offset = low + best[0] * span, low + best[1] * span, high * best[-1] if free else 0.0
-    if free == ("contact",):  # all rows are in contact: extend the first piece back to zero force, if it falls far back
-        contact, offset = contact - (offset / K1 if K1 > 0 else span), 0.0
+    if free == ("contact",):  # all rows are in contact: extend the first piece back to zero force
+        contact, offset = contact - offset / K1 if K1 > 0 else contact, 0.0
         if (x > contact).sum() < _ROWS or contact >= join:
             return None
     values = np.array([K1, K2, join - contact if knee else math.inf, contact, tare + offset])
