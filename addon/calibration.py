@@ -32,6 +32,8 @@ def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
     lines.append((iface_("First Touch"), f"{record['contact']:.4g} mm"))
     lines.append((iface_("Tare"), f"{record['tare']:.3g} N"))
     lines.append((iface_("Measured Range"), f"{record['deepest']:.4g} mm, {record['full_scale']:.4g} N"))
+    if k := record["k"]:
+        lines.append((iface_("k, Force Balance"), f"{k:.3g} N/mm"))
     if record["damping_ratio_hint"] is not None:
         lines.append((iface_("Hysteresis Loss"), f"{record['loss']:.0%}"))
         lines.append((iface_("Damping Ratio"), f"≈ {record['damping_ratio_hint']:.2f}"))

@@ -17,6 +17,7 @@ from .known_words_and_units import UNITS
 from .measurement import Measurement, read_measurement
 from .press import LoadingCurve, prepare
 from .question import Answers
+from .surface_constant import ASSUMES, surface_constant
 from .touch import settle
 
 
@@ -27,7 +28,9 @@ class Calibration:
     measurement: the file as it was read.
     loading: its loading curve, with depths from the fitted first touch.
     fit: the law and its constants.
+    length: edge of the object [m], None if unknown.
     tip: the indenter.
+    k: constant of the surface's springs [N/m], None without a length.
     miss: largest error of the law at the measured points, None if no force was measured.
     notes: messages about how the file was read.
     warnings: messages about what may be wrong: a headline, and after a line break what it means.
@@ -36,18 +39,23 @@ class Calibration:
     measurement: Measurement
     loading: LoadingCurve
     fit: Fit
+    length: float | None
     tip: Indenter
+    k: float | None
     miss: Miss | None
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
 
 
-def calibrate(path: str | Path, answers: Answers | None = None, *, tip: Indenter = POINT) -> Calibration:
+def calibrate(
+    path: str | Path, answers: Answers | None = None, *, length: float | None = None, tip: Indenter = POINT
+) -> Calibration:
     """Read a file and fit the law to it.
 
     Args:
         path: a force-depth file.
         answers: the user's answers to earlier questions.
+        length: edge of the object [m], for k.
         tip: the indenter.
 
     Raises:
@@ -56,15 +64,18 @@ def calibrate(path: str | Path, answers: Answers | None = None, *, tip: Indenter
     """
     measurement = read_measurement(path, answers)
     loading, fit = settle(prepare(measurement, answers), answers)
-    return _calibration(measurement, loading, fit, tip)
+    return _calibration(measurement, loading, fit, length, tip)
 
 
-def calibrate_by_hand(depth: Sequence[float], weight: Sequence[float], *, tip: Indenter = POINT) -> Calibration:
+def calibrate_by_hand(
+    depth: Sequence[float], weight: Sequence[float], *, length: float | None = None, tip: Indenter = POINT
+) -> Calibration:
     """Fit the law to a few readings of a scale, noted by hand; the tare is the mean reading at depth 0, if any.
 
     Args:
         depth: (n,) from the touch [mm].
         weight: (n,) readings of the scale [g].
+        length: edge of the object [m], for k.
         tip: the indenter.
 
     Raises:
@@ -78,14 +89,18 @@ def calibrate_by_hand(depth: Sequence[float], weight: Sequence[float], *, tip: I
     measurement = Measurement(
         source="Measured by Hand", depth=x, force=f, depth_header="", force_header="", units=("mm", "gf")
     )
-    return _calibration(measurement, loading, fit, tip)
+    return _calibration(measurement, loading, fit, length, tip)
 
 
-def _calibration(measurement: Measurement, loading: LoadingCurve, fit: Fit, tip: Indenter) -> Calibration:
+def _calibration(
+    measurement: Measurement, loading: LoadingCurve, fit: Fit, length: float | None, tip: Indenter
+) -> Calibration:
     miss = largest_miss(loading.depth, loading.force, fit.law(loading.depth))
     read, prepared = measurement.remarks, loading.remarks
+    k = None if length is None else surface_constant(loading.depth, loading.force, length)
     return Calibration(
-        measurement=measurement, loading=loading, fit=fit, tip=tip, miss=miss, notes=(*read.notes, *prepared.notes),
+        measurement=measurement, loading=loading, fit=fit, length=length, tip=tip, k=k, miss=miss,
+        notes=(*read.notes, *prepared.notes, *([ASSUMES] if k else [])),
         warnings=(*read.warnings, *prepared.warnings, *doubts(fit, loading, miss, _as_solid(fit, loading, tip))),
     )  # fmt: skip
 
@@ -118,6 +133,11 @@ def provenance(calibration: Calibration) -> str:
     )
 
 
+def source_of_k(calibration: Calibration) -> str:
+    """Return k and how it was found; "" if it was not found."""
+    return Message("k {k} N/mm by the force balance", k=f"{calibration.k / 1e3:.3g}") if calibration.k else ""
+
+
 def to_record(calibration: Calibration) -> dict[str, Any]:
     """Return a calibration as plain data for JSON: slopes in N/mm, depths in mm, forces in N."""
     c, fit, loading, m = calibration, calibration.fit, calibration.loading, calibration.measurement
@@ -140,7 +160,10 @@ def to_record(calibration: Calibration) -> dict[str, Any]:
         "column_units": {"depth": m.units[0], "force": m.units[1]},
         "tip": c.tip.shape,
         "tip_radius": c.tip.radius * 1e3,
+        "length": None if c.length is None else c.length * 1e3,
+        "k": c.k and c.k / 1e3,
         "provenance": provenance(c),
+        "source_of_k": source_of_k(c),
         "notes": list(c.notes),
         "warnings": list(c.warnings),
     }

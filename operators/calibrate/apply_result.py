@@ -6,6 +6,7 @@ import bpy
 from bpy.props import BoolProperty
 
 from ...core.message import kept
+from ..bridge import sizing
 from ..names import Op
 from ..press import polls
 from . import results
@@ -20,12 +21,16 @@ has_result = polls.need(_result, "Calibrate with a file first")
 
 
 class DIMPLE_OT_apply_calibration(polls.Declared, bpy.types.Operator):
-    """Give the active material the calibrated constants and their source"""
+    """Give the active material the calibrated constants and their source, and the body its measured size"""
 
     bl_idname = Op.APPLY_CALIBRATION
     bl_label = "Apply to Material"
     bl_options = {"REGISTER", "UNDO"}
 
+    use_k: BoolProperty(
+        name="Surface Spring", default=True,
+        description="Also set k, and let it decide the spread, if the size of the object is known",
+    )  # fmt: skip
     use_damping: BoolProperty(
         name="Damping Ratio", description="Also set the damping ratio, where it follows from the unloading curve",
         default=True,
@@ -43,12 +48,18 @@ class DIMPLE_OT_apply_calibration(polls.Declared, bpy.types.Operator):
         record = results.load(scene.calibration)
         settings = material_of(body, Path(record["source"]).stem).dimple
         settings.K1, settings.K2, settings.x0 = record["K1"], record["K2"], record["x0"]
+        k = record["source_of_k"] if self.use_k else ""
+        if k:
+            settings.k, settings.spread_mm = record["k"], 0.0  # k decides how far a dent reaches
         if self.use_damping and record["damping_ratio_hint"] is not None:
             settings.damping_ratio = record["damping_ratio_hint"]
         settings.tip, settings.tip_radius_mm = record["tip"].upper(), record["tip_radius"]
         settings.calibration, scene.calibration = scene.calibration, ""
-        settings.provenance = kept(record["provenance"])  # last: setting a constant marks it as edited
+        settings.provenance = kept(results.source(record, k))  # last: setting a constant marks it as edited
         body.dimple.enabled = True
+        if record["length"]:
+            body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", record["length"]
+            sizing.fit(context.scene, body)
 
 
 class DIMPLE_OT_discard_calibration(polls.Declared, bpy.types.Operator):

@@ -39,6 +39,7 @@ class DIMPLE_OT_calibrate_by_hand(Tip, polls.Declared, bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask what pressed the object."""
+        self.take_size(context)
         return context.window_manager.invoke_props_dialog(self, width=WIDTH // 2)
 
     def run(self, context: bpy.types.Context) -> None:
@@ -48,4 +49,4 @@ class DIMPLE_OT_calibrate_by_hand(Tip, polls.Declared, bpy.types.Operator):
         pairs = zip(table.hand_depths, table.hand_grams, strict=True)
         rows = [(steps * table.hand_step_mm, grams) for steps, grams in pairs if grams]
         rows += [] if any(depth == 0 for depth, _ in rows) else [(0.0, 0.0)]
-        self.keep(context, calibrate_by_hand(*zip(*rows, strict=True), tip=self.indenter()))
+        self.keep(context, calibrate_by_hand(*zip(*rows, strict=True), **self.measured()))

@@ -21,7 +21,6 @@ from . import results
 
 if TYPE_CHECKING:
     from ...core.calibration.calibrate import Calibration
-    from ...core.material import Indenter
 
 OPEN = "NONE"  # the answer to a question that is still open
 ASKED_AT_ONCE = 4
@@ -59,18 +58,29 @@ def _property(field: Field):
 
 
 class Tip:
-    """Give an operator properties for the tip."""
+    """Give an operator properties for the tip and for the size of the measured object."""
 
     tip: EnumProperty(name="Tip", description="What pressed the object", items=TIPS)
     tip_radius_mm: FloatProperty(
         name="Tip Radius (mm)", description="Radius of what pressed the object", default=2.0, min=0.01, soft_max=50.0
     )
+    length_mm: FloatProperty(
+        name="Object Size (mm)", description="Edge of the object that was pressed, for k; 0 is not known",
+        default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
+    )  # fmt: skip
 
-    def indenter(self) -> "Indenter":
-        """Return the tip for the core."""
+    def measured(self) -> dict:
+        """Return the tip, and the size of the object, as arguments of the core."""
         from ...core.material import Indenter
 
-        return Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3)
+        tip = Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3)
+        return {"tip": tip, "length": self.length_mm / 1e3 or None}
+
+    def take_size(self, context: bpy.types.Context) -> None:
+        """Start with the size of the active object if it has a custom size."""
+        body = context.object
+        if body and body.dimple.size_mode == "CUSTOM" and not self.properties.is_property_set("length_mm"):
+            self.length_mm = body.dimple.size_mm
 
     def keep(self, context: bpy.types.Context, found: "Calibration") -> None:
         """Store a result in the scene, and report it."""
@@ -78,7 +88,7 @@ class Tip:
         record = results.load(context.scene.dimple.calibration)
         for warning in record["warnings"]:
             say(self, {"WARNING"}, translated(warning).partition("\n")[0])
-        say(self, {"INFO"}, record["provenance"])
+        say(self, {"INFO"}, results.source(record, record["source_of_k"]))
 
 
 class DIMPLE_OT_calibrate(Tip, polls.Declared, bpy.types.Operator):
@@ -106,6 +116,7 @@ class DIMPLE_OT_calibrate(Tip, polls.Declared, bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the file, or the questions that it leaves open; a dropped file is read at once."""
+        self.take_size(context)
         if self.asked:
             for number, question in enumerate(results.load(self.asked)["questions"][:ASKED_AT_ONCE]):
                 values = [candidate["value"] for candidate in question["candidates"]]
@@ -124,14 +135,16 @@ class DIMPLE_OT_calibrate(Tip, polls.Declared, bpy.types.Operator):
         try:
             if not self._take_answers():
                 return self._ask(context, self.asked, "")
-            found = calibrate(self.filepath, self._answers(), tip=self.indenter())
+            found = calibrate(self.filepath, self._answers(), **self.measured())
         except Undecided as undecided:
             return self._ask(context, to_json(undecided.to_record()), str(undecided))
         self.keep(context, found)
         return self._show(contact_mm=found.loading.reading(0.0), tare_n=found.loading.tare)
 
     def draw(self, _context: bpy.types.Context) -> None:
-        """Draw the questions, or if there are none the touch, the tare, the tip and options of the file."""
+        """Draw the questions, or if there are none the touch, the tare, the tip, the size of the object and
+        options of the file.
+        """
         layout = self.layout
         if self.asked:
             return self._draw_questions(layout)
@@ -191,7 +204,7 @@ class DIMPLE_OT_calibrate(Tip, polls.Declared, bpy.types.Operator):
 DIMPLE_OT_calibrate.__annotations__ |= {field.name: _property(field) for field in fields(Answers)}
 _NUMBERS = ("contact_mm", "tare_n", "until_mm")
 _ANSWERS = tuple(field.name for field in fields(Answers) if field.name not in _NUMBERS)
-_KEPT = (*_NUMBERS, "tip", "tip_radius_mm")
+_KEPT = (*_NUMBERS, "tip", "tip_radius_mm", "length_mm")
 
 
 class Saved(ExportHelper):

@@ -50,5 +50,10 @@ def to_text(calibration: Calibration) -> str:
     return to_json(record)
 
 
+def source(record: dict[str, Any], k: str) -> str:
+    """Return the line that states the source of a material's constants; k: the source of its k, or ""."""
+    return Message("{provenance}; {k}", provenance=record["provenance"], k=k) if k else record["provenance"]
+
+
 def _rounded(*columns: Any) -> list[list[float]]:
     return [[float(f"{value:.6g}") for value in row] for row in zip(*columns, strict=True)]

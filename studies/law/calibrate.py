@@ -23,6 +23,7 @@ def add_command(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run)
     command.add_argument("file", type=Path, metavar="FILE", help="file of an instrument")
+    command.add_argument("--length-mm", type=float, metavar="L", help="edge of the object, for k")
     command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT.radius, help="of the tip")
     command.add_argument("--indenter", choices=TIPS, default="point", help="shape of the tip; a point is a small punch")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")
@@ -44,7 +45,8 @@ def run(options: argparse.Namespace) -> int:
     tip = Indenter(shape=options.indenter, radius=1e-3 * options.tip_radius_mm)
     try:
         answers = Answers(**{field.name: getattr(options, field.name) for field in fields(Answers)})
-        calibration = calibrate(options.file, answers, tip=tip)
+        length = None if options.length_mm is None else 1e-3 * options.length_mm
+        calibration = calibrate(options.file, answers, length=length, tip=tip)
     except Undecided as undecided:
         print("\n".join(question_lines(undecided)), file=sys.stderr)
         if options.json:
@@ -73,6 +75,8 @@ def to_lines(calibration: Calibration) -> list[str]:
     if loading.damping_ratio is not None:
         lost = 100 * (loading.loss or 0)
         lines.append(f"  {lost:.0f} % of the work is lost: damping ratio about {loading.damping_ratio:.2f}")
+    if c.k is not None:
+        lines.append(f"  k = {c.k / 1e3:.3g} N/mm")
     lines += [f"  Note: {note}" for note in c.notes]
     lines += ["  Warning: " + warning.replace("\n", "\n    ") for warning in c.warnings]
     return lines

@@ -16,13 +16,13 @@ import numpy as np
 from core.base import Floats
 from core.body.model import build_model
 from core.calibration.calibrate import Calibration, calibrate
-from core.calibration.fit import slope_of
+from core.calibration.surface_constant import string_balance
 from core.calibration.virtual_press import find_site, press_rows, write_press
 from core.material import PRESETS, Preset
 from core.mesh.surface import base_vertices
 from studies.files import new_figure, save_picture, write_csv
 from studies.meshes.simple import cube
-from studies.reference.paper import string_balance, surface_stretch, surface_tension
+from studies.reference.paper import surface_stretch, surface_tension
 
 CELLS, PRESS_ROWS = 16, 60  # along an edge of the cube that is pressed, 1538 vertices; of the press that is written
 NOISE = 0.01  # of full scale: of a strain gauge on a cantilever, as the paper's
@@ -44,7 +44,7 @@ def add_command(command: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Make all again, write it and print the tables."""
     options.out.mkdir(parents=True, exist_ok=True)
-    curves = [calibrate(path) for path in write_samples(options.out)]
+    curves = [calibrate(p, length=preset.size) for p, preset in zip(write_samples(options.out), PRESETS, strict=True)]
     virtual = [virtual_press(preset, options.out) for preset in PRESETS]
     table_2 = list(constants(curves, virtual))
     write_csv(options.out / "table_2.csv", NAMES, table_2)
@@ -106,7 +106,7 @@ def constants(curves: Sequence[Calibration], virtual: Sequence[Calibration]) -> 
             fitted, pressed = getattr(curve.fit, name), getattr(again.fit, name)
             printed = getattr(preset.material, name)
             yield number, name, printed / unit, fitted.value / unit, fitted.half_width / unit, pressed.value / unit
-        yield number, "k", preset.material.k / 1e3, None, None, None
+        yield number, "k", preset.material.k / 1e3, curve.k and curve.k / 1e3, None, None
 
 
 def forces(preset: Preset, curve: Calibration, virtual: Calibration) -> Iterable[Series]:
@@ -119,24 +119,16 @@ def forces(preset: Preset, curve: Calibration, virtual: Calibration) -> Iterable
 
 def tensions(preset: Preset) -> Iterable[Series]:
     """Yield the series of Fig. 7(b): way, object, stretch [mm], tension [N], of K(x) of Table 2."""
-    depth, force = _pressed(preset)
+    depth = np.linspace(0, DEEPEST[preset.name], 200)[1:]
+    force = np.array([preset.material.law(x) for x in depth.tolist()])
     tension = np.array(
         [surface_tension(f, x, preset.size) for f, x in zip(force.tolist(), depth.tolist(), strict=True)]
     )
     modulus = preset.material.k * preset.size / (2 * SECTION)  # such that Eq. (10) has the printed slope
     stretch = np.array([surface_stretch(s, preset.size, SECTION, modulus) for s in tension.tolist()])
     yield "by Eqs. (9) and (10), A E from the printed k", preset.label, 1e3 * stretch, tension
-    pulled, balance = _balance(preset)
+    pulled, balance = string_balance(depth, force, preset.size)
     yield "by the force balance of a string", preset.label, 1e3 * pulled, balance
-
-
-def _pressed(preset: Preset) -> tuple[Floats, Floats]:
-    depth = np.linspace(0, DEEPEST[preset.name], 200)[1:]
-    return depth, np.array([preset.material.law(x) for x in depth.tolist()])
-
-
-def _balance(preset: Preset) -> tuple[Floats, Floats]:
-    return string_balance(*_pressed(preset), preset.size)
 
 
 def table_lines(rows: Sequence[tuple[Any, ...]]) -> list[str]:
@@ -147,17 +139,15 @@ def table_lines(rows: Sequence[tuple[Any, ...]]) -> list[str]:
         f"{'object':>6} {'':>3} {'printed':>8} {'from the curve':>18} {'virtual press':>14}",
     ]
     for number, name, printed, value, half, again in rows:
-        curve = "-" if value is None else f"{value:.3f} ± {half:.3f}"
+        curve = "-" if value is None else f"{value:.3f}" if half is None else f"{value:.3f} ± {half:.3f}"
         lines.append(
             f"{number:>6} {name:>3} {printed:>8.2f} {curve:>18} {'-' if again is None else f'{again:.3f}':>14}"
         )
     products = ", ".join(f"{preset.material.k * preset.size / 2:.0f} N" for preset in PRESETS)
-    balances = ", ".join(f"{slope_of(*_balance(preset))[0] / 1e3:.2g}" for preset in PRESETS)
     return [
         *lines,
-        "k is not in the curve. By Eqs. (9), (10) it is 2 A E / l, whatever is measured: the printed k stand for",
-        f"A E = {products}, which is not printed; (10) alone makes Fig. 7(b) straight. The force balance of a string",
-        f"would make it {balances} N/mm: other values for the same vinyl, so that is no property of the surface.",
+        "k from the curve is by the force balance of a string. By Eqs. (9), (10) k = 2 A E / l, whatever is measured:",
+        f"the printed k stand for A E = {products}, which is not printed; (10) alone makes Fig. 7(b) straight.",
     ]
 
 

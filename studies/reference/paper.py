@@ -148,15 +148,6 @@ def surface_stretch(tension: float, length: float, section: float, youngs_modulu
     return tension * length / (2 * section * youngs_modulus)
 
 
-def string_balance(depth: Floats, force: Floats, length: float) -> tuple[Floats, Floats]:
-    """Return the stretch (n,) [m] and tension (n,) [N] of a string of length [m] that is pressed in its middle.
-
-    Its sides are h = sqrt((l/2)^2 + x^2) long: the tension is F h / (2 x), unlike Eq. (9), and the stretch 2 h - l.
-    """
-    h = np.hypot(length / 2, depth)
-    return 2 * h - length, force * h / (2 * depth)
-
-
 def _of_vertices(touch: Touch) -> Touch:
     return replace(touch, triangles=touch.triangles[:0], radii=touch.radii[:0], faces=None)
 

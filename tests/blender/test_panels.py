@@ -136,7 +136,7 @@ def test_a_calibration_shows_its_constants_with_errors_and_the_just_noticeable_d
 ) -> None:
     panel = bpy.types.DIMPLE_PT_calibration
     assert "dimple.calibrate" in " ".join(draw(bpy, panel, object=body))
-    bpy.ops.dimple.calibrate(filepath=str(SAMPLE))
+    bpy.ops.dimple.calibrate(filepath=str(SAMPLE), length_mm=165)
     pending = draw(bpy, panel, object=body)
     for text in (
         "K1",
@@ -147,7 +147,9 @@ def test_a_calibration_shows_its_constants_with_errors_and_the_just_noticeable_d
         "6% – 8%",
     ):
         assert text in pending, text
-    assert "dimple.apply_calibration" in pending
+    assert "k, Force Balance" in pending and "dimple.apply_calibration" in pending
+    words = " ".join(draw(bpy, bpy.types.DIMPLE_PT_calibration_notes, object=body))
+    assert "upper bound" in words
     bpy.ops.dimple.apply_calibration()
     assert [text for text in pending if "±" in text] == [
         text for text in draw(bpy, panel, object=body) if "±" in text

@@ -169,7 +169,7 @@ def test_noise_alone_is_no_error_of_the_law(make, write):
 
 def test_the_first_line_of_a_warning_says_what_is_wrong(write):
     depth = np.linspace(0, 10, 400)
-    done = calibrate(write(table(depth, 50 * (depth / 10) ** 3)))
+    done = calibrate(write(table(depth, 50 * (depth / 10) ** 3)), length=0.005)
     assert len(done.warnings) >= 2
     assert all(len(warning.split("\n")[0]) <= 110 for warning in done.warnings)
 
@@ -228,7 +228,7 @@ def test_a_range_is_an_option_of_the_command(write, capsys):
 @pytest.mark.parametrize(
     "words",
     [
-        ("--table", "0"), ("--cycle", "0"), ("--tip-radius-mm", "-1"),
+        ("--table", "0"), ("--cycle", "0"), ("--tip-radius-mm", "-1"), ("--length-mm", "0"),
         ("--contact-mm", "inf"), ("--press", "up"),
     ],
     ids=" ".join,
@@ -236,8 +236,9 @@ def test_a_range_is_an_option_of_the_command(write, capsys):
 def test_options_that_mean_nothing_are_refused_in_words(words, write, capsys):
     depth = np.linspace(0, 22, 100)
     path = write(table(depth, law(depth)))
+    length = [] if words[0] == "--length-mm" else ["--length-mm", "165"]
     try:
-        code = main(["calibrate", str(path), *words])
+        code = main(["calibrate", str(path), *length, *words])
     except SystemExit as stopped:
         code = stopped.code
     assert code == 2

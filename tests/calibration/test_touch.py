@@ -7,6 +7,7 @@ import pytest
 
 from core.calibration.calibrate import calibrate, to_record
 from core.calibration.question import Answers, Undecided
+from core.calibration.surface_constant import surface_constant
 from core.calibration.virtual_press import write_press
 from core.material import PRESETS
 from studies.law.paper import DEEPEST
@@ -21,6 +22,13 @@ def pressed(path, preset, *, approach=0.0, noise=0.01, offset=0.0, start=0.0, dr
     force = force + noise * full * np.random.default_rng(seed).normal(size=rows) + offset * full
     write_press(path, depth - start, force + drift * full * np.linspace(0, 1, rows))
     return path
+
+
+def expected_k(preset) -> float:
+    """Return k [N/m] by the force balance of the law itself."""
+    depth = np.linspace(0, DEEPEST[preset.name], 400)
+    force = np.array([preset.material.law(x) for x in depth.tolist()])
+    return surface_constant(depth, force, preset.size)
 
 
 def outcome(path, preset, answers=None) -> str:
@@ -60,8 +68,9 @@ def test_a_force_on_the_cell_where_the_file_begins_is_asked_and_the_answer_is_ta
     assert outcome(untared, preset) == "asked"
     assert outcome(untared, preset, Answers(contact_mm=0.0)) == "right"
     for path, contact in ((before, -4.0), (untared, 0.0)):  # what follows counts from there too
-        done = calibrate(path, Answers(contact_mm=contact))
+        done = calibrate(path, Answers(contact_mm=contact), length=preset.size)
         assert to_record(done)["deepest"] == pytest.approx(1e3 * DEEPEST[preset.name], rel=0.01)
+    assert done.k == pytest.approx(expected_k(preset), rel=0.05)
 
 
 @pytest.mark.parametrize("offset", [-0.4, -0.05])

@@ -231,6 +231,7 @@ def test_the_likeliest_answer_is_chosen_when_the_dialog_opens(
         asked=asked.opened[-1]["asked"], properties=SimpleNamespace(is_property_set=lambda name: False)
     )
     manager = SimpleNamespace(invoke_props_dialog=lambda *args, **how: {"RUNNING_MODAL"})
+    shown.take_size = lambda context: None
     context = SimpleNamespace(object=None, window_manager=manager)
     asked.calibrate.DIMPLE_OT_calibrate.invoke(shown, context, None)
     (question,) = questions_of(shown.asked)

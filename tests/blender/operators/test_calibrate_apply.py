@@ -12,14 +12,22 @@ import pytest
 from tests.blender.operators.test_calibrate import DEPTH, FORCE, SAMPLE, record_of
 
 
-def test_apply_sets_constants_tip_and_source_and_one_undo_takes_them_back(
+def test_a_k_that_is_not_taken_is_not_in_the_source(bpy: ModuleType, add: Callable[..., Any]) -> None:
+    add()
+    bpy.ops.dimple.calibrate(filepath=str(SAMPLE), length_mm=150)
+    bpy.ops.dimple.apply_calibration(use_k=False)
+    settings = bpy.context.object.active_material.dimple
+    assert "force balance" not in settings.provenance and settings.provenance
+
+
+def test_apply_sets_constants_tip_size_and_source_and_one_undo_takes_them_back(
     bpy: ModuleType, add: Callable[..., Any]
 ) -> None:
     from bl_ext.user_default.dimple.core.message import read
 
     add()
     scene = bpy.context.scene.dimple
-    bpy.ops.dimple.calibrate(filepath=str(SAMPLE), tip="PUNCH", tip_radius_mm=4)
+    bpy.ops.dimple.calibrate(filepath=str(SAMPLE), length_mm=150, tip="PUNCH", tip_radius_mm=4)
     bpy.ops.ed.undo_push(message="Calibrate")
     result = record_of(scene)
     assert bpy.ops.dimple.apply_calibration() == {"FINISHED"}
@@ -28,11 +36,12 @@ def test_apply_sets_constants_tip_and_source_and_one_undo_takes_them_back(
     settings = body.active_material.dimple
     for name in ("K1", "K2", "x0"):
         assert getattr(settings, name) == pytest.approx(result[name], rel=1e-6)
+    assert settings.k == pytest.approx(result["k"], rel=1e-6)
     assert (settings.tip, settings.tip_radius_mm) == ("PUNCH", 4)
-    assert read(settings.provenance) == result["provenance"]
+    assert read(settings.provenance) == f"{result['provenance']}; {result['source_of_k']}"
     for part in (SAMPLE.name, "±", "95 %", "residual", f"calibrated {result['date']}"):
         assert part in read(settings.provenance)
-    assert body.dimple.enabled
+    assert body.dimple.enabled and body.dimple.size_mm == 150
     assert bpy.context.scene.dimple.calibration == "" and record_of(settings) == result
     bpy.ops.ed.undo()
     assert bpy.data.objects["Body"].active_material is None
