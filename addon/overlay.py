@@ -56,9 +56,12 @@ def draw_numbers() -> None:
 
 def draw_fingers(entry: Any, screen: Screen) -> None:
     """Draw each fingertip in use, and the force on it unless a blind trial is under way."""
+    import gpu
+
+    view = gpu.matrix.get_model_view_matrix()
     for finger, force in _fingers(entry):
         centre, radius = _in_scene(entry, finger)
-        canvas.draw_lines(shapes.sphere(centre, radius), FINGERTIP, screen)
+        canvas.draw_lines(shapes.outline(centre, radius, view), FINGERTIP, screen)
         if not is_blind():
             canvas.draw_lines(shapes.arrow(centre, force, radius), FORCE, screen)
 

@@ -253,7 +253,7 @@ def test_an_arrow_points_along_the_force_and_a_stronger_one_is_longer(shapes: Mo
     lengths = []
     for newtons in (0.5, 1.0, 4.0, 1e9):
         start, tip = shapes.arrow((1.0, 2.0, 3.0), (0.0, -newtons, 0.0), 0.1)[0]
-        assert start == (1.0, 2.0, 3.0) and tip[0] == 1.0 and tip[2] == 3.0
+        assert start == pytest.approx((1.0, 1.9, 3.0)) and tip[0] == 1.0 and tip[2] == 3.0
         lengths.append(start[1] - tip[1])
     assert lengths[0] < lengths[1] < lengths[2] < lengths[3] == pytest.approx(0.1 * shapes.ARROW_LONGEST)
 
@@ -261,10 +261,11 @@ def test_an_arrow_points_along_the_force_and_a_stronger_one_is_longer(shapes: Mo
 def test_a_fingertip_is_drawn_as_large_as_it_is(shapes: ModuleType, overlay: ModuleType, entry: Any) -> None:
     centre, radius = overlay._in_scene(entry, entry.fingers[0])
     assert radius == pytest.approx(0.12) and centre == pytest.approx((0, 0, 0.6))
-    points = [point for line in shapes.sphere(centre, radius) for point in line]
+    from_front = ((1.0, 0.0, 0.0, 0.3), (0.0, 0.0, 1.0, 0.2))
+    points = [point for line in shapes.outline(centre, radius, from_front) for point in line]
     assert [math.dist(point, centre) for point in points] == pytest.approx([radius] * len(points))
-    for axis in range(3):
-        assert max(point[axis] for point in points) == pytest.approx(centre[axis] + radius)
+    for axis, reach in enumerate((radius, 0.0, radius)):
+        assert max(point[axis] for point in points) == pytest.approx(centre[axis] + reach)
 
 
 def test_the_chart_the_numbers_and_the_fingertip_leave_their_colours(
