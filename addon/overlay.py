@@ -3,6 +3,7 @@
 It shows the last Frame of each running session, or the calibration if no session runs, and changes nothing.
 """
 
+from itertools import zip_longest
 from typing import Any
 
 import bpy
@@ -15,7 +16,6 @@ from ..operators.translation import translated
 from . import canvas, device, force_chart, readout, shapes, viewport_room
 from .canvas import FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
-from .shapes import Point
 from .viewport_room import Room
 
 FEWEST = 3  # lines of text that must fit above a chart, or it is left out: the name, the force, the depth
@@ -59,8 +59,10 @@ def draw_fingers(entry: Any, screen: Screen) -> None:
     import gpu
 
     view = gpu.matrix.get_model_view_matrix()
-    for finger, force in _fingers(entry):
-        centre, radius = _in_scene(entry, finger)
+    for finger, force in zip_longest(entry.fingers, entry.frame.finger_forces, fillvalue=(0.0, 0.0, 0.0)):
+        if not finger:
+            continue
+        centre, radius = entry.to_world(finger.position), finger.radius / entry.link.scale
         canvas.draw_lines(shapes.outline(centre, radius, view), FINGERTIP, screen)
         if not is_blind():
             canvas.draw_lines(shapes.arrow(centre, force, radius), FORCE, screen)
@@ -97,20 +99,6 @@ def shown_bodies(context: bpy.types.Context) -> list[tuple[bpy.types.Object, Any
         return []
     here = {body.session_uid: body for body in context.scene.objects if body.visible_get()}
     return [(here[uid], entry) for uid, entry in sessions.items() if uid in here]
-
-
-def _fingers(entry: Any) -> list[tuple[Any, Point]]:
-    """Return each fingertip in use with the force on it [N]."""
-    forces = [tuple(map(float, force)) for force in entry.frame.finger_forces]
-    forces += [(0.0, 0.0, 0.0)] * len(entry.fingers)
-    return [(finger, force) for finger, force in zip(entry.fingers, forces, strict=False) if finger]
-
-
-def _in_scene(entry: Any, finger: Any) -> tuple[Point, float]:
-    x, y, z = finger.position
-    centre, edge = entry.to_world((x, y, z)), entry.to_world((x + finger.radius, y, z))
-    radius = sum((b - a) ** 2 for a, b in zip(centre, edge, strict=True)) ** 0.5
-    return tuple(map(float, centre)), float(radius)
 
 
 register, unregister = canvas.drawing(draw_bodies, draw_numbers)

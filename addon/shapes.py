@@ -21,17 +21,13 @@ def circle(centre: Point, across: Point, up: Point) -> list[Segment]:
 
 
 def outline(centre: Point, radius: float, view: Sequence[Sequence[float]]) -> list[Segment]:
-    """Return the outline of a sphere in a view, whose matrix has the axes to the right and upwards as its first rows:
-    great circles would cover the dent.
-    """
+    """Return the outline of a sphere in a view, given by its matrix; great circles would cover the dent."""
     across, up = (_scaled(tuple(row[:3]), radius) for row in view[:2])
     return circle(centre, across, up)
 
 
 def arrow(centre: Point, force: Point, radius: float) -> list[Segment]:
-    """Return an arrow along a force [N] from the surface of a fingertip, with its radius [scene units]; nothing below
-    1 mN.
-    """
+    """Return an arrow along a force [N] from the surface of a fingertip [scene units]; nothing below 1 mN."""
     newtons = math.hypot(*force)
     if newtons < 1e-3:
         return []

@@ -82,18 +82,14 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, l
     if not obj.dimple.pin_group and PIN in obj.vertex_groups:
         obj.dimple.pin_group = PIN
     obj.dimple.enabled = True
-    if len(obj.data.vertices) > LARGE:
-        return Message(
-            '"{name}" is soft: "{material}". It is prepared when you press it first.',
-            name=obj.name, material=obj.active_material.name,
-        ), []  # fmt: skip
-    model = ObjectBody.from_object(obj).session.model  # planned now, so that the first press begins at once
-    notes = [about(obj.name, note) for note in model.notes]
     said = Message(
         '"{name}" is soft: "{material}", {size} across. Press it with the left mouse button.',
         name=obj.name, material=obj.active_material.name, size=f"{size:.3g} mm"
     )  # fmt: skip
-    return said, notes
+    if len(obj.data.vertices) > LARGE:
+        return said, []
+    model = ObjectBody.from_object(obj).session.model  # planned now, so that the first press begins at once
+    return said, [about(obj.name, note) for note in model.notes]
 
 
 def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.types.Object, str]:
