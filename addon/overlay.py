@@ -35,9 +35,7 @@ def draw_numbers() -> None:
         return
     shown = shown_bodies(context)
     calibrated = None if shown else force_chart.calibrated_curves(context)
-    if calibrated and not canvas.overlays_shown(context):
-        return
-    if not shown and not calibrated:
+    if not shown and not (calibrated and canvas.overlays_shown(context)):
         return
     screen = canvas.screen_of(context)
     scale = screen.scale
@@ -47,7 +45,8 @@ def draw_numbers() -> None:
     if calibrated and force_chart.fits(free, scale, 0):
         force_chart.draw_curves(calibrated, free[:2], screen)
     for body, entry in shown:
-        if context.scene.dimple.show_chart and force_chart.fits(free, scale, FEWEST):
+        matters = len(shown) == 1 or max(entry.frame.depths, default=0) > 0  # of several bodies only the pressed ones
+        if matters and context.scene.dimple.show_chart and force_chart.fits(free, scale, FEWEST):
             end = force_chart.draw_curves(force_chart.pressed_curves(body, entry), free[:2], screen)
             free = free._replace(bottom=end + MARGIN * scale)
         end = draw_rows(body, entry, free, scale)

@@ -153,6 +153,23 @@ def test_a_session_is_drawn_only_where_overlays_are_switched_on(
         assert drawn == expected
 
 
+def test_of_several_bodies_those_that_are_pressed_have_a_chart(
+    bpy: ModuleType, overlay: ModuleType, entry: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    resting = SimpleNamespace(frame=SimpleNamespace(depths=[-0.01, 0.0]))
+    still, hit = ("Still", resting), ("Hit", entry)
+    for shown, expected in (([still], ["Still"]), ([still, still], []), ([still, hit], ["Hit"])):
+        drawn: list[str] = []
+        monkeypatch.setattr(overlay, "shown_bodies", lambda _, shown=shown: shown)
+        monkeypatch.setattr(overlay.force_chart, "pressed_curves", lambda body, _: body)
+        monkeypatch.setattr(overlay.force_chart, "draw_curves", lambda body, *_, drawn=drawn: drawn.append(body) or 0.0)
+        monkeypatch.setattr(overlay, "draw_rows", lambda *_, **__: 0.0)
+        context = viewport(bpy, region=region("WINDOW", 0, 0, 1280, 800))
+        monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
+        overlay.draw_numbers()
+        assert drawn == expected
+
+
 @pytest.fixture
 def halves(empty_file: ModuleType) -> Any:
     """A cube with a physical size of 165 mm, soft but for its top, and a session on it."""
