@@ -10,7 +10,7 @@ Law = tuple[float, float, float, float]  # K1, K2 [N/m], x0 [m], and the exponen
 CIRCLE_SIDES = 32
 BENT_LINES = 32  # segments of a law that begins as a curve
 ARROW_PER_NEWTON = 0.2  # [fingertip radii/N] long enough to compare two fingers by eye
-ARROW_LONGEST = 5.0  # [fingertip radii] the limit; larger forces are read from the numbers
+ARROW_HEAD, ARROW_LONGEST = 0.4, 5.0  # [fingertip radii] its barbs; the limit: larger forces are read as numbers
 
 
 def circle(centre: Point, across: Point, up: Point) -> list[Segment]:
@@ -33,12 +33,12 @@ def arrow(centre: Point, force: Point, radius: float) -> list[Segment]:
         return []
     along = _scaled(force, 1 / newtons)
     start = _add(centre, _scaled(along, radius))
-    tip = _add(start, _scaled(along, radius * min(ARROW_PER_NEWTON * newtons, ARROW_LONGEST)))
+    tip = _add(start, _scaled(along, radius * min(ARROW_HEAD + ARROW_PER_NEWTON * newtons, ARROW_LONGEST)))
     # the two barbs may lie in any plane through the arrow
     least = min(range(3), key=lambda axis: abs(along[axis]))
     across = _cross(along, tuple(float(axis == least) for axis in range(3)))
     across = _scaled(across, 1 / math.hypot(*across))
-    barbs = [_add(tip, _scaled(along, -0.4 * radius), _scaled(across, side * 0.2 * radius)) for side in (-1, 1)]
+    barbs = [_add(tip, _scaled(along, -ARROW_HEAD * radius), _scaled(across, side * 0.2 * radius)) for side in (-1, 1)]
     return [(start, tip), *((tip, barb) for barb in barbs)]
 
 
