@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ...core.world import World
 
 SAME_SCALE = 1e-6  # relative difference up to which two scales count as the same
-_APART = "Bodies of different scale do not collide: give them Custom Sizes in proportion to their dimensions."
+_APART = "Bodies of different scale do not collide: set Physical Size to As Modeled in Physics > Dimple."
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
