@@ -103,6 +103,21 @@ def test_two_bodies_press_each_other_flat_where_they_meet(
     bpy.ops.dimple.reset()
 
 
+def test_that_bodies_of_different_scale_do_not_collide_is_said(
+    bpy: ModuleType, ball: Add, add: Add, sessions: Any
+) -> None:
+    wall, small, large = add(name="Wall"), ball(), ball()
+    wall.location.x, large.location.x, large.dimple.size_mm = 6, 3, 300.0
+    wall.select_set(False)
+    small.select_set(True)
+    for is_on in (False, True):
+        wall.dimple.collider = is_on
+        bpy.ops.dimple.play(seconds=0.05)
+        notes = [each.session.contact_note for each in sessions.sessions.values()]
+        assert [bool(re.match("Bodies of different scale", note)) for note in notes] == [is_on] * 2
+        bpy.ops.dimple.reset()
+
+
 def test_faces_that_pass_through_others_of_their_mesh_are_left_out_of_self_contact_and_that_is_said(
     bpy: ModuleType, scene: Any, sessions: Any, coordinates: Callable[[Any], bytes]
 ) -> None:
