@@ -197,12 +197,17 @@ static void dm_go(dm_scene_state *s, dm_surface *f) {
 /* Bring back vertices that have moved too far since the query, and note whether the next one is due. */
 static void dm_watch_way(dm_scene_state *s, dm_surface *f) {
     const dm_state *b = f->body;
-    if (b && (!b->asleep || f->pressed)) f->gone = dm_greatest_way(b, s->noted + f->first / DM_LANES);
+    const dm_vec3 *noted = s->noted + f->first / DM_LANES;
+    f->stuck = 0;
+    if (b && (!b->asleep || f->pressed)) f->gone = dm_greatest_way(b, noted);
     if (!b && f->gone > f->slack) f->stuck = dm_goes(f) && f->share > 0;
-    for (uint32_t i = f->first; b && f->gone > f->slack && i < f->first + b->n; i++) {
-        double x[3], way[3];
-        dm_world_of(s, f, i, x), dm_minus(x, s->before[i], way);
-        if (!(dm_inner3(way, way) <= f->slack * f->slack)) dm_settle(s, f, i);
+    if (b && f->gone > f->slack) {
+        for (uint32_t i = f->first; i < f->first + b->n; i++) {
+            double x[3], way[3];
+            dm_world_of(s, f, i, x), dm_minus(x, s->before[i], way);
+            if (!(dm_inner3(way, way) <= f->slack * f->slack)) dm_settle(s, f, i);
+        }
+        f->gone = dm_greatest_way(b, noted);
     }
     s->due |= f->gone > f->stale;
 }
@@ -227,26 +232,32 @@ static void dm_check_run(dm_scene_state *s, dm_run *run) {
         if (!(s->next[pair] > run->gone)) dm_check_pair(s, run, pair);
 }
 
-/* Keep the skin ahead of everything that has moved, on its own side of its planes. Where it cannot get away, the
- * share of its motion that the rigid surface covers is halved, again and again. */
+/* Halve the share of its motion that a rigid surface covers where skin cannot get away; return whether any is. */
+static int dm_hold_back(dm_scene_state *s) {
+    int any = 0;
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+        f->way = 0;
+        if (!f->stuck) continue;
+        f->share = f->share > DM_LEAST_WAY * f->tried ? f->share / 2 : 0;
+        dm_go(s, f), any = 1;
+    }
+    return any;
+}
+
+/* Keep the skin ahead of everything that has moved, on its own side of its planes. Where it cannot get away, rigid
+ * surfaces are held back, again and again. */
 static void dm_keep_apart(dm_scene_state *s) {
-    int again;
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) dm_watch_way(s, f);
     dm_find_ways(s);
-    do {
-        for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->stuck = 0, dm_watch_way(s, f);
+    for (int again = 1; again && dm_has_room(s);) {
         for (uint32_t k = 0; k < s->run_count; k++) dm_check_run(s, s->runs + k);
         for (uint32_t k = 0; k < s->held_count; k++) {
             dm_neighbour *n = s->near + s->held[k];
             dm_settle(s, s->surfaces + n->surface, n->vertex), n->held = 0;
         }
-        s->held_count = 0, again = 0;
-        for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
-            f->way = 0;
-            if (!f->stuck) continue;
-            f->share = f->share > DM_LEAST_WAY * f->tried ? f->share / 2 : 0;
-            dm_go(s, f), again = 1;
-        }
-    } while (again && dm_has_room(s));
+        s->held_count = 0, again = dm_hold_back(s);
+        for (dm_surface *f = s->surfaces; again && f < s->surfaces + s->surface_count; f++) dm_watch_way(s, f);
+    }
     for (uint32_t k = 0; k < s->spent_count && !s->due; k++) dm_renew_plane(s, s->spent[k]);
     s->spent_count = 0;
     for (dm_neighbour *n = s->near; n < s->near + s->near_count; n++)

@@ -410,9 +410,10 @@ class TwinScene:
         stuck, x, b = set[int](), self._positions(), self._bounds
         for i, part in enumerate(self._part):
             ways = np.linalg.norm(x[part] - b.before[part], axis=1)
-            self._due |= bool(ways.max() > self._stale[i])
             for vertex in (part.start + np.flatnonzero(~(ways <= b.slack[part]))).tolist():
                 stuck |= self._settle(vertex) if i < len(self._bodies) else {i}
+        gone = np.linalg.norm(self._positions() - b.before, axis=1)
+        self._due |= any(gone[part].max() > stale for part, stale in zip(self._part, self._stale, strict=True))
         return stuck
 
     def _settle(self, vertex: int) -> set[int]:
