@@ -46,7 +46,7 @@ class Turning:
         self.centre = x @ mass / mass.sum()
         r = x - self.centre[:, None]
         self.inertia = np.eye(3) * (mass * r * r).sum() - (mass * r) @ r.T
-        self.inverse = np.linalg.pinv(self.inertia, hermitian=True)
+        self.inverse = np.asarray(np.linalg.pinv(self.inertia, hermitian=True), np.float64)
         self.spin = self.inverse @ (np.cross(r, v, axis=0) @ mass)
 
     def turn_fill(self, share: Floats, dt: float) -> None:
