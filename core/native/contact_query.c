@@ -165,6 +165,8 @@ static int dm_keep_run(dm_scene_state *s, dm_run *run, uint32_t start) {
 
 static void dm_keep_runs(dm_scene_state *s) {
     uint32_t count = s->run_count;
+    s->kept_count = 0;
+    if (!s->runs) return;
     qsort(s->runs, count, sizeof *s->runs, dm_by_start);
     s->run_count = s->pair_count = 0;
     for (uint32_t k = 0; k < count; k++) {
