@@ -10,7 +10,7 @@ from ..bridge import sizing
 from ..names import Op
 from ..press import polls
 from . import results
-from .apply_preset import material_of
+from ..bridge.material_presets import material_of
 
 
 def _result(context: bpy.types.Context) -> dict:

@@ -12,7 +12,7 @@ from ...core.message import from_json, to_json
 from ..names import Op
 from ..press import polls
 from . import results
-from .apply_preset import material_of
+from ..bridge.material_presets import material_of
 from .from_file import Dropped, Saved
 
 ENDING = ".dimple"
