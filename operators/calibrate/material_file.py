@@ -9,10 +9,10 @@ from bpy.props import StringProperty
 
 from ...core.errors import DimpleError
 from ...core.message import from_json, to_json
+from ..bridge.material_presets import material_of
 from ..names import Op
 from ..press import polls
 from . import results
-from ..bridge.material_presets import material_of
 from .from_file import Dropped, Saved
 
 ENDING = ".dimple"
