@@ -11,6 +11,7 @@ from core.material import Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from core.world import Collider, World
+from studies.contact.meeting import met
 from studies.reference.facets import nearest_on_triangles
 from studies.scenes import cube
 from tests.bodies import ball
@@ -83,7 +84,7 @@ def led(name: str, cuts: int, speed: float, target: str) -> tuple[float, float]:
     for _ in range(20):
         world.step(1e-2)
     world.check()
-    force = np.mean([world.step(1e-3).forces[1, 2] for _ in range(20)])
+    force = np.mean([met(world, 1e-3).forces[1, 2] for _ in range(20)])
     x, low = session.body.positions().T, np.array([7e-4, 1.3e-3, world.collider(0)[:, 2].min()])
     corners = x[session.body.model.mesh.triangles].transpose(2, 0, 1)
     near = np.einsum("ctk,tk->ct", corners, nearest_on_triangles(corners, low))

@@ -19,6 +19,7 @@ from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
 from core.session.sway import Sway
 from core.world import Collider, World
+from studies.contact.meeting import meeting_of
 
 JELLY = Material(K1=300, K2=675, x0=0.01, k=500, density=1040, fill="solid", indenter=FINGERTIP)
 
@@ -222,8 +223,8 @@ def test_a_body_leans_away_from_a_collider_nothing_grows_and_it_comes_back(dampi
         for world in worlds:
             world.set_colliders([place])
             world.step(1 / 24)
-        forces.append([float(np.linalg.norm(world.meeting.forces[0])) for world in worlds])
-        leans.append(float(body._rest.whole[0].mean()))
+        forces.append([float(np.linalg.norm(meeting_of(world).forces[0])) for world in worlds])
+        leans.append(float(body.rest_shape.whole[0].mean()))
     assert forces[-1][0] < 0.5 * forces[-1][1], "it gives way as a whole"
     assert np.mean(leans[-24:]) < -0.003
     assert np.std(leans[-24:]) < np.std(leans[12:36])
