@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import Floats, Ints, Shorts, Singles, sums_at
+from ..constants import ROUNDING
 from ..mesh.surface import Mesh
 from .lattice import Lattice, cells_at, fill, gradients, shares, stiffness, weight
 
 MODES = 20  # number of modes: their sag is that of all modes within 1 %, along the stiffest axis of a block within 10 %
 HOLD = 30.0  # stiffness of pins: that of a layer of the body 1 / 30 of a cell thick
-RIGID = 1e-6  # eigenvalue over that of the stiffest mode: below it, a part that nothing holds moves as a rigid body
 ROUNDS = 8  # rounds of inverse iteration; each gains the ratio of the first eigenvalue left out to the wanted one
 BESIDE = 8  # iterated directions in addition to the modes, so that this ratio is large
 
@@ -65,7 +65,7 @@ def modes_of(
         _hold(k, *shares(lattice, along), np.full(len(along), HOLD * step))
     scale = 1 / np.sqrt(np.repeat(volume, 3))
     squares, vectors = _lowest(k * scale * scale[:, None], lattice.layers, most)
-    moving = squares > RIGID * squares[-1]
+    moving = squares > ROUNDING * squares[-1]  # a part that nothing holds also moves as a rigid body
     shapes = (scale[:, None] * vectors[:, moving]).T.reshape(-1, len(volume), 3)
     turns = _turns(lattice, shapes)
     free = (share * (1 - np.clip(held, 0, 1))[:, None]).astype(np.float32)

@@ -20,7 +20,7 @@ from ..body.springs import membrane_stiffness
 from ..constants import MAX_FINGERTIPS, OFFSET
 from ..mesh.surface import Mesh, mesh_from_triangles
 from ..native import Binding
-from .binding import bind
+from .binding import WHOLE, bind
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 
 SMALLEST = 60  # [vertices] fewer no longer have the shape of the body
@@ -165,8 +165,8 @@ def mean_spacing(mesh: Mesh, vertices: float) -> float:
 
 
 def most_of(model: Model) -> int:
-    """Return the largest number of vertices that a proxy may have."""
-    return int((~model.mesh.loose).sum()) // 2
+    """Return the largest number of vertices that a proxy may have; a binding numbers them with 16 bits."""
+    return min(int((~model.mesh.loose).sum()) // 2, WHOLE)
 
 
 def _coarse_mesh(fine: Mesh, seeds: Ints, cells: Ints) -> Mesh:

@@ -24,7 +24,6 @@ from ..native.scene import Collider, Fall, Falling
 from ..session import Session
 
 LEAST_SHARE = 0.1  # [mass of the lightest body] smallest mass with which a prop moves
-SETTLING = 0.05  # smallest damping ratio of a prop, so that it comes to rest
 THIN = 0.5  # [volume / area] largest distance by which faces are moved inwards
 FLAT = 0.02  # [largest eigenvalue] an eigenvalue below this belongs to a direction that a vertex's faces leave open
 
@@ -112,4 +111,4 @@ def _heavier(shape: RigidShape, sessions: Sequence[Session]) -> RigidShape:
 def _damping(mass: float, sessions: Sequence[Session]) -> float:
     """Return the damping [N s/m] of a prop in contact: as for bodies, a fraction of the critical damping."""
     materials = [material for session in sessions for material in session.model.materials]
-    return min(max(m.damping_ratio, SETTLING) * 2 * math.sqrt(min(m.K1, m.K2) * mass) for m in materials)
+    return min(m.damping_ratio * 2 * math.sqrt(min(m.K1, m.K2) * mass) for m in materials)

@@ -154,7 +154,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
         from ...core.background_work import beside
         from . import live_step
 
-        self._came = yield from beside(live_step.starting_all(context))
+        self._came = yield from beside(live_step.starting_all(context), SLICE_S)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         _, messages, wrong = self._came
