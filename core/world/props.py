@@ -24,7 +24,6 @@ from ..native.scene import Collider, Fall, Falling
 from ..session import Session
 
 LEAST_SHARE = 0.1  # [mass of the lightest body] smallest mass with which a prop moves
-THIN = 0.5  # [volume / area] largest distance by which faces are moved inwards
 FLAT = 0.02  # [largest eigenvalue] an eigenvalue below this belongs to a direction that a vertex's faces leave open
 
 
@@ -90,7 +89,7 @@ def shrunk(collider: Collider, by: float) -> tuple[Collider, float]:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas, volume = np.linalg.norm(normals, axis=1), float(np.linalg.det(corners).sum()) / 6
     normals /= np.copysign(np.maximum(areas, 1e-30), volume)[:, None]
-    by = min(by, THIN * abs(volume) / max(float(areas.sum()) / 2, 1e-30))
+    by = min(by, abs(volume) / max(float(areas.sum()), 1e-30))  # a plate keeps half of its thickness
     # displacement d of each vertex, the least-squares solution for its faces: normal . d = -by
     squares, sums = np.zeros((len(x), 3, 3)), np.zeros((len(x), 3))
     for k in range(3):
