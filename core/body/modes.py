@@ -12,14 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import Floats, Ints, Shorts, Singles, sums_at
-from ..constants import ROUNDING
+from ..constants import ROUNDING, SLACK
 from ..mesh.surface import Mesh
 from .lattice import Lattice, cells_at, fill, gradients, shares, stiffness, weight
 
 MODES = 20  # number of modes: their sag is that of all modes within 1 %, along the stiffest axis of a block within 10 %
 HOLD = 30.0  # stiffness of pins: that of a layer of the body 1 / 30 of a cell thick
-ROUNDS = 8  # rounds of inverse iteration; each gains the ratio of the first eigenvalue left out to the wanted one
-BESIDE = 8  # iterated directions in addition to the modes, so that this ratio is large
+BESIDE = 8  # iterated directions in addition to the modes: each round gains the ratio of the next eigenvalue to the last
 
 
 class Modes(NamedTuple):
@@ -91,17 +90,19 @@ def _hold(k: Floats, nodes: Ints, share: Floats, springs: Floats) -> None:
 def _lowest(a: Floats, layers: Ints, most: int) -> tuple[Floats, Floats]:
     """Return the lowest eigenvalues of a symmetric matrix in ascending order, and their vectors in columns.
 
-    The method is inverse iteration of a subspace.
+    The method is inverse iteration of a subspace, until no eigenvalue changes visibly.
 
     Args:
         layers: index of the first unknown of each layer, and the end; each layer is coupled to adjacent layers only.
     """
     solve = _solver(a + 1e-9 * np.trace(a) / len(a) * np.eye(len(a)), layers)  # `a` is singular if a part is free
     found = np.random.default_rng(0).normal(size=(len(a), min(most + BESIDE, len(a))))
-    for _ in range(ROUNDS):
-        found = np.linalg.qr(solve(found))[0]
-    squares, turn = np.linalg.eigh(found.T @ a @ found)
-    return squares[:most], (found @ turn)[:, :most]
+    squares, before = np.zeros(1), np.full(1, np.inf)
+    while np.abs(squares - before).max() > SLACK * squares[-1]:
+        found, before = np.linalg.qr(solve(found))[0], squares
+        squares, turn = np.linalg.eigh(found.T @ a @ found)
+        squares = squares[:most]
+    return squares, (found @ turn)[:, :most]
 
 
 def _solver(a: Floats, layers: Ints) -> Callable[[Floats], Floats]:
