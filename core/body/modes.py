@@ -18,7 +18,7 @@ from .lattice import Lattice, cells_at, fill, gradients, shares, stiffness, weig
 
 MODES = 20  # number of modes: their sag is that of all modes within 1 %, along the stiffest axis of a block within 10 %
 HOLD = 30.0  # stiffness of pins: that of a layer of the body 1 / 30 of a cell thick
-BESIDE = 8  # iterated directions in addition to the modes: each round gains the ratio of the next eigenvalue to the last
+BESIDE = 8  # iterated directions in addition to the modes, so that those converge quickly
 
 
 class Modes(NamedTuple):
