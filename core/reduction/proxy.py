@@ -25,7 +25,6 @@ from .cells import dual, grow_cells, spread_seeds, vertex_normals
 
 SMALLEST = 60  # [vertices] fewer no longer have the shape of the body
 VOLUME_SLACK = 0.15  # share of the volume: a proxy that is off by more is another body
-NEAREST = 1 / 3  # smallest offset over that of a mesh with such edges: smaller, the planes slow fast bodies down
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,8 +59,7 @@ class Proxy:
         """
         mesh, coarse = self.mesh, self.model.mesh
         out = (mesh.volume - coarse.volume) / float(coarse.triangle_areas.sum())
-        wanted = OFFSET * float(mesh.rest_lengths.mean()) + max(out, 0.0)
-        return float(np.clip(wanted, NEAREST * OFFSET * self.spacing, OFFSET * self.spacing))
+        return min(OFFSET * float(mesh.rest_lengths.mean()) + max(out, 0.0), OFFSET * self.spacing)
 
 
 _made: list[Proxy] = []  # the latest proxies, newest first: one for each body that is pressed at a time
