@@ -19,12 +19,11 @@ import numpy as np
 from ..base import Floats
 from ..body import rigid
 from ..body.rigid import RigidShape, RigidState
-from ..constants import OFFSET
+from ..constants import CREASE, OFFSET
 from ..native.scene import Collider, Fall, Falling
 from ..session import Session
 
 LEAST_SHARE = 0.1  # [mass of the lightest body] smallest mass with which a prop moves
-FLAT = 0.02  # [largest eigenvalue] an eigenvalue below this belongs to a direction that a vertex's faces leave open
 
 
 @dataclass(slots=True, kw_only=True)
@@ -90,12 +89,14 @@ def shrunk(collider: Collider, by: float) -> tuple[Collider, float]:
     areas, volume = np.linalg.norm(normals, axis=1), float(np.linalg.det(corners).sum()) / 6
     normals /= np.copysign(np.maximum(areas, 1e-30), volume)[:, None]
     by = min(by, abs(volume) / max(float(areas.sum()), 1e-30))  # a plate keeps half of its thickness
-    # displacement d of each vertex, the least-squares solution for its faces: normal . d = -by
+    # displacement d of each vertex, the least-squares solution for its faces: normal . d = -by. Two normals with the
+    # cosine of a crease between them span eigenvalues of this ratio; what turns less counts as flat
     squares, sums = np.zeros((len(x), 3, 3)), np.zeros((len(x), 3))
     for k in range(3):
-        np.add.at(squares, triangles[:, k], areas[:, None, None] * normals[:, :, None] * normals[:, None, :])
-        np.add.at(sums, triangles[:, k], areas[:, None] * normals)
-    way = -by * np.einsum("mij,mj->mi", np.linalg.pinv(squares, rcond=FLAT, hermitian=True), sums)
+        np.add.at(squares, triangles[:, k], normals[:, :, None] * normals[:, None, :])
+        np.add.at(sums, triangles[:, k], normals)
+    flat = (1 - CREASE) / (1 + CREASE)
+    way = -by * np.einsum("mij,mj->mi", np.linalg.pinv(squares, rcond=flat, hermitian=True), sums)
     return collider._replace(positions=np.ascontiguousarray((x + way).T)), by
 
 
