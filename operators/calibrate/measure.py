@@ -1,7 +1,7 @@
 """The virtual press: press the active body with a round tip and write the file that an instrument would write."""
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ...core.message import Message, about
 from ..names import PLACES, Op
@@ -9,7 +9,7 @@ from ..press import modal_runs, polls, sessions
 from ..press.progress import Working
 from ..reporting import say
 from . import results
-from .from_file import Saved
+from .from_file import Saved, shown_files
 
 BEYOND = 1.5  # [knee depths] depth of the press if that of the measurement is unknown
 _ASKED = ("tip_radius_mm", "place", "depth_mm", "rows")
@@ -23,7 +23,7 @@ class DIMPLE_OT_measure(Working, Saved, bpy.types.Operator):
     filename_ext = ".csv"
     verb, stopped = "Measuring", "The measurement was stopped; nothing was written"
 
-    filter_glob: StringProperty(name="Filter", description="Files that are shown", options={"HIDDEN"}, default="*.csv")
+    filter_glob: shown_files("*.csv")
     tip_radius_mm: FloatProperty(
         name="Tip Radius (mm)", description="Radius of the tip; 0 is that of the tip that measured the material",
         default=0.0, min=0.0, soft_max=50.0,
