@@ -37,7 +37,7 @@
 
 /* A fingertip and the skin; lengths in radii of the fingertip. */
 #define DM_TOO_NEAR (10 * DM_ROUNDING) /* of a size: closer to a point, the direction away from it is mere rounding */
-#define DM_SWEEPS 20         /* contact sweeps in a substep, at most; the remaining error waits for the next substep */
+#define DM_SWEEPS 20         /* sweeps of an iteration, at most; the remaining error waits for the next substep */
 #define DM_BACK 0.1          /* share of a contact's error that is corrected in a substep: with all of it facets rock, sticking
                               * contacts shake, and a ball at rest swings */
 #define DM_SEATED 1e-4       /* error of a sphere that lies on the surface; in sizes of a body, of a pin in its place */
