@@ -89,7 +89,7 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
             row.operator(Op.DISCARD_CALIBRATION, text="", icon="X")
         else:
             if settings.edited:
-                draw_notes(context, layout, ["The constants have been edited since."], "ERROR")
+                draw_notes(context, layout, ["The constants were edited and no longer match their source."], "ERROR")
             layout.operator("dimple.material_preset_add", text="Keep as My Material", icon="ADD")
 
 

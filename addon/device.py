@@ -23,13 +23,13 @@ class DeviceChoice:
         search=lambda _settings, _context, _text: haptic_fingertips.ports(), search_options={"SORT", "SUGGESTION"},
     )  # fmt: skip
     device_secret: StringProperty(
-        name="Device Secret", description="Text that a device on the network shows its owner. Nobody can move your "
-                                          "hand without it",
+        name="Device Secret", description="Secret that a network device shares with Dimple to identify itself. "
+                                          "Without it, nobody can move your hand",
         subtype="PASSWORD",
     )  # fmt: skip
     device_anywhere: BoolProperty(
-        name="Devices on Other Computers", description="Reach devices on the network of other computers too, while "
-                                                       "Blender allows online access",
+        name="Devices on Other Computers", description="Also connect to devices on other computers of the network, "
+                                                       "if Blender allows online access",
     )  # fmt: skip
 
 
@@ -43,7 +43,7 @@ class DevicePlace:
     )  # fmt: skip
     device_origin: FloatVectorProperty(
         name="Origin",
-        description="Point of the scene where the fingertips are while the device is at its calibrated position",
+        description="Point in the scene where the fingertips are when the device is at its calibrated position",
         subtype="XYZ",
         **_FIXED,
     )
@@ -128,11 +128,11 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
         said = iface_("{} cannot be rendered without shaking, so the object feels softer than its material.")
         sentences.append(said.format(", ".join(softer)))
         if report.delay * report.rate > LATE:
-            sentences.append(iface_("The device is answered late, which makes it softer still. Connect it by network."))
+            sentences.append(iface_("Late answers make it feel softer still. Connect the device over a network."))
     if material and knee_force(material) > report.peak:
         sentences.append(iface_("At its knee the material needs more force than the device can exert."))
     if report.arming.name == "WAITING":
-        sentences.append(iface_("The force comes on once Shift is held and the fingertips touch nothing."))
+        sentences.append(iface_("The force turns on once you hold Shift and the fingertips touch nothing."))
     sentences += slow()
     if not haptic_fingertips.sessions.sessions:
         sentences.append(iface_("Press Play to feel the selected object."))
@@ -162,7 +162,7 @@ def slow() -> list[str]:
     connection = haptic_fingertips.get()
     if not (connection and connection.slow):
         return []
-    return [iface_("Blender draws too slowly: the dead-man key lapses and there is no force. Simulate a proxy.")]
+    return [iface_("Blender draws too slowly: the dead-man key times out and there is no force. Simulate a proxy.")]
 
 
 SIDEBAR = (DIMPLE_PT_device,)

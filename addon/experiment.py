@@ -38,9 +38,9 @@ class DIMPLE_PT_experiment(SidebarPanel, bpy.types.Panel):
             of = iface_("Trial {} of {}").format(trial.number, len(experiment.trials))
             layout.label(text=of, translate=False)
             if experiment.rests:
-                draw_notes(context, layout, ["Rest until you can go on."])
+                draw_notes(context, layout, ["Rest until the next object can be presented."])
             for label in {each.real for each in trial.show if each.real and not experiment.intervals}:
-                draw_notes(context, layout, [Message("Experimenter: put object {label} in front.", label=label)])
+                draw_notes(context, layout, [Message("Experimenter: present object {label}.", label=label)])
             draw_notes(context, layout, [plan.instruction])
             for number, stimulus in enumerate(trial.show):
                 row = layout.row()

@@ -16,8 +16,8 @@ class HandTable:
 
     hand_step_mm: FloatProperty(
         name="One Step (mm)",
-        description="Depth of one step of the table: 1 for millimeters, the pitch of a screw for its turns (M5: 0.8), "
-                    "the thickness of a coin for a stack of coins",
+        description="Depth of one step in the table: 1 if steps are millimeters, the pitch of the screw if they are "
+                    "its turns (M5: 0.8), the thickness of a coin if they are stacked coins",
         default=1.0, min=0.01, soft_max=10.0, **FIXED,
     )  # fmt: skip
     hand_depths: FloatVectorProperty(
@@ -25,7 +25,7 @@ class HandTable:
         **FIXED,
     )  # fmt: skip
     hand_grams: FloatVectorProperty(
-        name="Grams", description="What the scale shows there", size=ROWS, min=0.0, precision=1, **FIXED
+        name="Grams", description="Reading of the scale at this depth", size=ROWS, min=0.0, precision=1, **FIXED
     )
 
 
@@ -39,8 +39,8 @@ class DIMPLE_PT_hand_table(SidebarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout, table = self.layout, context.scene.dimple
         draw_notes(context, layout, [
-            "Put the object on a kitchen scale, touch it from above and set the scale to 0. Go down step by step and "
-            "note the grams.",
+            "Put the object on a kitchen scale, touch it from above with the tip, and set the scale to 0. Then press "
+            "it step by step, and note the grams.",
         ])  # fmt: skip
         layout.prop(table, "hand_step_mm")
         filled = max((i for i, grams in enumerate(table.hand_grams) if grams), default=0)

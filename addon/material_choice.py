@@ -35,7 +35,7 @@ def choices(_settings: bpy.types.PropertyGroup | None, _context: bpy.types.Conte
             (each.name, iface_(each.label), iface_(each.provenance), _pictures[0][each.name].icon_id, number)
             for number, each in enumerate(OBJECTS, start=1)
         ]
-        own = iface_("Custom"), iface_("Constants that are typed in or measured")
+        own = iface_("Custom"), iface_("Your own constants, typed in or measured")
         _items[language].append(("OWN", *own, "MATERIAL", 0))
     return _items[language]
 

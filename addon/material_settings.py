@@ -9,8 +9,8 @@ from ..operators.names import TIPS
 from .object_settings import FIXED, KEYED, exact, kept_text, switch
 
 _MASS_FROM = (
-    ("DENSITY", "Density", "The mass follows from the density and the volume of the body"),
-    ("MASS", "Mass", "The mass of the whole body is given"),
+    ("DENSITY", "Density", "Calculate the mass from the density and the volume of the body"),
+    ("MASS", "Mass", "Enter the mass of the whole body"),
 )
 _FILLS = [(name.upper(), fill.label, fill.description, fill.number) for name, fill in FILLS.items()]
 
@@ -66,10 +66,10 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         min=LEAST_MM, max=1000.0, soft_min=0.1, soft_max=100.0, step=10, precision=2,
         get=_softness, set=_set_softness, **FIXED,
     )  # fmt: skip
-    K1: _stiffness("K1 (N/mm)", 0.61, "How hard the first millimetres are: force per depth, up to the knee")
+    K1: _stiffness("K1 (N/mm)", 0.61, "How hard the first millimeters are: force per depth, up to the knee")
     K2: _stiffness("K2 (N/mm)", 7.23, "How hard the material is deeper down: force per depth, beyond the knee")
     x0: FloatProperty(
-        name="Knee x0 (mm)", description="Depth of a press at which the material changes from K1 to K2",
+        name="Knee x0 (mm)", description="How deep the soft part is: where the stiffness changes from K1 to K2",
         default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **KEYED,
     )  # fmt: skip
     k: _stiffness(
@@ -78,11 +78,11 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     )
     spread_mm: FloatProperty(
         name="Spread (mm)",
-        description="How far a dent reaches beyond the fingertip. At 0, the surface stiffness k decides",
+        description="How far a dent reaches beyond the fingertip. At 0, it follows from the surface stiffness k",
         default=12.0, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,
     )  # fmt: skip
     mass_from: EnumProperty(
-        name="Mass From", description="Enter the mass directly, or let it follow from a density",
+        name="Mass From", description="Enter the mass directly, or calculate it from a density",
         items=_MASS_FROM, **FIXED,
     )  # fmt: skip
     density: FloatProperty(
@@ -111,18 +111,18 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         default=0.0, min=-100.0, max=1000.0, soft_min=-20.0, soft_max=100.0, step=10, precision=2, **KEYED,
     )  # fmt: skip
     tip: EnumProperty(
-        name="Tip", description="Shape of the tip that pressed the object when it was measured",
+        name="Tip", description="Shape of the tip that measured the object",
         items=TIPS, default="SPHERE", **FIXED,
     )  # fmt: skip
     tip_radius_mm: FloatProperty(
-        name="Tip Radius (mm)", description="Radius of the tip that pressed the object when it was measured",
+        name="Tip Radius (mm)", description="Radius of the tip that measured the object",
         default=10.0, min=0.01, soft_max=50.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
     provenance: StringProperty(
-        name="Source", description="Where these constants were measured; empty when typed in",
+        name="Source", description="Where these constants come from; empty if they were typed in",
         update=_mark_measured, **FIXED,
     )  # fmt: skip
-    edited: switch("Edited", "The constants were changed by hand after they had been measured")
+    edited: switch("Edited", "The constants were changed by hand after they were measured")
     calibration: kept_text("Calibration", "The measurement behind these constants")
 
     def to_params(self) -> dict[str, object]:

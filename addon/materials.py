@@ -53,7 +53,7 @@ def draw_constants(context: bpy.types.Context, layout: bpy.types.UILayout, setti
         layout.prop(settings, "pressure_kpa")
     if settings.provenance:
         if settings.edited:
-            draw_notes(context, layout, ["The constants have been edited since."], "ERROR")
+            draw_notes(context, layout, ["The constants were edited and no longer match their source."], "ERROR")
         draw_notes(context, layout, [read(settings.provenance)], "BOOKMARKS")
 
 

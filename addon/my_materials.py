@@ -29,7 +29,7 @@ class DIMPLE_PT_material_presets(PresetPanel, bpy.types.Panel):
 
 
 class DIMPLE_OT_material_preset_add(AddPresetBase, bpy.types.Operator):
-    """Keep these constants as a material of your own, or remove one"""
+    """Save these constants as your own material, or remove one"""
 
     bl_idname = "dimple.material_preset_add"
     bl_label = "Add Material Preset"

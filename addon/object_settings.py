@@ -8,8 +8,8 @@ FIXED = {"options": set()}
 KEYED = {"options": {"ANIMATABLE"}}  # bakes and live sessions follow the keyframes of such a property
 
 _SIMULATED = (
-    ("AUTO", "Automatic", "Simulate the full mesh if it runs live, else the finest proxy that does. A coarse mesh is "
-                          "subdivided"),
+    ("AUTO", "Automatic", "Simulate the full mesh if it runs live, otherwise the finest proxy that does. A coarse "
+                          "mesh is subdivided"),
     ("MESH", "Full Mesh", "Simulate every vertex of the mesh, however slow, and never subdivide it"),
     ("PROXY", "Proxy", "Simulate a coarser body, which deforms the mesh"),
 )

@@ -70,7 +70,7 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         for number in sizing.NUMBERS:
             column.prop(settings, f"finger_{number}")
         if any(tip and tip.type != "EMPTY" for tip in sizing.fingertips(context.scene)):
-            draw_notes(context, layout, ["A fingertip presses as a ball of the tool's radius, whatever its shape."])
+            draw_notes(context, layout, ["A fingertip presses like a ball of the tool's radius, whatever its shape."])
         column = layout.column(align=True)
         column.operator(Op.ADD_FINGERTIP, icon="SPHERE")
         column.operator(Op.KEY_PRESS, icon="REC")

@@ -14,8 +14,8 @@ class DIMPLE_AP_preferences(DeviceChoice, bpy.types.AddonPreferences):
 
     cores: IntProperty(
         name="Cores While Playing",
-        description="Share of the processor's cores that move soft bodies in a live press or in Play. The rest is left"
-                    " to Blender. A bake uses all cores",
+        description="Share of the processor's cores that simulate soft bodies while you press or play. Blender has "
+                    "the rest. A bake uses all cores",
         subtype="PERCENTAGE", default=75, min=1, max=100,
     )  # fmt: skip
 

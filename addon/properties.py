@@ -61,13 +61,14 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
 
     enabled: switch("Dimple", "Make this mesh a soft body that can be pressed")
     pinned: switch(
-        "Pinned", "Hold a part of the body in place, so that the rest gives way. Otherwise it can be pushed away, fall "
-        "and roll", on=True, options=KEYED,
+        "Pinned", "Hold a part of the body in place, so that the rest gives way. Otherwise the body can be pushed "
+        "away, fall and roll", on=True, options=KEYED,
     )  # fmt: skip
     pin_group: StringProperty(
         name="Pin Group",
-        description="Vertex group that is held: where its weight is 0.5 or more, or with Sway as firmly as it weighs. "
-        "Empty: the lowest tenth of the body, or the border of a sheet. Make Soft takes a group named Pin",
+        description="Vertex group that is held in place where its weight is 0.5 or more; with Sway, the weight sets "
+        "how firmly. If empty, the lowest tenth of the body is held, or the border of a sheet. Make Soft uses a "
+        "group named Pin",
         **FIXED,
     )  # fmt: skip
     softness_group: _map(0)
@@ -75,23 +76,23 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
     spread_group: _map(2)
     presses: PointerProperty(
         name="Presses",
-        description="The body that this fingertip was made for. While the fingertip is active, Bake and Export take "
-        "that body",
+        description="The body that this fingertip was made for. While the fingertip is active, Bake and Export act "
+        "on that body",
         type=bpy.types.Object,
     )  # fmt: skip
     sway: FloatProperty(
         name="Sway",
-        description="How much the whole body swings, sags and trembles when it, its rig or what touches it moves; 0 is "
-        "not at all. Pins hold it where their weight is 1, and less where it is less",
+        description="How much the whole body swings, sags and trembles when it, its rig or anything that touches it "
+        "moves; 0 turns this off. Pins hold it firmly where their weight is 1, and less where it is lower",
         default=0.0, min=0.0, max=1.0, subtype="FACTOR", **KEYED,
     )  # fmt: skip
     sway_hz: FloatProperty(
         name="Frequency (Hz)",
-        description="How often it swings in a second, in its slowest way; 0 is as often as its material would",
+        description="How often the body swings per second at its lowest frequency; 0 takes it from the material",
         default=0.0, min=0.0, soft_max=10.0, max=100.0, step=10, precision=2, **KEYED,
     )  # fmt: skip
     sway_damping: FloatProperty(
-        name="Sway Damping", description="How soon it stops swinging; 1 is without a swing back",
+        name="Sway Damping", description="How soon the body stops swinging; at 1 it does not swing back",
         default=0.1, min=0.0, max=1.0, subtype="FACTOR", **KEYED,
     )  # fmt: skip
     size_mode: EnumProperty(
@@ -129,8 +130,8 @@ def _follows(setting: str) -> BoolProperty:
             setattr(self, setting, sizing.fitted(self, setting))
 
     return BoolProperty(
-        name="Follow Size", description="Adapt this value to the size of each body that you press. Typing a value ends"
-                                        " that",
+        name="Follow Size", description="Match this value to the size of each body that you press, until you type a "
+                                        "value",
         get=lambda self: sizing.follows(self, setting), set=follow, **FIXED,
     )  # fmt: skip
 
@@ -157,7 +158,7 @@ class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
     finger_2: _finger(2)
     finger_3: _finger(3)
     press_by: EnumProperty(
-        name="Press By", description="Press to a depth, or with a force. Ctrl F and pen pressure change the same",
+        name="Press By", description="Press to a set depth, or with a set force. Ctrl F and pen pressure change it",
         items=_PRESS_BY, **FIXED,
     )  # fmt: skip
     press_depth_mm: FloatProperty(
@@ -165,7 +166,7 @@ class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
         default=15.0, min=sizing.LEAST_MM, soft_min=0.1, soft_max=1000.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
     by_force: BoolProperty(
-        name="By Force", description="A press is by force", get=lambda self: self.press_by == "FORCE", **FIXED
+        name="By Force", description="The tool presses with a force", get=lambda self: self.press_by == "FORCE", **FIXED
     )
     press_force_n: FloatProperty(
         name="Force (N)", description="How hard the fingertip presses",
@@ -173,11 +174,11 @@ class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
     )  # fmt: skip
     frame_budget_percent: FloatProperty(
         name="Simulation Share (%)",
-        description="Give the simulation more time, or less: its share of each second. Blender needs the rest to draw",
+        description="How much of each second the simulation may use. Blender needs the rest to draw",
         default=60.0, min=5.0, max=95.0, step=500, precision=0, **FIXED,
     )  # fmt: skip
     use_gravity: switch("Gravity", "Let the gravity of the scene act on soft bodies", options=KEYED)
-    use_ground: switch("Ground", "Catch falling bodies on a floor at height 0 of the scene", options=KEYED)
+    use_ground: switch("Ground", "Add a floor at height 0 of the scene, for bodies to land on", options=KEYED)
     calibration: kept_text("Calibration", "The last result, until it is applied to a material")
     tip_place: EnumProperty(name="Press At", description="Where the tip presses", items=PLACES, **FIXED)
     cache_dir: StringProperty(
@@ -188,7 +189,7 @@ class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
     )  # fmt: skip
     show_overlay: switch("Overlay", "Draw fingertips, forces and numbers in the viewport", on=True)
     show_field: EnumProperty(
-        name="Colors", description="Color pressed bodies by a quantity, with a scale", items=_FIELDS, **FIXED
+        name="Colors", description="Color bodies by pressure, depth or stretch, with a scale", items=_FIELDS, **FIXED
     )
     show_chart: switch("Chart", "Draw force against depth, with the material's curve", on=True)
 
@@ -197,11 +198,11 @@ class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
     """The state of the interface, which is not saved."""
 
     radius_zoom: FloatVectorProperty(
-        name="Zoom", description="Pixels in a millimetre of the fingertip's radius", size=2, get=tool.radius_zoom,
+        name="Zoom", description="Pixels per millimeter of the fingertip's radius", size=2, get=tool.radius_zoom,
         options={"SKIP_SAVE"},
     )  # fmt: skip
     amount_zoom: FloatVectorProperty(
-        name="Zoom", description="Pixels in a millimetre of depth, or in a newton", size=2, get=tool.amount_zoom,
+        name="Zoom", description="Pixels per millimeter of depth, or per newton", size=2, get=tool.amount_zoom,
         options={"SKIP_SAVE"},
     )  # fmt: skip
 

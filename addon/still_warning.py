@@ -31,9 +31,9 @@ class DIMPLE_PT_still_warning(bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         names = ", ".join(stills(context, context.space_data.active_operator))
-        draw_notes(context, self.layout, ["The bakes of these objects would be exported as stills:"], "ERROR")
+        draw_notes(context, self.layout, ["This exporter would write these bakes without their motion:"], "ERROR")
         self.layout.label(text=names, translate=False)
-        draw_notes(context, self.layout, ["File > Export > Dimple Animation writes them as they move."], "INFO")
+        draw_notes(context, self.layout, ["File > Export > Dimple Animation exports them with their motion."], "INFO")
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_PT_still_warning])

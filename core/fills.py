@@ -35,12 +35,12 @@ class Fill(NamedTuple):
 FILLS = {
     "air": Fill("Air", "Full of air: a press compresses it a little", 0, PressureLaw.GAS, reserve=16.0),
     "liquid": Fill(
-        "Liquid", "Full of liquid, which keeps its volume: where a dent goes in, the body bulges elsewhere", 1,
+        "Liquid", "Full of liquid, which keeps its volume: a dent makes the body bulge elsewhere", 1,
         PressureLaw.BULK, reserve=2.0,
     ),
     "solid": Fill(
-        "Solid", "Solid to the core, like rubber, jelly or flesh: it keeps its volume, and gives way round a fingertip",
+        "Solid", "Solid to the core, like rubber, jelly or flesh: it keeps its volume, and yields around a fingertip",
         3, PressureLaw.BULK, reserve=2.0, elastic=True,
     ),
-    "none": Fill("None", "An empty shell without pressure. Suits open meshes", 2, PressureLaw.NONE),
+    "none": Fill("None", "An empty shell without pressure, for open meshes", 2, PressureLaw.NONE),
 }  # fmt: skip

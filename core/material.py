@@ -83,7 +83,7 @@ class Material:
         if (self.mass is None) == (self.density is None):
             given = Message("both" if self.mass else "neither")
             raise DimpleError(
-                "Give either a mass or a density (it is {given}). Change it in Material > Dimple.", given=given
+                "Set either a mass or a density (set now: {given}). Change it in Material > Dimple.", given=given
             )
         if self.mass is not None:
             _require(self.mass > 0, "The mass", "{name} must be greater than 0 {unit}", self.mass, "kg")

@@ -30,7 +30,7 @@ MEMORY.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
 
 
 class DIMPLE_OT_copy_report(polls.Declared, bpy.types.Operator):
-    """Copy versions, platform and the last messages and errors, to paste them into a bug report"""
+    """Copy versions, the platform and the latest messages and errors, to paste into a bug report"""
 
     bl_idname = Op.COPY_REPORT
     bl_label = "Copy Report"
@@ -46,7 +46,7 @@ class DIMPLE_OT_copy_report(polls.Declared, bpy.types.Operator):
         bodies = [f"{obj.name}: {read(obj.dimple.plan_reason)}" for obj in context.scene.objects if obj.dimple.enabled]
         versions = f"Dimple {bake_files.version()}, Blender {bpy.app.version_string}, {platform.platform()}"
         context.window_manager.clipboard = "\n".join([versions, f"Core: {core}", *bodies, *MEMORY.entries])
-        say(self, {"INFO"}, "The report is in the clipboard")
+        say(self, {"INFO"}, "The report is on the clipboard")
 
 
 def register() -> None:

@@ -16,19 +16,19 @@ DEAD_MAN = "LEFT_SHIFT"  # the haptic device has force only while this key is he
 
 # shapes of the tip that measured a material; identifiers as in the core, in capitals
 TIPS = (
-    ("POINT", "Point", "Something small that touches at a point, as in the paper"),
+    ("POINT", "Point", "A small tip that touches at a point, as in the paper"),
     ("PUNCH", "Flat Punch", "A flat, round face"),
     ("SPHERE", "Ball", "A round tip, like a fingertip"),
 )
 # properties that can be painted on a body: name, label of the vertex group, and meaning of its weights
 MAPS = (
-    ("softness", "Softness Group", "softness: 0.5 is as measured, 1 four times softer, 0 four times stiffer"),
-    ("knee", "Knee Group", "how deep the soft part reaches: 0.5 is x0, 1 twice and 0.25 half of it"),
-    ("spread", "Spread Group", "how far a dent reaches: 0.5 is the spread, 1 twice and 0.25 half of it"),
+    ("softness", "Softness Group", "softness: 0.5 is as measured, 1 is four times softer, 0 is four times stiffer"),
+    ("knee", "Knee Group", "how deep the soft part reaches: 0.5 is x0, 1 is twice and 0.25 is half of that"),
+    ("spread", "Spread Group", "how far a dent reaches: 0.5 is the spread, 1 is twice and 0.25 is half of that"),
 )
 PLACES = (
-    ("TOP", "Top", "Straight down on the middle"),
-    ("CURSOR", "3D Cursor", "Straight into the surface, where the 3D cursor is nearest to it"),
+    ("TOP", "Top", "Press straight down on the middle"),
+    ("CURSOR", "3D Cursor", "Press straight into the surface at the point nearest to the 3D cursor"),
 )
 
 

@@ -68,7 +68,7 @@ def duration(seconds: float) -> Message:
 
 def beyond_end(last: int, scene_end: int) -> list[Message]:
     """Return a sentence if an animation ends after the last frame of the scene, else nothing."""
-    end = Message("That is beyond the scene's last frame {last_frame}.", last_frame=scene_end)
+    end = Message("That is after the last frame of the scene, {last_frame}.", last_frame=scene_end)
     return [end] if last > scene_end else []
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from core.base import Floats, Ints
+from core.base import Bools, Floats, Ints
 from core.session import Session
 from studies.reference.rigid import rotation
 
@@ -58,6 +58,19 @@ def sheet(cells: int = 4, edge: float = 1.0) -> Shape:
     index = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
     a, b, c, d = (index[s].ravel() for s in (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]))
     return np.stack([x, y, 0 * x], axis=1), np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+
+
+def plate(filled: Bools, edge: float, thickness: float) -> Shape:
+    """Return a plate of square cells, those in `filled` (k, k), the others being holes; it lies on z = 0."""
+    k, (i, j), beside = len(filled) + 1, np.nonzero(filled), np.pad(filled, 1)
+    a, b, c, d = ((i + x) * k + j + y for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)))
+    up, quads = k * k, [np.stack([a, d, c, b], axis=1), np.stack([a, b, c, d], axis=1) + k * k]
+    for p, q, x, y in ((d, a, -1, 0), (b, c, 1, 0), (a, b, 0, -1), (c, d, 0, 1)):
+        wall = np.stack([p, q, q + up, p + up], axis=1)
+        quads.append(wall[~beside[i + 1 + x, j + 1 + y]])
+    corners, faces = np.unique(np.concatenate(quads)[:, [0, 1, 2, 0, 2, 3]], return_inverse=True)
+    level, x, y = np.unravel_index(corners, (2, k, k))
+    return np.stack([edge * x, edge * y, thickness * level], axis=1), faces.reshape(-1, 3)
 
 
 def hemisphere(segments: int = 16, rings: int = 8, radius: float = 1.0) -> Shape:

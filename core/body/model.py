@@ -21,6 +21,7 @@ from . import frequency_bounds, pressure, springs
 from .maps import Maps, painted
 from .on_mesh import constants_on, mass_on
 from .pressure import Pressure
+from .rigid import fill_momentum
 from .shape_matching import ShapeMatching, tension_force
 from .springs import Springs
 from .time_step import MAX_SUBSTEPS, longest_step
@@ -62,6 +63,8 @@ class Model:
     springs, pressure, matching: the laws with their parameters.
     gravity: (3,) [m/s2].
     ground: height of a plane [m], or None.
+    fill_momentum: angular momentum of the fill over that of the skin (3, 3), in the shape at rest; 0 but in a solid
+        without pins.
     omega_squared: bound on the highest angular frequency squared [1/s2].
     decay: bound on the highest damping rate [1/s].
     notes: messages for the artist.
@@ -82,6 +85,7 @@ class Model:
     matching: ShapeMatching
     gravity: Floats
     ground: float | None
+    fill_momentum: Floats
     omega_squared: float
     decay: float
     notes: tuple[str, ...]
@@ -154,7 +158,7 @@ def build_model(
         DimpleError: a material is missing, or a map has the wrong length.
     """
     if not np.isfinite(gravity).all() or np.shape(gravity) != (3,) or not math.isfinite(ground or 0.0):
-        raise DimpleError("Gravity must be three numbers and the ground's height one.")
+        raise DimpleError("Gravity must be three numbers, and the height of the ground one number.")
     if not materials or mesh.triangle_material.max() >= len(materials) or mesh.triangle_material.min() < 0:
         raise DimpleError("A face uses a material slot that is empty. Assign a material to it.")
     held = _on_vertices(mesh, pinned, "pins", 0.0)
@@ -219,10 +223,12 @@ def assemble(
         pull=tension_force(ends, tension, rest),
     )  # fmt: skip
     inside = pressure.build_pressure(mesh, fill, rest_pressure)
+    turns = FILLS[inside.fill].elastic and not (pinned & ~mesh.loose).any()
     return Model(
         mesh=mesh, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, pinned=pinned,
         friction=friction, compliance=compliance, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
+        fill_momentum=fill_momentum(mesh, shape.mass) if turns else np.zeros((3, 3)),
         omega_squared=frequency_bounds.of_body(
             mesh, stiffness + tension, np.maximum(k1, k2), inverse_mass, inside, FILLS[inside.fill].reserve
         ),
@@ -238,7 +244,7 @@ def _ground(mesh: Mesh, pinned: Bools, ground: float | None) -> tuple[float | No
         return ground, ()
     lowest = float(heights.min())
     return lowest, (Message(
-        "The body starts {depth:.3g} mm below the ground, so for it the ground is as low as it is. Move it up to let "
+        "The body starts {depth:.3g} mm below the ground, so the ground is lowered for this body. Move it up to let "
         "it fall.",
         depth=1e3 * (ground - lowest)
     ),)  # fmt: skip

@@ -15,6 +15,9 @@ import numpy as np
 
 from ..base import DimpleError, Floats, Ints
 from ..constants import ROUNDING
+from ..mesh.surface import Mesh, cap_centres
+
+STABLE = 0.9  # greatest part of the skin's momentum that a fill may have: explicit steps are stable up to 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,8 +63,8 @@ def rigid_shape(positions: Floats, triangles: Ints, mass: float) -> RigidShape:
     x = np.asarray(positions, np.float64)
     middle = x[np.unique(triangles)].mean(axis=0)
     corners = (x - middle)[triangles]  # (t, 3, 3)
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
-    volumes = np.linalg.det(corners) / 6
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas, volumes = np.linalg.norm(normals, axis=1) / 2, (corners[:, 0] * normals).sum(axis=1) / 6
     size = float(np.ptp(x, axis=0).max())
     if not areas.sum() > (1e-6 * size) ** 2:
         raise DimpleError("The prop has no faces with an area, so it cannot touch anything.")
@@ -71,13 +74,33 @@ def rigid_shape(positions: Floats, triangles: Ints, mass: float) -> RigidShape:
     weight = weight / weight.sum()
     total = corners.sum(axis=1)
     centre = weight @ total / first
-    moments = np.einsum("t,tki,tkj->ij", weight, corners, corners) + np.einsum("t,ti,tj->ij", weight, total, total)
+    moments = sum((weight * at.T) @ at for at in (*corners.swapaxes(0, 1), total))
     moments = moments / second - np.outer(centre, centre)
-    inertia = mass * (np.trace(moments) * np.eye(3) - moments)
-    least = 1e-6 * mass * size**2  # a straight line of vertices has no inertia about itself
     return RigidShape(
-        mass=mass, inertia=inertia + least * np.eye(3), centre=middle + centre, arms=x - middle - centre
+        mass=mass, inertia=_inertia(mass * moments, mass * size**2), centre=middle + centre, arms=x - middle - centre
     )  # fmt: skip
+
+
+def _inertia(moments: Floats, whole: float) -> Floats:
+    """Return the inertia (3, 3) by the second moments of the mass, and a bound on it [kg m2]."""
+    least = 1e-6 * whole  # a straight line of vertices has no inertia about itself
+    inertia: Floats = (np.trace(moments) + least) * np.eye(3) - moments
+    return inertia
+
+
+def fill_momentum(mesh: Mesh, mass: Floats) -> Floats:
+    """Return the angular momentum of a solid's fill over that of its skin (3, 3), in the shape at rest.
+
+    The skin has all the mass (n,) [kg], and so more inertia than the solid: the fill turns against it.
+    """
+    x, total = mesh.rest_positions, float(mass.sum())
+    ends = np.concatenate([x, cap_centres(x, mesh.cap_edges, mesh.cap_loop)[0]])
+    caps = np.column_stack([mesh.cap_edges, len(x) + mesh.cap_loop])
+    solid = rigid_shape(ends, np.concatenate([mesh.triangles, caps]), total).inertia
+    arms = x - mass @ x / total
+    skin = _inertia((mass * arms.T) @ arms, total * mesh.size**2)
+    momentum: Floats = solid @ np.linalg.inv(skin) - np.eye(3)
+    return momentum / max(1.0, float(np.linalg.norm(momentum, 2)) / STABLE)
 
 
 def at_rest(shape: RigidShape) -> RigidState:

@@ -71,27 +71,27 @@ def doubts(fit: Fit, loading: LoadingCurve, miss: Miss | None, as_solid: Miss | 
     deepest = float(loading.depth.max())
     if fit.model == "one":
         yield Message(
-            "No knee was found down to {depth:.3g} mm.\nOne slope says as much as two: K2 equals K1 and x0 is "
-            "the deepest row.",
+            "No knee was found down to {depth:.3g} mm.\nOne slope fits as well as two, so K2 equals K1, and x0 is "
+            "the depth of the deepest row.",
             depth=1e3 * deepest,
         )
     elif fit.K2.value < fit.K1.value:
         yield (
-            "The object softens beyond the knee (K2 < K1).\nThat is unusual: see whether it buckles or is torn, and "
-            "whether the columns of depth and force are exchanged."
+            "The object softens beyond the knee (K2 < K1).\nThat is unusual: check whether it buckled or tore, and "
+            "whether the columns of depth and force are swapped."
         )
     first = float(loading.depth[loading.depth > 0].min())
     if first > _FAR * deepest:
         yield Message(
-            "The file begins {first:.3g} mm after the first touch.\nWhat the object answers before that was not "
-            "measured: K1 and x0 hold only if it is straight down to the touch.",
+            "The file begins {first:.3g} mm after the first touch.\nThe force before that was not measured: K1 and "
+            "x0 are right only if the curve is straight from the touch on.",
             first=1e3 * first,
         )
     if miss and (fit.misfit > _SEEN or miss.share > _FAR):
         yield Message(
             "The law misses the measured points by up to {share:.0f} % of the force.\nThat is {error:+.3g} N at "
-            "{depth:.3g} mm, and {misfit:.1f} % of full scale (RMS) over all: the curve has another shape than "
-            "two straight slopes.",
+            "{depth:.3g} mm, and {misfit:.1f} % of full scale (RMS) overall: the curve does not consist of two "
+            "straight slopes.",
             share=100 * miss.share,
             error=miss.error,
             depth=1e3 * miss.depth,
@@ -99,8 +99,8 @@ def doubts(fit: Fit, loading: LoadingCurve, miss: Miss | None, as_solid: Miss | 
         )
     if miss and as_solid and miss.share > _SEEN and as_solid.share < miss.share / 2:
         yield Message(
-            "The curve is that of a solid: choose Fill: Solid.\nIts law with the same constants misses the "
-            "measured points by up to {share:.0f} % of the force, two slopes by {miss:.0f} %.",
+            "The curve is that of a solid: choose Fill: Solid.\nWith the same constants, the law of a solid misses "
+            "the measured points by up to {share:.0f} % of the force, and two slopes miss them by {miss:.0f} %.",
             share=100 * as_solid.share,
             miss=100 * miss.share,
         )
@@ -121,10 +121,10 @@ def doubts(fit: Fit, loading: LoadingCurve, miss: Miss | None, as_solid: Miss | 
         if abs(slope) > SURE * error:
             change = slope * float(np.ptp(loading.depth[before]))
             yield Message(
-                "The force changes by {change:+.2g} N before the touch.\nThe load cell drifts, and the slopes "
-                "are off by {per_mm:+.2g} N/mm, or the touch is earlier.",
+                "The force changes by {change:+.2g} N before the touch.\nEither the load cell drifts, and the slopes "
+                "are off by {per_mm:+.2g} N/mm, or the touch was earlier.",
                 change=change,
                 per_mm=slope / 1e3,
             )
     if fit.K1.value <= 0:
-        yield "The force does not grow with the depth.\nThere is no material with these constants."
+        yield "The force does not grow with the depth.\nNo material has these constants."

@@ -103,7 +103,7 @@ def _which_unit(table: Table, role: str, at: int) -> Question:
     for unit in _CHOICES[role]:
         _, factor = unit_of(unit) or ("", 1.0)
         candidates.append((unit, Message(then, value=reach * factor * (1 if role == "force" else 1e3))))
-    text = Message("In what unit is {title}? It reaches {reach:g}.", title=table.title(at), reach=reach)
+    text = Message("What is the unit of {title}? Its largest value is {reach:g}.", title=table.title(at), reach=reach)
     return Question(f"{role}_unit", text, *candidates)
 
 
@@ -128,7 +128,7 @@ def _choose(table: Table, answers: Answers, remarks: Remarks) -> tuple[dict[str,
         DimpleError: fewer than two columns have numbers, or an answer names no column.
     """
     if len(table.numeric) < 2:
-        raise DimpleError("The table has one column of numbers; it needs a depth and a force.")
+        raise DimpleError("The table has only one column of numbers; it needs a depth and a force.")
     named = {"depth": answers.depth_column, "force": answers.force_column}
     given = {role: _named(table, name, role) for role, name in named.items() if name is not None}
     chosen, open_options = dict(given), {}
@@ -136,7 +136,7 @@ def _choose(table: Table, answers: Answers, remarks: Remarks) -> tuple[dict[str,
         options = open_options[role] = [i for i in _options(table, role) if i not in given.values()]
         if len(options) > 1 and _alike(table.numbers[:, options]):
             title, other = map(table.title, options[:2])
-            remarks.note("{title} was taken; {other} says the same.", title=title, other=other)
+            remarks.note("{title} was used; {other} holds the same.", title=title, other=other)
             options = options[:1]
         if len(options) == 1 and (table.role(options[0]) == role or table.kind(options[0]) == KIND[role]):
             chosen[role] = options[0]
@@ -179,11 +179,11 @@ def _named(table: Table, name: str, role: str) -> int:
         found = [i for i, each in enumerate(table.names) if wanted in (each.lower(), table.title(i).lower())]
         if len(found) != 1:
             raise DimpleError(
-                "No single column is called “{name}”. Give its number, 1 to {most}.", name=name, most=len(table.names)
+                "“{name}” does not name one column. Enter its number, 1 to {most}.", name=name, most=len(table.names)
             )
         at = found[0]
     if (count := int(np.isfinite(table.numbers[:, at]).sum())) < MIN_ROWS:
-        said = "Column {number} ({title}) has numbers in {count} rows only, so it cannot be the {role}."
+        said = "Column {number} ({title}) has numbers in only {count} rows, so it cannot be the {role}."
         raise DimpleError(said, number=at + 1, title=table.title(at), count=count, role=Message(role))
     return at
 
@@ -204,7 +204,7 @@ def _check_clock(table: Table, depth_at: int) -> None:
         backward = float((np.diff(time) < 0).mean())
         if min(backward, 1 - backward) <= SLIGHT and not (time.min() < 0 and like_a_clock):
             continue
-        why = "“{title}” does not run like a clock: the headers may stand over the wrong columns."
+        why = "“{title}” does not increase like a time: the headers may be over the wrong columns."
         depth, force = (_which_column(table, role, table.numeric) for role in _OTHER)
         depth.text = in_a_row([Message(why, title=table.title(at)), depth.text])
         raise Undecided(depth, force)

@@ -62,8 +62,8 @@ class PokeMap:
     def text(self) -> str:
         """Return a sentence about the pokes and the error of the map."""
         return Message(
-            "{pokes} pokes at {places} places: each place predicted from the others, the force is off by {error:.1%} "
-            "(RMS; with one softness for all {without:.1%}).",
+            "{pokes} pokes at {places} places. When each place is predicted from the others, the force is off by "
+            "{error:.1%} RMS, and by {without:.1%} with one softness for all.",
             pokes=self.pokes,
             places=self.places,
             error=self.error,
@@ -83,7 +83,7 @@ def read_pokes(path: str | Path) -> Pokes:
     columns = _columns(table)
     if missing := [name for name in (*_AXES, "depth", "force") if name not in columns]:
         raise DimpleError(
-            "{name} is no table of pokes: there is no column {missing}.", name=Path(path).name, missing=tuple(missing)
+            "{name} is not a table of pokes: it has no column {missing}.", name=Path(path).name, missing=tuple(missing)
         )
     found = np.stack([_in_si(table, at, name) for name, at in columns.items()], axis=1)
     by = dict(zip(columns, found[np.isfinite(found).all(axis=1)].T, strict=True))
@@ -91,7 +91,7 @@ def read_pokes(path: str | Path) -> Pokes:
     depth, force = (by[name] * (-1 if by[name][hard].sum() < 0 else 1) for name in ("depth", "force"))
     pressed = (depth > 0) & (force > 0)
     if not pressed.any():
-        raise DimpleError("No poke has a depth and a force greater than 0. Are the columns the right ones?")
+        raise DimpleError("No poke has a depth and a force greater than 0. Are these the right columns?")
     places = np.stack([by[axis] for axis in _AXES], axis=1)
     return Pokes(places=places[pressed], depths=depth[pressed], forces=force[pressed])
 
@@ -123,8 +123,8 @@ def map_pokes(
     error, without = (float(np.sqrt((np.expm1(guess - logs) ** 2).mean())) for guess in (left_out, flat))
     if error >= without:
         raise DimpleError(
-            "One softness is as good as a map: each place predicted from the others, the force is off by {error:.1%} "
-            "with a map and {without:.1%} without.",
+            "One softness is as good as a map. When each place is predicted from the others, the force is off by "
+            "{error:.1%} with a map and by {without:.1%} without one.",
             error=error,
             without=without,
         )
@@ -185,7 +185,7 @@ def _check(mesh: Mesh, pokes: Pokes) -> None:
     reach = _FAR * mesh.size + float(np.median(mesh.rest_lengths))
     if np.median(away) > reach:
         raise DimpleError(
-            "The pokes lie {distance:.3g} mm from the surface. Their x, y and z are places on the object as it "
-            "stands in the scene, at its physical size.",
+            "The pokes lie {distance:.3g} mm from the surface. Their x, y and z must be positions on the object as "
+            "it stands in the scene, at its physical size.",
             distance=1e3 * float(np.median(away)),
         )

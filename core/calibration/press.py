@@ -89,12 +89,12 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     depth, force = _in_range(depth, force, inward, answers, remarks)
     cycles = find_cycles(depth)
     if not cycles:
-        raise DimpleError("The depth never grows: the file holds unloading only, no press.")
+        raise DimpleError("The depth never increases: the file holds only unloading and no press.")
     cycles = _long_enough(cycles, depth, remarks)
     if len(cycles) > 8 and len(depth) / len(cycles) < 4 * MIN_ROWS:
         raise DimpleError(
-            "The depth turns back {cycles} times in {rows} rows: they are not in the order measured, or the depth is "
-            "not the column taken.",
+            "The depth reverses {cycles} times in {rows} rows: the rows are not in the order of measurement, or the "
+            "depth is in another column.",
             cycles=len(cycles),
             rows=len(depth),
         )
@@ -111,11 +111,11 @@ def check_loss(curve: LoadingCurve) -> tuple[str, ...]:
     """Return a warning if unloading returns more work than the press took; none otherwise."""
     if curve.loss is None or curve.loss >= -_GAINED:
         return ()
-    why = Message("The way back returns {loss:.0f} % more work than the press takes", loss=-100 * curve.loss)
+    why = Message("The unloading returns {loss:.0f} % more work than the press takes", loss=-100 * curve.loss)
     return (
         Message(
-            "{why}.\nNo object does that: the rows may stand from the last to the first, or force and depth may not be "
-            "of one press.",
+            "{why}.\nNo object does that: the rows may be in reverse order, or the force and the depth may be from "
+            "different presses.",
             why=why,
         ),
     )
@@ -125,7 +125,7 @@ def _without_spikes(measurement: Measurement, remarks: Remarks) -> tuple[Floats,
     depth, force = measurement.depth, measurement.force
     wrong = spikes(depth) | spikes(force)
     if wrong.any():
-        said = "{count} rows stand apart from their neighbours and were left out, the first of them row {row}."
+        said = "{count} rows differ strongly from their neighbors and were left out, the first of them row {row}."
         remarks.warn(said, count=int(wrong.sum()), row=int(wrong.argmax()) + 1)
     return depth[~wrong], force[~wrong]
 
@@ -135,10 +135,10 @@ def _in_range(depth: Floats, force: Floats, inward: int, answers: Answers, remar
     keep = depth <= (math.inf if answers.until_mm is None else inward * answers.until_mm / 1e3)
     if (rows := int(keep.sum())) < MIN_ROWS:
         raise DimpleError(
-            "Only {rows} rows lie in the range that was given; a fit needs {least}.", rows=rows, least=MIN_ROWS
+            "Only {rows} rows lie in the given range; a fit needs at least {least}.", rows=rows, least=MIN_ROWS
         )
     if rows < len(keep):
-        remarks.note("{rows} rows outside the range that was given were left out.", rows=len(keep) - rows)
+        remarks.note("{rows} rows outside the given range were left out.", rows=len(keep) - rows)
     return depth[keep], force[keep]
 
 
@@ -150,7 +150,7 @@ def _long_enough(cycles: list[Cycle], depth: Floats, remarks: Remarks) -> list[C
     whole = [cycle for cycle in deep if cycle.rows >= least] or deep
     if len(whole) < len(cycles):
         peaks = ", ".join(f"{1e3 * depth[cycle.peak]:.4g}" for cycle in cycles if cycle not in whole)
-        remarks.note("Touches to {peaks} mm, less deep or of a few rows only, were left out.", peaks=peaks)
+        remarks.note("Touches to {peaks} mm were left out, because they are shallow or have few rows.", peaks=peaks)
     return whole
 
 
@@ -160,13 +160,13 @@ def _curve(depth: Floats, force: Floats, cycle: Cycle, inward: int) -> LoadingCu
     x, f = depth[cycle.start : cycle.peak + 1], force[cycle.start : cycle.peak + 1]
     stands = still(x)
     if stands.any():
-        remarks.note("{dwelt} rows in which the depth stood still were left out.", dwelt=int(stands.sum()))
+        remarks.note("{dwelt} rows in which the depth did not change were left out.", dwelt=int(stands.sum()))
     x, f = x[~stands], f[~stands]
     if len(x) < MIN_ROWS:
-        raise DimpleError("A press has {rows} rows; a fit needs at least {least}.", rows=len(x), least=MIN_ROWS)
+        raise DimpleError("The press has only {rows} rows; a fit needs at least {least}.", rows=len(x), least=MIN_ROWS)
     pulled, depth_of_dip = dip(x, f), float(np.median(f[:3]) - f.min())
     if pulled.any() or depth_of_dip > max(2 * CLEAR * roughness(f), SLIGHT * float(np.ptp(f))):
-        said = "The force dips by {dip:.3g} N before the press, as where a tip sticks; {rows} rows of it were left out."
+        said = "The force dips by {dip:.3g} N before the press, as if the tip stuck; these {rows} rows were left out."
         remarks.warn(said, dip=depth_of_dip, rows=int(pulled.sum()))
     back = slice(cycle.peak, cycle.end + 1)
     return LoadingCurve(
@@ -178,13 +178,13 @@ def _curve(depth: Floats, force: Floats, cycle: Cycle, inward: int) -> LoadingCu
 def _torn(curve: LoadingCurve, at: int) -> Question:
     tear_mm = curve.reading(float(curve.depth[at] + curve.depth[at + 1]) / 2)
     text = Message(
-        "The force falls for good from {force:.4g} N at {at:.4g} mm: was the specimen torn? Down to which depth should "
-        "it be fitted?",
+        "The force drops from {force:.4g} N at {at:.4g} mm and does not recover: did the specimen tear? Down to "
+        "which depth should it be fitted?",
         force=curve.force[at],
         at=tear_mm,
     )
     falls = f"{tear_mm:.7g}", "where the force begins to fall"
-    deepest = f"{curve.reading(float(curve.depth[-1])):.7g}", "the deepest row: no tear, it answers like this"
+    deepest = f"{curve.reading(float(curve.depth[-1])):.7g}", "the deepest row: no tear, the object behaves like this"
     return Question("until_mm", text, falls, deepest, default=falls[0])
 
 
@@ -204,7 +204,7 @@ def _choose(curves: list[LoadingCurve], answers: Answers, remarks: Remarks) -> i
         remarks.note(said, presses=len(curves), apart=apart)
         return 0
     text = Message(
-        "The file holds {presses} presses that differ by up to {apart:.0f} % of full scale. Which one is fitted?",
+        "The file holds {presses} presses that differ by up to {apart:.0f} % of full scale. Which one is to be fitted?",
         presses=len(curves),
         apart=apart,
     )

@@ -18,20 +18,20 @@ def _asked(label: str, text: str, *choices: str) -> Any:
 class Answers:
     """The user's answers about a file; an answer that is None is detected, or asked for if detection fails."""
 
-    depth_column: str | None = _asked("Depth Column", "Header of the column of depth, or its number counted from 1")
-    force_column: str | None = _asked("Force Column", "Header of the column of force, or its number counted from 1")
+    depth_column: str | None = _asked("Depth Column", "Header of the depth column, or its number, counted from 1")
+    force_column: str | None = _asked("Force Column", "Header of the force column, or its number, counted from 1")
     depth_unit: str | None = _asked("Depth Unit", "mm, m, um or in")
     force_unit: str | None = _asked("Force Unit", "N, gf, kgf, mN, kN or lbf")
     decimal: str | None = _asked("Decimal", "The decimal mark", ".", ",")
     table: int | None = _asked("Table", "Which of several tables, counted from 1")
-    press: str | None = _asked("Sign of Force", "Sign of a pressing force", "positive", "negative")
+    press: str | None = _asked("Sign of Force", "Sign of the force during a press", "positive", "negative")
     cycle: int | None = _asked("Cycle", "Which of several presses, counted from 1")
-    contact_mm: float | None = _asked("Touch (mm)", "Depth reading at the first touch; found unless set")
+    contact_mm: float | None = _asked("Touch (mm)", "Depth reading at the first touch; detected unless set")
     tare_n: float | None = _asked(
-        "Tare (N)", "Force reading without a touch, where a press is positive; found unless set"
+        "Tare (N)", "Force reading before the touch, with a press positive; detected unless set"
     )
     until_mm: float | None = _asked(
-        "Until (mm)", "Depth reading beyond which rows are left out, as where the object was torn"
+        "Until (mm)", "Leave out rows beyond this depth reading, for example where the object tore"
     )
 
 

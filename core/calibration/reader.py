@@ -67,8 +67,8 @@ def load_lines(path: str | Path, remarks: Remarks) -> list[str]:
     longest = max(range(len(lines)), key=lambda i: len(lines[i]))
     if len(lines[longest]) > MAX_LINE:
         raise DimpleError(
-            "Line {line} has {lines:,} characters; a row of a table has at most {most:,}. This is not a force-depth "
-            "table, or its line ends are lost: export it again.",
+            "Line {line} has {lines:,} characters, but a row of a table has at most {most:,}. Either this is not a "
+            "force-depth table, or its line breaks are lost: export it again.",
             line=longest + 1,
             lines=len(lines[longest]),
             most=MAX_LINE,
@@ -102,8 +102,8 @@ def _read(path: Path) -> bytes:
         raise DimpleError("{name} cannot be read: {error}.", name=path.name, error=error.strerror or error) from None
     if len(data) > MAX_BYTES:
         raise DimpleError(
-            "{name} is larger than {size} MB, the most a measurement may have. Export one test, or fewer samples a "
-            "second.",
+            "{name} is larger than {size} MB, the largest size for a measurement. Export a single test, or fewer "
+            "samples per second.",
             name=path.name,
             size=MAX_BYTES // 2**20,
         )
@@ -180,7 +180,7 @@ def pairs(text: str) -> list[tuple[float, float]]:
     try:
         dialect = find_dialect(lines)
     except Undecided:
-        raise DimpleError("1.000 may be one or a thousand. Copy the numbers with fewer decimals.") from None
+        raise DimpleError("1.000 could mean one or a thousand. Copy the numbers with fewer decimals.") from None
     rows = [cells for line in lines if is_row(cells := split(line, dialect.delimiter), dialect)]
     if not rows:
         raise DimpleError("The copied text has no rows of two numbers: depth and grams.")
@@ -214,8 +214,8 @@ def find_dialect(lines: Sequence[str], decimal: str | None = None) -> Dialect:
                 scores[dialect] = (width[0][1], numbers)
     if not scores:
         raise DimpleError(
-            "There is no table in this file: no run of rows with two or more numbers. "
-            "It must have a column of depth and a column of force."
+            "This file has no table, that is, no block of rows with two or more numbers. It must have a column of "
+            "depth and a column of force."
         )
     best = max(scores, key=lambda dialect: scores[dialect])
     rival = Dialect(delimiter=best.delimiter, decimal="." if best.decimal == "," else ",")

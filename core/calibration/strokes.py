@@ -24,14 +24,14 @@ def oriented(depth: Floats, force: Floats, answers: Answers, remarks: Remarks) -
     first, last = (float(np.median(np.abs(part))) for part in (force[:5], force[-5:]))
     if first > 0.8 * float(np.abs(force).max()) and first > 2 * last and len(turns(depth)) == 2:
         remarks.warn(
-            "The file begins with its largest force, so its rows were read from the last to the first.\nIf they stand "
-            "as they were measured, they are the way back alone, which is softer than the press."
+            "The file begins with its largest force, so its rows were read from the last to the first.\nIf they are "
+            "in the order of measurement, the file holds only the unloading, which is softer than the press."
         )
         depth, force = depth[::-1], force[::-1]
     force = _pressing_sign(force, answers, remarks)
     inward = _inward(depth, force)
     if inward < 0:
-        remarks.note("The depth falls as the force grows and was turned round.")
+        remarks.note("The depth decreases as the force grows, so its sign was reversed.")
     return inward * depth, force, inward
 
 
@@ -44,10 +44,10 @@ def _pressing_sign(force: Floats, answers: Answers, remarks: Remarks) -> Floats:
     if answers.press is None and unsure:
         positive = Message("from {start:.4g} N up to {force:.4g} N", start=start, force=high)
         negative = Message("from {start:.4g} N down to {force:.4g} N", start=start, force=low)
-        text = "The force goes both ways from where it begins. Which sign is a press?"
+        text = "The force both rises and falls from its first value. Which sign is a press?"
         raise Undecided(Question("press", text, ("positive", positive), ("negative", negative)))
     if answers.press == "negative" or (answers.press is None and falls):
-        remarks.note("The force is negative where it presses and was turned round.")
+        remarks.note("The force is negative during the press, so its sign was reversed.")
         return -force
     return force
 

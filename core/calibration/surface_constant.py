@@ -16,8 +16,8 @@ from .fit import slope_of
 
 _CLEAR = 0.05  # share of the largest depth: closer to the touch the tension is 0/0, pure noise
 ASSUMES = (
-    "Force balance of a string of length l pressed in its middle: all of the force is carried by the surface, none by "
-    "what is inside, and k is the slope of its tension over its stretch; an upper bound of what the surface adds."
+    "k is the slope of tension over stretch of a string of length l that is pressed in its middle. The surface is "
+    "assumed to carry all of the force and the inside none, so k is an upper bound."
 )
 
 

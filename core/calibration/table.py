@@ -137,7 +137,7 @@ def _which_table(lines: Sequence[str], runs: Sequence[_Run]) -> Question:
 def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect, remarks: Remarks) -> Table:
     stride = -(-len(lines) // MAX_ROWS)
     if stride > 1:
-        remarks.note("Of {lines:,} rows one in {stride} was read.", lines=len(lines), stride=stride)
+        remarks.note("One in {stride} of the {lines:,} rows was read.", lines=len(lines), stride=stride)
         lines = lines[::stride]
     rows = [split(line, dialect.delimiter) for line in lines if line.strip()]
     widths = Counter(map(len, rows))
@@ -146,7 +146,7 @@ def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect, remarks
     whole = [row + [""] * (width - len(row)) for row in rows if len(row) <= width and widths[len(row)] >= MIN_ROWS]
     if len(whole) < len(rows):
         say, count = remarks.warn if len(whole) < 0.95 * len(rows) else remarks.note, len(rows) - len(whole)
-        say("{count} of {rows} rows have another number of cells and were left out.", count=count, rows=len(rows))
+        say("{count} of {rows} rows have a different number of cells and were left out.", count=count, rows=len(rows))
     if len(whole) < MIN_ROWS:
         raise DimpleError("The table has {rows} rows; a fit needs at least {least}.", rows=len(whole), least=MIN_ROWS)
     columns = list(zip(*whole, strict=True))

@@ -218,8 +218,7 @@ def _soft_or_air(curve: LoadingCurve, fit: Fit) -> Question:
     return _which_touch(
         curve,
         Message(
-            "The force rises by no more than {rise:.2g} N over the first {depth:.3g} mm. At which depth was the "
-            "first touch?",
+            "The force rises by only {rise:.2g} N over the first {depth:.3g} mm. At which depth was the first touch?",
             rise=rise,
             depth=1e3 * fit.x0.value,
         ),

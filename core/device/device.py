@@ -80,7 +80,8 @@ class Device:
         running = self.process is not None and self.process.poll() is None
         if not running and self._report.link in (LinkState.OPENING, LinkState.READY):
             self._lose(Message("The servo process ended ({why}). Connect and arm again.", why=_last_line(self._errors)))
-        elif self._report.link is LinkState.READY and time.perf_counter() - self._heard > ANSWER_TIME:
+        elif self.process and self._report.link is LinkState.READY and time.perf_counter() - self._heard > ANSWER_TIME:
+            self.process.kill()  # while its line is open, a service may hold its last force
             self._lose("The servo process does not answer, so the device has no force. Disconnect, then connect again.")
         return self._report
 

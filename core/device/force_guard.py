@@ -130,11 +130,11 @@ class Guard:
         """Skip a position: the next one is not compared with the last."""
         self.at, self.speed = None, ZERO
 
-    def output(self, wanted: Vector, gain: float, dt: float) -> Vector:
-        """Return the force [N] that may act for a wanted one; none if that is not a number."""
+    def output(self, wanted: Vector, gain: float, dt: float, depth: float = math.inf) -> Vector:
+        """Return the force [N] that may act for one wanted at a depth [m]; none if that is not a number."""
         if not is_finite(wanted):
             return self.zero()
-        left = self.passivity.want(wanted, dt)
+        left = self.passivity.want(wanted, dt, depth)
         if gain <= 0:
             return self.zero()
         force = along(scaled(left, gain), self.speed, -limits.RAMP_DAMPING * (1 - gain))
@@ -144,7 +144,8 @@ class Guard:
             most = min(most, self.continuous)
         self.full = length(force) > most or self.passivity.share < 1
         force = capped(force, most)
-        self.sent = along(self.sent, capped(along(force, self.sent, -1.0), limits.SLEW * max(dt, 0.0)), 1.0)
+        before = capped(self.sent, length(force))  # a force falls at once: what falls late pushes the hand
+        self.sent = along(before, capped(along(force, before, -1.0), limits.SLEW * max(dt, 0.0)), 1.0)
         return self.sent
 
     def zero(self) -> Vector:

@@ -11,11 +11,15 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import tempfile
 import time
 from dataclasses import replace
-from typing import Any, Final
+from pathlib import Path
+from typing import IO, Any, Final
 
 from ..errors import DimpleError
+from ..file_lock import lock
 from . import wire
 from .serial_line import LineLost
 from .spec import Spec
@@ -32,11 +36,13 @@ class HaplyLine(SocketLine):
     """A connection to the service that answers the servo as a device of the protocol does.
 
     The service sends nothing unasked, so each command requests the next positions: one tick apart.
+    It takes forces from all its clients, and those of two would alternate on the hand: a locked file keeps a second one
+    of ours away while `claim` is open.
     """
 
-    def __init__(self, service: WebSocket, name: str) -> None:
+    def __init__(self, service: WebSocket, name: str, claim: IO[bytes]) -> None:
         super().__init__(service.socket, name)
-        self._service = service
+        self._service, self._claim = service, claim
         self._decoder = wire.Decoder()
         self._devices: list[str] = []  # their ids, in the order of the service
         self._is_new = False  # service 3.5 or later, which renamed a field
@@ -55,8 +61,8 @@ class HaplyLine(SocketLine):
             return self._take(json.loads(messages[-1])) if messages else b""
         except DimpleError:
             raise
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise LineLost("The Haply service sent what is not understood: {error}.", error=repr(error)) from None
+        except (ArithmeticError, AttributeError, KeyError, TypeError, ValueError) as error:
+            raise LineLost("The Haply service sent data that Dimple cannot read: {error}.", error=repr(error)) from None
 
     def write(self, data: bytes) -> bool:
         """Take the frames of the servo and set the forces; return False if these could not be sent."""
@@ -110,7 +116,7 @@ class HaplyLine(SocketLine):
             at = device.get("state", {}).get("cursor_position", {})
             place = [float(at.get(axis, math.nan)) for axis in "xyz"]
             trusted = all(device.get("status", {}).get(name, True) for name in ("ready", "calibrated", "power_supply"))
-            trusted &= all(abs(part) < 0x7FFF * wire.PLACE_STEP for part in place)
+            trusted &= all(abs(part) < wire.LAST_PLACE * wire.PLACE_STEP for part in place)
             words += [round(part / wire.PLACE_STEP) if trusted else 0 for part in place]
             status |= 0 if trusted else wire.MASKED << i
         grips = (*message.get("wireless_verse_grip", ()), *message.get("custom_verse_grip", ()))
@@ -129,9 +135,17 @@ def open_haply(path: str) -> HaplyLine:
     """
     number = path.removeprefix(PREFIX)
     if not number.isdecimal() or not 0 < int(number) < 0x10000:
-        raise DimpleError("{path} is no port of a Haply service. Write it as {example}.", path=path, example=EXAMPLE)
+        raise DimpleError("{path} is not a port of a Haply service. Write it as {example}.", path=path, example=EXAMPLE)
+    claim = Path(tempfile.gettempdir()) / f"dimple-haply-{number}-{getattr(os, 'getuid', int)()}.lock"
     try:
-        return HaplyLine(WebSocket(int(number)), path)
+        held = claim.open("ab")
+        lock(held)
+    except OSError:
+        raise DimpleError(
+            "{path} is in use by another program, or another Blender. Close that one, then connect again.", path=path
+        ) from None
+    try:
+        return HaplyLine(WebSocket(int(number)), path, held)
     except OSError as error:
         raise DimpleError(
             "No Haply service answers at {path} ({error}). Start Haply Hub, or the Inverse Service 3.1 or later.",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 # force and speed, whatever a device reports about itself
 HARD_CEILING = 20.0  # [N] largest force: twice the peak of the Haptic Master
-SLEW = 1000.0  # [N/s] fastest change of force: 1 N per millisecond, so that the peak of a device takes ten ticks
+SLEW = 1000.0  # [N/s] fastest rise of force: 1 N per millisecond, so that the peak of a device takes ten ticks
 TOP_SPEED = 1.5  # [m/s] no hand exploring an object is faster; a runaway motor is
 RMS_TIME = 10.0  # [s] window of the root mean square force, which stands for the heating of the motors
 
@@ -47,7 +47,7 @@ DELAY_TIME = ANSWER_TIME / 4  # [s] time constant of the mean delay: a few hundr
 PASSIVE_SHARE = 0.8  # share of the passive stiffness in use: the rest covers errors in estimates of friction and delay
 SIDEWAYS = 2 / 3  # tangential over normal stiffness: 2 (1 - nu) / (2 - nu) of a soft contact, nu = 1/2. Mindlin 1949
 MOST_DAMPING = 4 * RAMP_DAMPING  # [N s/m] of the passivity controller: a tenth of tip mass over tick; more would shake
-ALLOWED = 5e-4  # [J] that a touch may give back beyond what it took: two steps of a 12-bit converter at 1.25 N
+ALLOWED = 5e-4  # [J] that a touch may give back beyond what it took: a 12-bit step at either end of a way, at 1.25 N
 YIELD_ENERGY = ALLOWED / 2  # [J] each time this much more is given back, the force falls to 1/e
 
 # processes

@@ -44,7 +44,7 @@ class Mailbox:
             self.path, self._map = _map(path)
         except (OSError, ValueError) as error:  # ValueError: the file is too short
             raise DimpleError(
-                "The mailbox of the device's servo cannot be used: {where} ({error}).",
+                "Dimple cannot exchange data with the device's servo process: {where} ({error}).",
                 where=path or _folder(), error=error
             ) from None  # fmt: skip
 

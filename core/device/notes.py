@@ -12,7 +12,7 @@ FAULTS = {
     wire.FAULT_ARM_REFUSED: NOT_ARMED,
     wire.FAULT_LINK: "The device lost too many frames. Check the cable or the network, then arm it again.",
 }
-NO_ANSWER = "Nothing answers within 1 s. Check the port, the power of the device, and its baud rate ({baud}) or secret."
+NO_ANSWER = "Nothing answered within 1 s. Check the port, power, and baud rate ({baud}) or secret of the device."
 NO_STATES = "The device answers but streams no positions. Switch it off and on, then connect again."
 SILENT = "The device is silent: the connection is lost. When it is back, arm it again."
 WAS_SILENT = "The device was silent for more than 100 ms. Arm it again."
@@ -21,6 +21,6 @@ TOO_FAST = "A fingertip was faster than 1.5 m/s. Arm the device again."
 BAD_FORCE = "The simulation gave forces that are not numbers. Reset it and arm the device again."
 LOSSY = "{share:.0%} of the frames are lost on the line. Check the cable or the network, then arm the device again."
 YIELDS = (
-    "The force on a fingertip is reduced, for it would give your hand more energy than it took. Press on, or lift the "
-    "fingertip for a moment."
+    "The force on a fingertip is reduced, because it would give your hand more energy than it took. Press deeper, or "
+    "lift the fingertip for a moment."
 )

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from ..vectors import ZERO, Vector, along, dot, scaled
+from ..vectors import ZERO, Vector, along, dot, length, scaled
 from . import limits
 from .spec import Spec
 from .wire import FINGERS, MODE, RAMP, DeviceState
@@ -47,14 +47,15 @@ class Passivity:
             self.share *= math.exp((self.stored - self.floor) / limits.YIELD_ENERGY)
             self.floor = self.stored
 
-    def want(self, force: Vector, dt: float) -> Vector:
-        """Return what is left of a force [N] wanted for a time [s]; after a while without one the touch is over.
+    def want(self, force: Vector, dt: float, depth: float = math.inf) -> Vector:
+        """Return what is left of a force [N] wanted at a depth [m] for a time [s]; the touch ends a while after it.
 
         A reduced force recovers as slowly as the force after arming; a sudden recovery would push the hand. Energy that
-        is dissipated in one touch is no credit for the next.
+        was dissipated, such as by friction, is no credit: neither for a fingertip that sinks in nor for the next touch.
         """
         self.unwanted = 0.0 if force != ZERO else self.unwanted + dt
-        if self.left < 1:  # a fingertip that sinks in gets back no more than the hand gave
+        if self.left < 1:  # a fingertip that sinks in gets back no more than the hand gave to what acts like a spring
+            self.stored = min(self.stored, max(depth, 0.0) * length(force) / 2)
             self.owed = max(self.owed, min(self.stored - limits.ALLOWED, limits.ALLOWED))
             self.floor = max(self.floor, self.owed)
         if self.unwanted > limits.QUIET_TIME:
@@ -79,15 +80,15 @@ class SentForces:
 
     The device ramps its force by itself after its dead-man switch was released, even by the command sent in a silence.
 
+    delay: mean time from a position to the force that answers it [s].
     sent: forces by sequence number of their command [N], None if it releases the dead-man switch; and when the STATE
         that it answers was sent, on the device's clock [us].
-    delay: mean time from a position to the force that answers it [s].
     since: when the device first acknowledged the acting command, on its clock [s].
     ramp_since: when its ramp began, if it is ramping, on its clock [s].
     """
 
+    delay: float
     sent: dict[int, tuple[Forces | None, int]] = field(default_factory=dict)
-    delay: float = 2 * limits.TICK  # until it is measured
     since: float = 0.0
     ramp_since: float = 0.0
 

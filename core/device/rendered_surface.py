@@ -169,6 +169,10 @@ class Contact:
         # the remainder of the previous force must not pull inwards
         return along(whole, self.surface.normal, -min(dot(whole, self.surface.normal), 0.0))
 
+    def depth(self, x: Vector) -> float:
+        """Return the depth [m] of the fingertip at x [m], negative if it does not touch, 0 without a surface."""
+        return self.surface.depth(x) if self.surface else 0.0
+
     def _press(self, surface: Surface, x: Vector) -> Vector:
         """Evaluate law and friction at x [m]; drag the anchor along."""
         depth, normal = surface.depth(x), surface.normal

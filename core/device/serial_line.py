@@ -52,8 +52,6 @@ class SerialLine:
     def wait(self, seconds: float) -> bool:
         """Wait for bytes for at most a time [s]; return whether there are any, or `read` will raise."""
         try:
-            if not WINDOWS:
-                return bool(select.select([self._port.fileno()], [], [], seconds)[0])
             end = time.perf_counter() + seconds
             while not self._port.in_waiting and time.perf_counter() < end:
                 time.sleep(TICK / 2)

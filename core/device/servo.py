@@ -37,28 +37,29 @@ class Servo:
     """
 
     def __init__(self, *, nonce: int = 1) -> None:
-        self.spec, self.order = Spec(), Order()
-        self.link, self.note = LinkState.OPENING, ""
-        self._nonce, self._taken = nonce, Order()
-        self._surfaces: tuple[Surface | None, ...] = ()
-        self._decoder, self._session, self._seq = wire.Decoder(), -1, 0
+        self.order = Order()
+        self.link, self.note, self.unsent = LinkState.OPENING, "", 0
+        self._nonce, self._decoder, self._session, self._seq = nonce, wire.Decoder(), -1, 0
         self._began = self._asked = -math.inf
-        self._fingers = self._make_fingers()
         self._switch, self._received = Switch(), Received()
         self._is_bad = False  # a surface or force was not a number
         self._old_fault = False  # the device's latched fault precedes the request to arm, and may be cleared
+        self._device_time = self._answered = 0.0  # of the last STATE, and of the last answer, on the device's clock [s]
+        self._begin(Spec(), 0.0)
+
+    def _begin(self, spec: Spec, now: float) -> None:
+        """Begin a session at a time [s]: nothing has been heard, and no earlier request is meant for it."""
+        guards = [Guard(spec.peak_force, spec.continuous_force) for _ in range(spec.fingers)]
+        self.spec, self._fingers = spec, [ServoFinger(guard=guard) for guard in guards]
+        self._taken = self.order
+        self._surfaces: tuple[Surface | None, ...] = ()
         self._state: wire.DeviceState | None = None
-        self._heard = self._device_time = 0.0  # when the last STATE arrived, on our clock and on the device's [s]
-        self._answered = 0.0  # when the last STATE was answered, on the device's clock [s]
+        self._heard = now  # when the last STATE arrived, on our clock [s]
         # since the last answer: the least share of the force that the device let act; time passed normally
         self._left, self._steady = 1.0, True
-        self._sent = SentForces()
-        self.unsent = 0
+        self._sent = SentForces(delay=2 * spec.tick)  # until it is measured
         self.cap = self._stiffest()
-
-    def _make_fingers(self) -> list[ServoFinger]:
-        peak, continuous = self.spec.peak_force, self.spec.continuous_force
-        return [ServoFinger(guard=Guard(peak, continuous)) for _ in range(self.spec.fingers)]
+        self._received.restart()
 
     def _stiffest(self) -> float:
         """Return the largest stiffness [N/m] that the delay allows."""
@@ -124,16 +125,11 @@ class Servo:
     def _take_info(self, info: wire.Info, now: float) -> None:
         """Take the device's INFO: a new session, in which nothing is armed."""
         try:
-            self.spec = spec_of(info)
+            self._begin(spec_of(info), now)
         except DimpleError as error:
             self.link, self.note = LinkState.REFUSED, str(error)
             return
-        self._fingers, self._surfaces = self._make_fingers(), ()
         self.link, self.note, self._session = LinkState.READY, "", info.session
-        self._state, self._sent, self._heard = None, SentForces(delay=2 * self.spec.tick), now
-        self._taken = self.order  # earlier requests are not meant for this session
-        self._left, self._steady = 1.0, True
-        self._received.restart()
 
     def _take_state(self, state: wire.DeviceState, now: float) -> bool:
         """Take a STATE: where the fingertips are, and what the last forces did; return False if it is not new."""
@@ -223,7 +219,7 @@ class Servo:
             if finger.bad:
                 finger.guard.zero()
             else:
-                finger.guard.output(force, gain, dt)
+                finger.guard.output(force, gain, dt, finger.contact.depth(finger.at))
         new = self._switch.arming is Arming.ASKED and not asked
         return wire.encode(wire.Arm(self._session)) if new else b""
 

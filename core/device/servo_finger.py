@@ -8,7 +8,7 @@ from ..vectors import ZERO, Vector
 from .force_guard import Guard
 from .limits import FASTEST
 from .rendered_surface import Contact
-from .wire import FORCE_STEP, PLACE_STEP
+from .wire import FORCE_STEP, LAST_PLACE, PLACE_STEP
 
 
 @dataclass(slots=True, kw_only=True)
@@ -44,7 +44,7 @@ class ServoFinger:
         x, y, z = words
         at = x * PLACE_STEP, y * PLACE_STEP, z * PLACE_STEP
         far = max(abs(a - b) for a, b in zip(at, self.at, strict=True)) if self.known else 0.0
-        if masked or far > FASTEST * since:
+        if masked or far > FASTEST * since or max(map(abs, words)) >= LAST_PLACE:
             self.bad += 1
             self.guard.skip()
             return

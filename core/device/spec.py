@@ -28,10 +28,10 @@ class Spec:
     continuous_force: float = 4.0
     viscous: float = 2.0
     tick_hz: int = 1000
-    hold: float = 0.005
-    zero: float = 0.025
-    latch: float = 0.100
-    tip_speed: float = 1.5
+    hold: float = STATE_GAP
+    zero: float = ZERO_TIME
+    latch: float = LOST_TIME
+    tip_speed: float = TOP_SPEED
 
     def left(self, age: float) -> float:
         """Return the share of a force that still acts at an age of its command [s]."""
@@ -72,18 +72,18 @@ def spec_of(info: wire.Info) -> Spec:
     )  # fmt: skip
     for what, holds in (
         (Message("it must have one to three fingertips"), 1 <= spec.fingers <= wire.FINGERS),
-        (Message("its forces must be above 0, {most:g} N at most, the continuous one not above the peak",
+        (Message("its forces must be above 0 and at most {most:g} N, and the continuous force at most the peak force",
                  most=HARD_CEILING),
          0 < spec.continuous_force <= spec.peak_force <= HARD_CEILING),
-        (Message("its times without commands must rise, to {hold:g}, {zero:g} and {latch:g} s at most",
+        (Message("its timeouts must increase, and be at most {hold:g}, {zero:g} and {latch:g} s",
                  hold=STATE_GAP, zero=ZERO_TIME, latch=LOST_TIME),
          0 < spec.hold < spec.zero < spec.latch
          and spec.hold <= STATE_GAP and spec.zero <= ZERO_TIME and spec.latch <= LOST_TIME),
-        (Message("its top speed must be above 0, {most:g} m/s at most", most=TOP_SPEED),
+        (Message("its top speed must be above 0 and at most {most:g} m/s", most=TOP_SPEED),
          0 < spec.tip_speed <= TOP_SPEED),
-        (Message("its friction must be 20 N s/m at most"), spec.viscous <= 20),  # it sets the stiffest surface
+        (Message("its friction must be at most 20 N s/m"), spec.viscous <= 20),  # it sets the stiffest surface
         # both ends hold a force for 5 ms at most: a slower device would drop it between two ticks
-        (Message("its rate must be from 250 to 2000 Hz, and its tick shorter than a force is held"),
+        (Message("its rate must be from 250 to 2000 Hz, and its tick shorter than the time for which it holds a force"),
          250 <= spec.tick_hz <= 2000 and spec.tick < spec.hold),
     ):  # fmt: skip
         if not holds:

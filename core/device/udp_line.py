@@ -42,7 +42,7 @@ class UdpLine(SocketLine):
                 parts.append(self._seal.open(self._port.recv(MAX_BYTES)))
             except BlockingIOError:
                 return b"".join(parts)
-            except ConnectionRefusedError:  # nothing listens there now: silence, which the servo handles
+            except ConnectionError:  # nothing listens there now: silence, which the servo handles
                 continue
             except OSError as error:
                 raise self._gone(error) from None
@@ -51,7 +51,7 @@ class UdpLine(SocketLine):
         """Send frames; return False if they could not be sent."""
         try:
             return bool(self._port.send(self._seal.close(data)))
-        except (BlockingIOError, ConnectionRefusedError):
+        except (BlockingIOError, ConnectionError):
             return False
         except OSError as error:
             raise self._gone(error) from None
@@ -70,10 +70,10 @@ def open_udp(path: str, secret: str, *, anywhere: bool = False) -> UdpLine:
     """
     host, _, number = path.removeprefix(PREFIX).rpartition(":")
     if not host or not number.isdecimal() or not 0 < int(number) < 0x10000:
-        raise DimpleError("{path} is not an address of a device. Write it as {example}.", path=path, example=EXAMPLE)
+        raise DimpleError("{path} is not the address of a device. Write it as {example}.", path=path, example=EXAMPLE)
     if len(secret) < SHORTEST_SECRET:
         raise DimpleError(
-            "A device on the network needs the secret that it shares with Dimple, of at least {shortest} characters. "
+            "A network device needs the secret that it shares with Dimple, at least {shortest} characters long. "
             "Enter it in Dimple's preferences.",
             shortest=SHORTEST_SECRET
         )  # fmt: skip

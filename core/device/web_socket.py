@@ -53,7 +53,7 @@ class WebSocket:
         head, _, self._in = head.partition(b"\r\n\r\n")
         expected = base64.b64encode(hashlib.sha1(key + _GUID).digest())
         if b" 101 " not in head.partition(b"\r\n")[0] + b" " or expected not in head:
-            raise DimpleError("What answers at port {number} of this computer is no device's service.", number=number)
+            raise DimpleError("Port {number} of this computer is not the port of a device service.", number=number)
 
     def read(self) -> list[str]:
         """Return the messages that have arrived."""

@@ -18,6 +18,7 @@ PROTOCOL: Final = (2, 0)  # major: a difference is refused; minor: adds frame ty
 MOST_PAYLOAD: Final = 33  # [bytes] largest payload
 FINGERS: Final = 3
 PLACE_STEP: Final = 2e-5  # [m] unit of a position word: range 0.65 m to either side
+LAST_PLACE: Final = 0x7FFF  # position word at which the range ends: the fingertip is there or farther away
 FORCE_STEP: Final = 1e-3  # [N] unit of a force word: range 32 N
 BAUD: Final = 921600  # [bit/s] rate of a serial line, enough for 2000 STATEs a second
 

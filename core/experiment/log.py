@@ -10,7 +10,6 @@ import csv
 import errno
 import io
 import os
-import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import Final
 
 from ..errors import DimpleError
+from ..file_lock import lock
 
 COLUMNS: Final = (
     "event", "time", "participant", "plan", "trial", "part", "first", "first_level", "first_s", "first_times",
@@ -63,8 +63,8 @@ class Log:
                 with copy.open("xb") as file:
                     file.write(self._data + self._text(row))
                 raise DimpleError(
-                    "Another program has changed {path}. All answers, this one too, are in {copy}: put it in its "
-                    "place, then open the experiment again.",
+                    "Another program has changed {path}. All answers, including this one, are in {copy}. Replace the "
+                    "changed file with it, then open the experiment again.",
                     path=self.path, copy=copy.name
                 )  # fmt: skip
             self._write(self._text(row))
@@ -87,15 +87,9 @@ class Log:
 
     def _lock(self) -> None:
         try:
-            if sys.platform == "win32":
-                import msvcrt
-                self.file.seek(1 << 40)  # a byte far beyond the end, so that others can read
-                msvcrt.locking(self.file.fileno(), msvcrt.LK_NBLCK, 1)
-            else:
-                import fcntl
-                fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock(self.file)
         except OSError:
-            raise DimpleError("{path} is open already, perhaps in another Blender.", path=self.path) from None
+            raise DimpleError("{path} is already open, perhaps in another Blender.", path=self.path) from None
 
     def _text(self, row: Row) -> bytes:
         """Return a row as bytes to append, after a line break if the file ends within a line."""
@@ -130,7 +124,7 @@ def parsed(path: Path, data: bytes) -> list[Row]:
     rows = [dict(zip(COLUMNS, cells, strict=True)) for cells in map(_cells, lines) if cells]
     damaged = any(not (row["trial"] + row["answer"]).isdecimal() for row in rows if row["event"] == "answer")
     if _cells(head) != [*COLUMNS] or damaged:
-        raise DimpleError("{path} is not a file of answers. Choose another.", path=path)
+        raise DimpleError("{path} is not an answer file. Choose another.", path=path)
     return rows
 
 

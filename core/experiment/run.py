@@ -74,8 +74,8 @@ class Experiment:
         if any((row["plan"], row["participant"]) != (self._key, participant) for row in self.log.rows):
             self.log.file.close()
             raise DimpleError(
-                "{path} has answers of another participant, or to another plan or other materials. Restore these, or "
-                "choose another file.",
+                "{path} has answers of another participant, or to another plan or other materials. Restore the plan "
+                "and the materials, or choose another file.",
                 path=path
             )  # fmt: skip
         self._answers = {int(row["trial"]): int(row["answer"]) for row in self.log.rows if row["event"] == "answer"}

@@ -112,7 +112,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
 
     size = float(np.ptp(positions[~_loose(triangles, len(positions))], axis=0).max())
     if size <= 0:
-        raise DimpleError("All vertices lie at one point, so there is nothing to press. Give the mesh a size.")
+        raise DimpleError("All vertices are at the same point, so there is no surface to press. Move them apart.")
     kept, source = weld(positions, ROUNDING * size)
     if len(kept) < len(positions):
         notes.append(
@@ -139,7 +139,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         consistent = consistent_winding(triangles, edges)
         flipped = (consistent != triangles).any(axis=1)
         notes.append(Message(
-            "{flipped} faces were flipped to match the normals of their neighbours.", flipped=int(flipped.sum())
+            "{flipped} faces were flipped to match the normals of their neighbors.", flipped=int(flipped.sum())
         ))  # fmt: skip
         triangles, edges = consistent, edges_of(consistent)
     border, cap_loop, volume = _closed(positions, triangles, edges)
@@ -159,7 +159,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         ))  # fmt: skip
     pressurable = volume > least
     if not pressurable:
-        notes.append("The mesh is a sheet and encloses no volume: its fill is off.")
+        notes.append("The mesh is an open sheet without a volume, so its fill has no effect.")
     elif len(border):
         notes.append(Message("Holes closed for the pressure only: {holes}.", holes=int(cap_loop.max()) + 1))
 

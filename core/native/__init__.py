@@ -103,7 +103,7 @@ def _tested() -> ctypes.CDLL:
     found = next((path for path in places() if path.exists()), None)
     if found is None:
         raise DimpleError(
-            "There is no compiled core for {here} here. Install the zip of Dimple for that platform.", here=here
+            "This installation has no compiled core for {here}. Install the zip of Dimple for that platform.", here=here
         )
     try:
         library = load(found)
@@ -129,7 +129,7 @@ def create(
         DimpleError: no such backend, or no library runs here.
     """
     if backend not in BITS:
-        raise DimpleError("There is no backend {backend}: take native or native64.", backend=backend)
+        raise DimpleError("There is no backend {backend}: choose native or native64.", backend=backend)
     return Body(model, library(), surface=surface, bits=BITS[backend])
 
 

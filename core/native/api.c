@@ -180,7 +180,7 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
     if (c->materials < materials) return DM_INDEX;
     DM_CHECK(dm_check_law(c->materials, c->laws) | dm_check_numbers(3, c->gravity, 0));
     if (c->painted) DM_CHECK(dm_check_numbers(2 * surface_vertices, c->painted, 1));
-    DM_CHECK(dm_check_numbers(1, &c->rest_pressure, 0));
+    DM_CHECK(dm_check_numbers(1, &c->rest_pressure, 0) | dm_check_numbers(9, c->fill_momentum, 0));
     if (isnan(c->ground) || c->ground == INFINITY) return DM_NUMBER;
     double total = 0;
     for (int64_t k = 0; k < vertices; k++) total += c->mass[k];

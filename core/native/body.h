@@ -148,6 +148,9 @@ struct dm_state {
     double turned[9]; /* rotation of the last fit */
     dm_rigid drift;      /* rigid part of the velocities, or the rigid acceleration to subtract */
     dm_inertia moments;
+    double fill_share[9]; /* angular momentum of the fill over that of the skin, in the shape at rest */
+    double fill_momentum[3]; /* that of the fill as the substep began [N m s], */
+    int fill_turns;          /* which is known: nothing has changed the body since */
     double resisted[3]; /* rolling resistance of the surfaces that it touches, in the next substep [N m] */
     double dt, skin_travel; /* [s]; [m] farthest that a vertex may move in a step, 0: no limit */
 
@@ -164,9 +167,8 @@ struct dm_state {
     int meets;             /* it is stepped in a scene */
     uint64_t changes;      /* counts changes from outside a scene */
     int rested, asleep;    /* it may fall asleep; it sleeps: it is not stepped until something wakes it */
-    double sag;            /* [m/s] added by gravity in a substep, undone by contact in position only; 0: none */
-    double fastest, quiet; /* [m/s] greatest speed in the last tick; [s] time since it became slow */
-    dm_vec3 *still;        /* (groups,) its places when it became slow */
+    double fastest, quiet; /* [m/s] greatest speed in the last tick; [s] time since it became quiet */
+    dm_vec3 *still;        /* (groups,) its places when it became quiet */
     double bounds[2][3], still_pose[12], still_volume; /* of a body that sleeps */
 
     dm_facet *facets;

@@ -140,7 +140,7 @@ static void dm_wake(dm_state *b) { b->asleep = b->rested = 0, b->quiet = 0; }
 
 /* The same for a body that the caller has changed. */
 static void dm_change(dm_state *b) {
-    dm_wake(b), b->changes++;
+    dm_wake(b), b->changes++, b->fill_turns = 0;
     memset(b->resisted, 0, sizeof b->resisted);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) b->touches[k].listed = 0;
 }
@@ -163,6 +163,7 @@ static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
     b->rigged = c->rigged != 0;
     for (int k = 0; laid && k < 12; k++) b->pose[k] = k < 9 && k % 4 == 0;
     memcpy(b->gravity, c->gravity, sizeof b->gravity);
+    memcpy(b->fill_share, c->fill_momentum, sizeof b->fill_share);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
     dm_place_pose(b);
     return DM_OK;

@@ -4,7 +4,7 @@
 #include <float.h>
 
 /* Numbers that Python needs too: `dev.py native` writes them into core/constants.py. */
-#define DM_ABI 31              /* changes with every change of dimple.h */
+#define DM_ABI 32              /* changes with every change of dimple.h */
 #define DM_MAX_FINGERTIPS 3    /* thumb, index and middle finger, as on the paper's device */
 #define DM_MAX_STEPS 1000000   /* steps in one call, so that no call takes longer than minutes */
 #define DM_MAX_RING 12         /* neighbours in a ring; a vertex with more is treated as irregular */
@@ -54,7 +54,7 @@
 /* A body's life. */
 #define DM_LARGEST_GROWTH 100.0 /* sizes: farther from its place at rest, deeper, or faster in a tick, a body has diverged */
 #define DM_REST_SPEED 1e-3      /* [sizes/s] half a pixel a second for a body of 500 pixels */
-#define DM_REST_TIME 0.25       /* [s] below that speed before a body sleeps: longer than the turning point of a swing */
+#define DM_REST_TIME 0.25       /* [s] below that speed, or in place, before a body sleeps: longer than the turning point of a swing */
 
 /* Meeting bodies: the reach of a query, and the way allowed until the next one. */
 #define DM_QUERY_REACH 4     /* reach of a query, in distances at which surfaces touch: the number of pairs grows with its

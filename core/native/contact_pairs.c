@@ -18,20 +18,13 @@ static double dm_weight_of_edges(const dm_scene_state *s, const dm_pair *pair, c
     return weight;
 }
 
-/* List a pair as a candidate if it may touch before the next query. */
-static void dm_note_candidate(dm_scene_state *s, const dm_pair *pair, double gap, const double *w,
-                              const double *between) {
+/* Set at which distance a pair touches, and how much of its impulse acts. */
+static void dm_set_touch(dm_scene_state *s, dm_pair *p, const double *w, const double *between) {
     const dm_surface *f = s->both[0], *g = s->both[1];
-    dm_candidate made = {s->pair_count - 1, gap, dm_touch_of(f, g), 1};
-    if (pair->ones == 2) made.weight = dm_weight_of_edges(s, pair, w, between, gap);
-    if (f == g) {
-        double weights[4], way[3];
-        double far = dm_measure_pair((const double(*)[3])s->rest, pair->at, pair->ones, weights, way) / 2;
-        made.touch = far < made.touch ? far : made.touch;
-    }
-    if (!(made.weight > 0)) return;
-    s->candidates = dm_grown(s, s->candidates, s->candidate_count, &s->candidate_room, sizeof *s->candidates);
-    if (dm_has_room(s)) s->candidates[s->candidate_count++] = made;
+    p->touch = dm_touch_of(f, g), p->weight = p->ones == 2 ? dm_weight_of_edges(s, p, w, between, p->gap) : 1;
+    if (f != g) return;
+    double weights[4], way[3];
+    p->touch = fmin(p->touch, dm_measure_pair((const double(*)[3])s->rest, p->at, p->ones, weights, way) / 2);
 }
 
 /* List a pair of the two surfaces that are being searched, for now with its vertices' numbers in the scene.
@@ -56,7 +49,8 @@ static void dm_note_pair(dm_scene_state *s, const dm_pair *pair, double gap, con
     s->pair_count++;
     for (uint32_t k = 0; k < 4; k++) s->place[at[k]] = 0;
     s->gap = gap < s->gap ? gap : s->gap;
-    if (inside) dm_note_candidate(s, made, gap, w, between);
+    made->gap = gap, made->weight = 0;
+    if (inside) dm_set_touch(s, made, w, between);
 }
 
 /* List the vertices of the pairs, in the order in which they lie in memory, and count the pairs of each. */
@@ -69,9 +63,9 @@ static void dm_number_near(dm_scene_state *s) {
 }
 
 /* Return a candidate with the caller's vertex numbers, in ascending order on each side. */
-static dm_ordered dm_ordered_of(const dm_scene_state *s, const dm_candidate *candidate) {
-    const dm_pair *p = s->pairs + candidate->pair;
-    dm_ordered made = {.ones = p->ones, .own = *candidate};
+static dm_ordered dm_ordered_of(const dm_scene_state *s, uint32_t pair) {
+    const dm_pair *p = s->pairs + pair;
+    dm_ordered made = {.pair = pair};
     uint32_t *number = made.number, start = p->ones == 1 ? 1 : 0, end = p->ones == 1 ? 4 : 2;
     for (int k = 0; k < 4; k++) number[k] = s->number[s->near[p->at[k]].vertex];
     for (; start < 4; start = end, end = 4)
@@ -87,39 +81,37 @@ static dm_ordered dm_ordered_of(const dm_scene_state *s, const dm_candidate *can
     return made;
 }
 
-DM_INLINE uint32_t dm_bin_of(const dm_ordered *a, uint32_t vertices) {
-    return (a->ones - 1) * vertices + a->number[0];
+DM_INLINE uint32_t dm_bin_of(const dm_scene_state *s, const dm_ordered *a) {
+    return (s->pairs[a->pair].ones - 1) * (uint32_t)s->vertex_count + a->number[0];
 }
 
 static int dm_comes_before(const dm_ordered *a, const dm_ordered *b) {
-    if (a->ones != b->ones) return a->ones < b->ones;
     for (int k = 0; k < 4; k++)
         if (a->number[k] != b->number[k]) return a->number[k] < b->number[k];
     return 0;
 }
 
-/* Sort the candidates in an order that does not depend on the layout in memory: faces first, then edges, by their first
- * vertex (a bin for each), and the few of one vertex by the others. */
+/* List the pairs that may touch in an order that does not depend on the layout in memory: faces first, then edges, by
+ * their first vertex (a bin for each), and the few of one vertex by the others. */
 static void dm_order_candidates(dm_scene_state *s) {
-    uint32_t count = s->candidate_count, *bins = s->bins, many = (uint32_t)s->vertex_count;
+    uint32_t count = 0, *bins = s->bins, many = (uint32_t)s->vertex_count;
+    for (const dm_pair *p = s->pairs; p < s->pairs + s->pair_count; p++) count += p->weight > 0;
     memset(bins, 0, (size_t)(2 * many + 1) * sizeof *bins);
-    if (s->sorted_room < 2 * count) {
-        dm_free(s->sorted);
-        s->sorted = dm_alloc(4 * count, sizeof *s->sorted), s->sorted_room = s->sorted ? 4 * count : 0;
-        if (!s->sorted) s->code = DM_MEMORY;
-    }
+    s->candidates = dm_roomy(s, s->candidates, count, &s->candidate_room, sizeof *s->candidates);
+    s->sorted = dm_roomy(s, s->sorted, 2 * count, &s->sorted_room, sizeof *s->sorted);
     if (!count || !dm_has_room(s)) return;
-    dm_ordered *sorted = s->sorted, *plain = sorted + count;
-    for (uint32_t k = 0; k < count; k++)
-        plain[k] = dm_ordered_of(s, s->candidates + k), bins[dm_bin_of(plain + k, many) + 1]++;
+    dm_ordered *sorted = s->sorted, *plain = sorted + count, *end = plain;
+    for (uint32_t k = 0; k < s->pair_count; k++)
+        if (s->pairs[k].weight > 0) *end = dm_ordered_of(s, k), bins[dm_bin_of(s, end++) + 1]++;
     for (uint32_t k = 0; k < 2 * many; k++) bins[k + 1] += bins[k];
-    for (uint32_t k = 0; k < count; k++) sorted[bins[dm_bin_of(plain + k, many)]++] = plain[k];
+    for (uint32_t k = 0; k < count; k++) sorted[bins[dm_bin_of(s, plain + k)]++] = plain[k];
     for (uint32_t i = 0; i < count; i++) {
         dm_ordered own = sorted[i];
-        uint32_t j = i;
-        for (; j > 0 && dm_comes_before(&own, sorted + j - 1); j--)
+        uint32_t j = i, bin = dm_bin_of(s, &own);
+        for (; j > 0 && dm_bin_of(s, sorted + j - 1) == bin && dm_comes_before(&own, sorted + j - 1); j--)
             sorted[j] = sorted[j - 1];
         sorted[j] = own;
     }
-    for (uint32_t k = 0; k < count; k++) s->candidates[k] = sorted[k].own;
+    for (uint32_t k = 0; k < count; k++) s->candidates[k] = sorted[k].pair;
+    s->candidate_count = count;
 }

@@ -57,12 +57,10 @@ static double dm_share_of_border(const dm_scene_state *s, const dm_pair *p, cons
 }
 
 /* List a pair, whose nearest points are known, if it may touch before the next update. */
-static void dm_note_meeting(dm_scene_state *s, const dm_candidate *candidate, double gap, const double *w,
-                            const double *between) {
-    const dm_pair *p = s->pairs + candidate->pair;
-    if (!(gap < candidate->touch + s->approach) || !(gap > 0)) return;
+static void dm_note_meeting(dm_scene_state *s, const dm_pair *p, double gap, const double *w, const double *between) {
+    if (!(gap < p->touch + s->approach) || !(gap > 0)) return;
     if (p->ones == 1 ? !dm_is_nearest(s, p, w, between) : !(w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0)) return;
-    dm_meeting m = {.gap = gap, .touch = candidate->touch, .share = candidate->weight};
+    dm_meeting m = {.gap = gap, .touch = p->touch, .share = p->weight};
     if (p->ones == 1 && !(w[1] < -DM_EXACT && w[2] < -DM_EXACT && w[3] < -DM_EXACT))
         m.share = dm_share_of_border(s, p, between, gap);
     if (!(m.share > 0)) return;
@@ -81,12 +79,12 @@ static void dm_note_meeting(dm_scene_state *s, const dm_candidate *candidate, do
 }
 
 /* Find the nearest points of up to eight candidates, all with a face or all of edges, and list those that may touch. */
-static void dm_look_at(dm_scene_state *s, const dm_candidate *const *some, uint32_t count) {
+static void dm_look_at(dm_scene_state *s, const dm_pair *const *some, uint32_t count) {
     const uint32_t *at[DM_LANES];
     dm_wide w[4];
     dm_wide_mask inside;
-    for (uint32_t l = 0; l < DM_LANES; l++) at[l] = s->pairs[some[l < count ? l : count - 1]->pair].at;
-    dm_wide3 way = dm_wide_measure((const double(*)[3])s->there, at, s->pairs[some[0]->pair].ones, w, &inside);
+    for (uint32_t l = 0; l < DM_LANES; l++) at[l] = some[l < count ? l : count - 1]->at;
+    dm_wide3 way = dm_wide_measure((const double(*)[3])s->there, at, some[0]->ones, w, &inside);
     dm_wide gap = dm_wide_root(dm_wide_dot(way, way));
     for (uint32_t l = 0; l < count && dm_has_room(s); l++)
         dm_note_meeting(s, some[l], gap[l], (double[]){w[0][l], w[1][l], w[2][l], w[3][l]},
@@ -110,14 +108,13 @@ static void dm_look(dm_scene_state *s) {
         far = square > far ? square : far;
     }
     double travel = 2 * sqrt(far);
-    const dm_candidate *some[DM_LANES];
+    const dm_pair *some[DM_LANES];
     uint32_t count = 0;
     for (uint32_t k = 0; k < s->candidate_count && dm_has_room(s); k++) {
-        const dm_candidate *c = s->candidates + k;
-        if (c->gap - travel > c->touch + s->approach) continue;
-        if (count == DM_LANES || (count && s->pairs[c->pair].ones != s->pairs[some[0]->pair].ones))
-            dm_look_at(s, some, count), count = 0;
-        some[count++] = c;
+        const dm_pair *p = s->pairs + s->candidates[k];
+        if (p->gap - travel > p->touch + s->approach) continue;
+        if (count == DM_LANES || (count && p->ones != some[0]->ones)) dm_look_at(s, some, count), count = 0;
+        some[count++] = p;
     }
     if (count && dm_has_room(s)) dm_look_at(s, some, count);
     for (uint32_t k = 0; k < s->near_count && dm_has_room(s); k++)

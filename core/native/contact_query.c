@@ -7,8 +7,27 @@ static void dm_note_rest(dm_scene_state *s, const dm_surface *f) {
         for (int c = 0; c < 3; c++) s->rest[f->first + b->place[k]][c] = b->rest[c * b->n + k];
 }
 
+/* Find how far the vertices of a surface have moved since the last query: their mean displacement, and the greatest
+ * difference from it. */
+static void dm_find_moved(const dm_scene_state *s, dm_surface *f) {
+    double way[3], most = 0;
+    uint32_t count = f->body ? (uint32_t)f->body->n : f->count;
+    memset(f->moved, 0, sizeof f->moved);
+    for (int difference = 0; difference < 2; difference++)
+        for (uint32_t i = f->first; i < f->first + count; i++) {
+            dm_world_of(s, f, i, way), dm_minus(way, s->before[i], way);
+            if (!difference) {
+                dm_add3(f->moved, 1.0 / count, way);
+                continue;
+            }
+            dm_minus(way, f->moved, way), most = fmax(most, dm_inner3(way, way));
+        }
+    f->bent = sqrt(most);
+}
+
 /* Note the places of a surface's vertices, and their bounding box. */
 static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
+    dm_find_moved(s, f);
     for (int c = 0; c < 3; c++) f->low[c] = INFINITY, f->high[c] = -INFINITY;
     for (uint32_t i = f->first; i < f->first + f->count; i++) {
         dm_world_of(s, f, i, s->before[i]);
@@ -23,7 +42,7 @@ static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
     for (int64_t g = 0; g < f->body->groups; g++) s->noted[f->first / DM_LANES + g] = f->body->state[g].x;
     f->fitted = 0;
     if (f->self && f->body->moving) dm_note_rest(s, f);
-    if (f->changes != f->body->changes) memset(f->resisting, 0, sizeof f->resisting);
+    if (f->changes != f->body->changes) memset(f->resisting, 0, sizeof f->resisting), f->placed = 1;
     f->changes = f->body->changes;
     memcpy(f->origin, f->body->origin, sizeof f->origin);
 }
@@ -107,34 +126,103 @@ static void dm_release(dm_scene_state *s) {
     }
 }
 
+/* Return how far pairs of two surfaces are searched [m]: so far that rigid surfaces need not stop. */
+static double dm_reach_of(const dm_scene_state *s, const dm_surface *f, const dm_surface *g) {
+    return f->body && g->body ? s->least_reach : fmax(s->least_reach, s->touch + 3 * s->fastest_rigid * s->dt);
+}
+
+static int dm_by_start(const void *a, const void *b) {
+    const dm_run *p = a, *q = b;
+    return p->start < q->start ? -1 : p->start > q->start;
+}
+
+static int dm_by_surfaces(const void *a, const void *b) {
+    const dm_run *p = a, *q = b;
+    uint64_t one = (uint64_t)p->first << 32 | p->second, other = (uint64_t)q->first << 32 | q->second;
+    return one < other ? -1 : one > other;
+}
+
+/* Keep the pairs of two surfaces, from now on at `start`, if the surfaces have used up less than half of the relative
+ * displacement after which unknown pairs may touch; return whether they are kept. */
+static int dm_keep_run(dm_scene_state *s, dm_run *run, uint32_t start) {
+    const dm_surface *f = s->surfaces + run->first, *g = s->surfaces + run->second;
+    double apart[3], count = run->end - run->start;
+    dm_minus(f->moved, g->moved, apart);
+    double way = f->bent + g->bent + sqrt(dm_inner3(apart, apart));
+    run->used += way;
+    if (f->placed || g->placed || !dm_may_touch(s, f, g) || run->reach < dm_reach_of(s, f, g)) return 0;
+    if (!(run->used < DM_STALE * (run->reach - s->touch) / 2)) return 0;
+    memmove(s->pairs + start, s->pairs + run->start, (size_t)count * sizeof *s->pairs);
+    memmove(s->planes + start, s->planes + run->start, (size_t)count * sizeof *s->planes);
+    memmove(s->next + start, s->next + run->start, (size_t)count * sizeof *s->next);
+    run->start = start, run->end = start + (uint32_t)count;
+    for (dm_pair *p = s->pairs + start; p < s->pairs + run->end; p++) {
+        p->gap -= way;
+        for (int k = 0; k < 4; k++) p->at[k] = s->near[p->at[k]].vertex, s->place[p->at[k]] = 0;
+    }
+    return 1;
+}
+
+static void dm_keep_runs(dm_scene_state *s) {
+    uint32_t count = s->run_count;
+    qsort(s->runs, count, sizeof *s->runs, dm_by_start);
+    s->run_count = s->pair_count = 0;
+    for (uint32_t k = 0; k < count; k++) {
+        dm_run run = s->runs[k];
+        if (!dm_keep_run(s, &run, s->pair_count)) continue;
+        s->pair_count = run.end, s->runs[s->run_count++] = run;
+    }
+    qsort(s->runs, s->kept_count = s->run_count, sizeof *s->runs, dm_by_surfaces);
+}
+
 /* List the nearby pairs of two surfaces, or limit their motion by the distance between them. */
 static void dm_query_pair(dm_scene_state *s, uint32_t i, uint32_t j) {
     dm_surface *f = s->both[0] = s->surfaces + i, *g = s->both[1] = s->surfaces + j;
     if (!dm_may_touch(s, f, g)) return;
     double apart = f == g ? -1 : dm_boxes_apart(f->low, f->high, g->low, g->high);
+    s->reach = dm_reach_of(s, f, g);
     if (apart > s->reach) {
         dm_bring_near(f, DM_BOUND * apart / 2, apart / 4), dm_bring_near(g, DM_BOUND * apart / 2, apart / 4);
         return;
     }
-    for (int k = 0; k < 2; k++) {
-        dm_bring_near(s->both[k], DM_BOUND * s->reach / 2, DM_STALE * (s->reach - s->touch) / 2);
+    for (int k = 0; k < 2; k++)
         if (!s->both[k]->fitted) dm_fit_boxes(s, s->both[k]), s->both[k]->fitted = 1;
-    }
-    dm_visit_pairs(s, f, g, s->reach, dm_pair_triangles);
+    dm_run run = {.first = i, .second = j, .start = s->pair_count, .reach = s->reach};
+    dm_visit_pairs(s, f, g, s->reach, dm_pair_leaves);
     dm_note_waiting(s, 1), dm_note_waiting(s, 2);
+    run.end = s->pair_count;
     s->runs = dm_grown(s, s->runs, s->run_count, &s->run_room, sizeof *s->runs);
-    if (dm_has_room(s)) s->runs[s->run_count++] = (dm_run){i, j, s->pair_count, 0};
+    if (dm_has_room(s)) s->runs[s->run_count++] = run;
+}
+
+/* Find the nearby pairs of all surfaces, those apart that have hardly moved relative to each other since they were
+ * searched. */
+static void dm_search(dm_scene_state *s) {
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < s->surface_count; i++)
+        for (uint32_t j = i; j < s->surface_count && dm_has_room(s); j++) {
+            const dm_run *next = s->runs + kept;
+            if (kept < s->kept_count && next->first == i && next->second == j) kept++;
+            else dm_query_pair(s, i, j);
+        }
+    if (!dm_has_room(s)) return;
+    for (const dm_run *run = s->runs; run < s->runs + s->run_count; run++)
+        for (int k = 0; k < 2; k++) {
+            double left = run->reach - run->used;
+            dm_bring_near(s->surfaces + (k ? run->second : run->first), DM_BOUND * left / 2, DM_STALE * (left - s->touch) / 2);
+        }
 }
 
 static void dm_query(dm_scene_state *s) {
     dm_sum_meetings(s), s->batch_count = s->support_count = 0;
-    s->reach = fmax(s->least_reach, s->touch + 3 * s->fastest_rigid * s->dt); /* so that rigid surfaces need not stop */
+    s->reach = s->least_reach;
     for (int64_t k = 0; k < s->surface_count; k++) dm_note_surface(s, s->surfaces + k);
     dm_release(s);
     for (int64_t i = 0; i < s->vertex_count; i++) s->place[i] = DM_NO_VERTEX;
-    s->near_count = s->pair_count = s->candidate_count = s->run_count = 0, s->due = 0, s->gap = INFINITY;
-    for (uint32_t i = 0; i < s->surface_count; i++)
-        for (uint32_t j = i; j < s->surface_count && dm_has_room(s); j++) dm_query_pair(s, i, j);
+    dm_keep_runs(s);
+    s->near_count = s->candidate_count = 0, s->due = 0, s->gap = INFINITY;
+    dm_search(s);
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->placed = 0;
     if (dm_has_room(s)) dm_number_near(s);
     if (dm_has_room(s)) dm_link_pairs(s);
     if (dm_has_room(s)) dm_order_candidates(s);

@@ -28,10 +28,24 @@ static int dm_triangles_cross(const dm_scene_state *s, const uint32_t *a, const 
     return found;
 }
 
-static void dm_note_crossing(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
+typedef void (*dm_note)(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j);
+
+/* Note the triangles of two leaves, or of one, that intersect. */
+static void dm_find_crossings(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const dm_node *a, const dm_node *b,
+                              dm_note note) {
+    for (uint32_t i = a->start; i < a->end; i++) {
+        double low[3], high[3];
+        for (int c = 0; c < 3; c++) low[c] = s->boxes.low[c][i], high[c] = s->boxes.high[c][i];
+        for (uint32_t near = dm_near_boxes(&s->boxes, b->start, b->end, low, high, 0); near; near &= near - 1) {
+            uint32_t j = b->start + (uint32_t)__builtin_ctz(near);
+            if ((a != b || i < j) && dm_triangles_cross(s, s->corners[i], s->corners[j])) note(s, f, g, i, j);
+        }
+    }
+}
+
+static void dm_count_crossing(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
     const uint32_t *a = s->corners[i], *b = s->corners[j];
     if (f == g && (dm_is_left_out(s, a, 3) || dm_is_left_out(s, b, 3))) return;
-    if (!dm_triangles_cross(s, a, b)) return;
     dm_crossings *found = s->found;
     if (found->count++) return;
     found->surfaces[0] = f - s->surfaces, found->surfaces[1] = g - s->surfaces;
@@ -41,8 +55,15 @@ static void dm_note_crossing(dm_scene_state *s, const dm_surface *f, const dm_su
 
 static void dm_leave_out_crossing(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
     (void)f, (void)g;
-    if (!dm_triangles_cross(s, s->corners[i], s->corners[j])) return;
     for (int k = 0; k < 3; k++) s->left_out[s->corners[i][k]] = s->left_out[s->corners[j][k]] = 1;
+}
+
+static void dm_count_crossings(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const dm_node *a, const dm_node *b) {
+    dm_find_crossings(s, f, g, a, b, dm_count_crossing);
+}
+
+static void dm_leave_out_crossings(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const dm_node *a, const dm_node *b) {
+    dm_find_crossings(s, f, g, a, b, dm_leave_out_crossing);
 }
 
 /* Leave out of self-contact the vertices of faces that intersect others of their body now, and report the pairs. */
@@ -52,7 +73,7 @@ static void dm_leave_out(dm_scene_state *s, dm_crossings *left_out) {
         memset(s->found, 0, sizeof *s->found);
         if (!f->self) continue;
         dm_note_surface(s, f), dm_fit_boxes(s, f);
-        dm_visit_pairs(s, f, f, 0, dm_note_crossing), dm_visit_pairs(s, f, f, 0, dm_leave_out_crossing);
+        dm_visit_pairs(s, f, f, 0, dm_count_crossings), dm_visit_pairs(s, f, f, 0, dm_leave_out_crossings);
     }
 }
 
@@ -65,7 +86,7 @@ static void dm_scene_state_find(dm_scene_state *s, dm_crossings *found) {
     for (int64_t i = 0; i < s->surface_count; i++)
         for (int64_t j = i; j < s->surface_count; j++) {
             const dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
-            if (dm_may_touch(s, f, g)) dm_visit_pairs(s, f, g, 0, dm_note_crossing);
+            if (dm_may_touch(s, f, g)) dm_visit_pairs(s, f, g, 0, dm_count_crossings);
         }
-    s->due = 1;
+    s->run_count = 0, s->due = 1; /* the places that all displacements are counted from have changed */
 }

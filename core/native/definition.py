@@ -24,7 +24,8 @@ class Constants(Structure):
     _fields_ = fields(
         stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", compliance="p",
         k1="p", k2="p", d0="p", drag="p",
-        laws="p", materials="n", painted="p", gravity="d3", ground="d", rest_pressure="d", fill="i", free="i",
+        laws="p", materials="n", painted="p", gravity="d3", ground="d", rest_pressure="d",
+        fill_momentum="d9", fill="i", free="i",
         rigged="i",
     )  # fmt: skip
 
@@ -112,4 +113,5 @@ def constants(model: Model, surface: Model, arrays: Arrays) -> Constants:
         gravity=(c_double * 3)(*model.gravity), ground=-np.inf if model.ground is None else model.ground,
         fill=model.pressure.kind, free=model.free,
         rigged=model.rigged, rest_pressure=model.pressure.rest_pressure,
+        fill_momentum=(c_double * 9)(*model.fill_momentum.ravel()),
     )  # fmt: skip

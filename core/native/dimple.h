@@ -59,6 +59,7 @@ typedef struct {
     double gravity[3];    /* [m/s2] */
     double ground;        /* height of the ground plane [m], -INFINITY: none */
     double rest_pressure; /* gauge pressure of the fill in the shape at rest [Pa] */
+    double fill_momentum[9]; /* angular momentum of the fill over that of the skin, in the shape at rest, by rows */
     int32_t fill;
     int32_t free;   /* 1: the shape at rest follows the body; 0: it stays with the pins */
     int32_t rigged; /* 1: the shape at rest stays where it is set, whatever the pins do */

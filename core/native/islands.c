@@ -27,18 +27,6 @@ static void dm_wake_touched(dm_scene_state *s, const dm_motion *motions, int64_t
     }
 }
 
-/* Before the bodies' speeds are checked: set the speed that a body in contact may have though it rests. */
-static void dm_note_sag(dm_scene_state *s) {
-    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->touched = 0;
-    for (uint32_t i = 0; i < DM_LANES * s->batch_count; i++)
-        for (int j = 0; s->batches[i / DM_LANES].active[i % DM_LANES] && j < 2; j++)
-            s->surfaces[dm_sides_of(s, i)[j]].touched = 1;
-    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
-        dm_state *b = f->body;
-        if (b) b->sag = f->touched ? sqrt(dm_inner3(b->gravity, b->gravity)) * s->dt : 0;
-    }
-}
-
 DM_INLINE int dm_has_rested(const dm_surface *f) { return f->body ? f->body->rested : f->prop && f->prop->rested; }
 
 /* After a tick: put to sleep the bodies and props that are at rest, as is everything that they may touch. */

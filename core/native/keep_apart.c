@@ -219,11 +219,11 @@ static void dm_find_ways(dm_scene_state *s) {
 
 /* Check the pairs of two surfaces that have come far enough: towards a plane that moves with one of them, both count;
  * towards one between two bodies, each for itself. */
-static void dm_check_run(dm_scene_state *s, dm_run *run, uint32_t pair) {
+static void dm_check_run(dm_scene_state *s, dm_run *run) {
     const dm_surface *f = s->surfaces + run->first, *g = s->surfaces + run->second;
     double way = f->body && g->body ? fmax(f->way, g->way) : f->way + g->way;
     run->gone += way;
-    for (; way > 0 && pair < run->end; pair++)
+    for (uint32_t pair = run->start; way > 0 && pair < run->end; pair++)
         if (!(s->next[pair] > run->gone)) dm_check_pair(s, run, pair);
 }
 
@@ -234,7 +234,7 @@ static void dm_keep_apart(dm_scene_state *s) {
     dm_find_ways(s);
     do {
         for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->stuck = 0, dm_watch_way(s, f);
-        for (uint32_t k = 0; k < s->run_count; k++) dm_check_run(s, s->runs + k, k ? s->runs[k - 1].end : 0);
+        for (uint32_t k = 0; k < s->run_count; k++) dm_check_run(s, s->runs + k);
         for (uint32_t k = 0; k < s->held_count; k++) {
             dm_neighbour *n = s->near + s->held[k];
             dm_settle(s, s->surfaces + n->surface, n->vertex), n->held = 0;

@@ -24,7 +24,7 @@ static void dm_free_prop(dm_falling *p) {
 }
 
 /* Take over the state of a prop if the caller has changed it. */
-static void dm_take_prop(dm_scene_state *s, const dm_surface *f, const dm_prop *to) {
+static void dm_take_prop(dm_scene_state *s, dm_surface *f, const dm_prop *to) {
     dm_falling *p = f->prop;
     if (p->placed && !memcmp(to, &p->now, sizeof *to)) return;
     int goes_on = p->placed && !memcmp(to, &p->now, offsetof(dm_prop, gravity)); /* only gravity and ground differ */
@@ -35,7 +35,7 @@ static void dm_take_prop(dm_scene_state *s, const dm_surface *f, const dm_prop *
     dm_find_places(p, pose, s->here + f->first);
     memset(p->answer, 0, sizeof p->answer), memset(p->spin, 0, sizeof p->spin);
     memset(s->rate[f->first], 0, f->count * sizeof *s->rate);
-    s->due = 1;
+    f->placed = 1, s->due = 1;
 }
 
 /* List a pair of which neither side is a soft body. */

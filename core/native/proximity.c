@@ -90,45 +90,47 @@ DM_INLINE void dm_let_wait(dm_scene_state *s, dm_pair pair) {
     if (s->waiting_count[k] == DM_WAITING) dm_note_waiting(s, pair.ones);
 }
 
-/* Return whether two sets of vertices are farther apart than the reach of the query along an axis. */
-DM_INLINE int dm_are_apart(const dm_scene_state *s, const uint32_t *a, int m, const uint32_t *b, int n) {
-    for (int c = 0; c < 3; c++) {
-        double low = s->before[a[0]][c], high = low, lower = s->before[b[0]][c], higher = lower;
-        for (int i = 1; i < m; i++) {
-            double x = s->before[a[i]][c];
-            low = x < low ? x : low, high = x > high ? x : high;
-        }
-        for (int i = 1; i < n; i++) {
-            double x = s->before[b[i]][c];
-            lower = x < lower ? x : lower, higher = x > higher ? x : higher;
-        }
-        if (lower - high > s->reach || low - higher > s->reach) return 1;
-    }
-    return 0;
-}
-
-static void dm_pair_edges(dm_scene_state *s, uint32_t i, uint32_t j) {
-    for (int k = 0; k < 3; k++) {
-        if (!(s->owns[i] >> (3 + k) & 1)) continue;
-        uint32_t edge = s->edges_of[i][k], a = s->edges[edge][0], b = s->edges[edge][1];
-        for (int l = 0; l < 3; l++) {
-            if (!(s->owns[j] >> (3 + l) & 1)) continue;
-            uint32_t other = s->edges_of[j][l], c = s->edges[other][0], d = s->edges[other][1];
-            if (a != c && a != d && b != c && b != d && !dm_are_apart(s, s->edges[edge], 2, s->edges[other], 2))
-                dm_let_wait(s, (dm_pair){{a, b, c, d}, {edge, other}, 2, 0});
+/* Pair the vertices that belong to the triangles of one leaf with the faces of another, or of the same one. */
+static void dm_pair_vertices(dm_scene_state *s, const dm_node *a, const dm_node *b) {
+    for (uint32_t k = s->vertex_start[a->start]; k < s->vertex_start[a->end]; k++) {
+        const double *x = s->before[s->listed[k]];
+        if (dm_boxes_apart(x, x, b->low, b->high) > s->reach) continue;
+        for (uint32_t near = dm_near_boxes(&s->boxes, b->start, b->end, x, x, s->reach); near; near &= near - 1) {
+            uint32_t face = b->start + (uint32_t)__builtin_ctz(near);
+            const uint32_t *at = s->corners[face];
+            if (!dm_share_a_vertex(s->listed + k, 1, at, 3))
+                dm_let_wait(s, (dm_pair){.at = {s->listed[k], at[0], at[1], at[2]}, .parts = {face}, .ones = 1});
         }
     }
 }
 
-/* Collect the pairs of the corners, edges and faces that triangles i and j represent, if they may be near. */
-static void dm_pair_triangles(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
+/* Pair an edge with those after `from` that belong to the triangles of a leaf. */
+static void dm_pair_edge(dm_scene_state *s, uint32_t edge, uint32_t from, uint32_t end) {
+    const uint32_t *own = s->edges[edge];
+    double low[3], high[3];
+    for (int c = 0; c < 3; c++) low[c] = s->edge_boxes.low[c][edge], high[c] = s->edge_boxes.high[c][edge];
+    for (; from < end; from += DM_LANES)
+        for (uint32_t near = dm_near_boxes(&s->edge_boxes, from, end, low, high, s->reach); near; near &= near - 1) {
+            uint32_t other = from + (uint32_t)__builtin_ctz(near);
+            const uint32_t *at = s->edges[other];
+            if (!dm_share_a_vertex(own, 2, at, 2))
+                dm_let_wait(s, (dm_pair){.at = {own[0], own[1], at[0], at[1]}, .parts = {edge, other}, .ones = 2});
+        }
+}
+
+/* Pair the edges that belong to the triangles of two leaves, or of one. */
+static void dm_pair_edges(dm_scene_state *s, const dm_node *a, const dm_node *b) {
+    uint32_t end = s->edge_start[a->end];
+    for (uint32_t from = s->edge_start[a->start]; from < end; from += DM_LANES)
+        for (uint32_t near = dm_near_boxes(&s->edge_boxes, from, end, b->low, b->high, s->reach); near; near &= near - 1) {
+            uint32_t edge = from + (uint32_t)__builtin_ctz(near);
+            dm_pair_edge(s, edge, a == b ? edge + 1 : s->edge_start[b->start], s->edge_start[b->end]);
+        }
+}
+
+/* Collect the pairs of the vertices, edges and faces of two leaves, or of one, that may be near. */
+static void dm_pair_leaves(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const dm_node *a, const dm_node *b) {
     (void)f, (void)g;
-    const uint32_t *a = s->corners[i], *b = s->corners[j];
-    for (int k = 0; k < 3; k++) {
-        if (s->owns[i] >> k & 1 && !dm_share_a_vertex(a + k, 1, b, 3) && !dm_are_apart(s, a + k, 1, b, 3))
-            dm_let_wait(s, (dm_pair){{a[k], b[0], b[1], b[2]}, {j, 0}, 1, 0});
-        if (s->owns[j] >> k & 1 && !dm_share_a_vertex(b + k, 1, a, 3) && !dm_are_apart(s, b + k, 1, a, 3))
-            dm_let_wait(s, (dm_pair){{b[k], a[0], a[1], a[2]}, {i, 0}, 1, 0});
-    }
-    dm_pair_edges(s, i, j);
+    dm_pair_vertices(s, a, b), dm_pair_edges(s, a, b);
+    if (a != b) dm_pair_vertices(s, b, a);
 }

@@ -5,9 +5,11 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
     for (int64_t k = 0; s->surfaces && k < s->surface_count; k++)
         dm_free_prop(s->surfaces[k].prop);
     void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->was, s->corners, s->edges_of,
-                           s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes,
+                           s->edges, s->across, s->listed, s->ring_start, s->ring, s->place, s->nodes, s->vertex_start, s->edge_start,
                            s->number, s->bins, s->left_out, s->given, s->noted};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
+    for (int c = 0; c < 3; c++)
+        dm_free(s->boxes.low[c]), dm_free(s->boxes.high[c]), dm_free(s->edge_boxes.low[c]), dm_free(s->edge_boxes.high[c]);
     void *const lists[] = {s->near, s->pairs, s->pairs_of, s->batches, s->moving, s->candidates, s->sorted, s->held,
                            s->spent, s->runs, s->planes, s->next, s->tally, s->sides, s->there, s->met, s->supports,
                            s->released};
@@ -23,7 +25,14 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
     whole = whole && (s->rate = dm_alloc(n, sizeof *s->rate)) && (s->was = dm_alloc(n, sizeof *s->was));
     whole = whole && (s->corners = dm_alloc(t, sizeof *s->corners)) && (s->edges_of = dm_alloc(t, sizeof *s->edges_of));
     whole = whole && (s->edges = dm_alloc(3 * t, sizeof *s->edges)) && (s->across = dm_alloc(3 * t, sizeof *s->across));
-    whole = whole && (s->owns = dm_alloc(t, 1)) && (s->place = dm_alloc(n, sizeof(uint32_t)));
+    whole = whole && (s->vertex_start = dm_alloc(t + 1, sizeof(uint32_t))) && (s->edge_start = dm_alloc(t + 1, sizeof(uint32_t)));
+    whole = whole && (s->listed = dm_alloc(n, sizeof(uint32_t))) && (s->place = dm_alloc(n, sizeof(uint32_t)));
+    for (int c = 0; c < 3; c++) { /* eight are read at once, also from the last one on */
+        whole = whole && (s->boxes.low[c] = dm_alloc(t + DM_LANES, sizeof(double)));
+        whole = whole && (s->boxes.high[c] = dm_alloc(t + DM_LANES, sizeof(double)));
+        whole = whole && (s->edge_boxes.low[c] = dm_alloc(3 * t + DM_LANES, sizeof(double)));
+        whole = whole && (s->edge_boxes.high[c] = dm_alloc(3 * t + DM_LANES, sizeof(double)));
+    }
     whole = whole && (s->nodes = dm_alloc(2 * t + s->surface_count, sizeof *s->nodes));
     whole = whole && (s->left_out = dm_alloc(n, 1)) && (s->given = dm_alloc(n, sizeof *s->given));
     whole = whole && (s->number = dm_alloc(n, sizeof(uint32_t))) && (s->bins = dm_alloc(2 * n + 1, sizeof(uint32_t)));
@@ -47,7 +56,7 @@ static void dm_place_collider(dm_scene_state *s, int64_t which, const double *po
             s->here[f->first + k][c] = s->aim[f->first + k][c] = positions[(uint32_t)c * f->count + k];
             s->rate[f->first + k][c] = 0;
         }
-    s->surfaces[which].fitted = 0;
+    s->surfaces[which].fitted = 0, s->surfaces[which].placed = 1;
 }
 
 static int32_t dm_lay_collider(dm_scene_state *s, dm_surface *f, const dm_collider_def *d) {
@@ -249,7 +258,7 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
         if (dm_is_changed(s)) s->due = 1;
         for (int64_t i = 0; i < substeps && awake && s->code == DM_OK; i++)
             dm_run_scene_substep(s, motions, t, frames, substeps - 1 - i);
-        dm_note_sag(s), dm_note_late(s);
+        dm_note_late(s);
         for (int64_t k = 0; k < bodies; k++) {
             dm_end_tick(s->surfaces[k].body, motions + k, t, frames + k);
             finite = finite && frames[k].finite;

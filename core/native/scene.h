@@ -22,6 +22,7 @@ typedef struct { /* the surface of a body, or a collider */
     double offset, edge, closest, friction;
     double low[3], high[3]; /* its bounding box at the last query */
     double slack, stale;    /* [m] travel of a vertex since the query: greatest allowed; at which the next is due */
+    double moved[3], bent;  /* [m] between the last two queries: mean displacement, and the greatest difference from it */
     double gone, way;       /* [m] greatest displacement: since the query; since pairs were checked, of skin near something */
     double share, tried;    /* of a rigid surface's motion in this substep: share covered, and share tried first */
     double pace, pace_now;  /* of a keyframed collider: share of its remaining path, in this tick, this substep */
@@ -32,38 +33,39 @@ typedef struct { /* the surface of a body, or a collider */
     double load, spin_beside[3];        /* in a substep: impulses on it [N s]; sum of impulse times the other's spin */
     double resisting[3], moment_of[3];  /* rolling resistance [N m]: kept over the substeps; in the next one */
     uint64_t changes;       /* of the body, at the last query */
-    uint8_t self, moving, kept, touched; /* moving: a collider; kept: it must stay awake */
-    uint8_t fitted, stuck, pressed, torn; /* its boxes are up to date; skin cannot get out of its way; wakes in the next
-                                          * substep; it has released skin in this call */
+    uint8_t self, moving, kept; /* moving: a collider; kept: it must stay awake */
+    uint8_t fitted, stuck, pressed, torn, placed; /* its boxes are up to date; skin cannot get out of its way; wakes in
+                                                  * the next substep; it has released skin in this call; was put elsewhere */
 } dm_surface;
 
-typedef struct { /* a box with the triangles in it, a leaf with one; its first child follows it, the other child is `next` */
+typedef struct { /* a box with triangles, at most eight in a leaf; its first child follows it, the other one is `next` */
     double low[3], high[3];
     uint32_t start, end, next;
 } dm_node;
 
-typedef struct { /* a vertex and a face, or two edges, nearer than `reach` at the query */
+typedef struct { /* boxes of triangles or edges by coordinate, so that one box is compared with eight at once */
+    double *low[3], *high[3];
+} dm_boxes;
+
+typedef struct { /* a vertex and a face, or two edges, nearer than `reach` when they were found */
     uint32_t at[4], parts[2]; /* in `near`: vertex and corners, or ends of both edges; the triangle, or both edges */
     uint32_t ones, rigid;   /* vertices on the normal's side, 1 or 2; bits: the first side is rigid, the second is */
+    double gap, touch, weight; /* least distance at the last query, distance of touch [m]; share of its impulse, less for
+                                * flat edges, 0 if it cannot touch before it is found again */
 } dm_pair;
 
-typedef struct { /* the pairs of two surfaces, a range of the list that ends at `end` */
-    uint32_t first, second, end;
-    double gone;            /* [m] upper bound of their displacement towards each other's planes since the query */
+typedef struct { /* the pairs of two surfaces, from `start` up to `end` in the list */
+    uint32_t first, second, start, end;
+    double reach, used;     /* [m] of the search that found them; relative displacement since then, until the last query */
+    double gone;            /* [m] upper bound of their displacement towards each other's planes since they were found */
 } dm_run;
 
 typedef struct { /* of a pair: a soft side keeps at least the distance `keep` from normal . x = level */
     double normal[3], level, keep;
 } dm_plane;
 
-typedef struct { /* a pair that may touch */
-    uint32_t pair;
-    double gap, touch, weight; /* distances at the query, and of touch [m]; share of its impulse, less for flat edges */
-} dm_candidate;
-
-typedef struct { /* a candidate with the caller's vertex numbers, in ascending order on each side */
-    uint32_t number[4], ones;
-    dm_candidate own;
+typedef struct { /* a pair that may touch, with the caller's vertex numbers, in ascending order on each side */
+    uint32_t number[4], pair;
 } dm_ordered;
 
 typedef struct { /* the pairs of a vertex that is near something: their number, and the end of their list */
@@ -107,13 +109,13 @@ typedef struct dm_scene_state {
     double (*given)[3];                      /* impulse on each vertex in a call [N s] */
     uint32_t (*corners)[3], (*edges_of)[3], (*edges)[2], (*across)[2]; /* across: far corners of the faces at an edge */
     uint8_t *left_out; /* of self-contact: vertices of faces that intersected others of the body at the start */
-    uint8_t *owns; /* bits: the corners, and the edges, that a triangle represents */
+    uint32_t *vertex_start, *edge_start, *listed; /* each vertex, in `listed`, and each edge belongs to one triangle */
+    dm_boxes boxes, edge_boxes;
     uint32_t *ring_start, *ring, *place; /* neighbours of a vertex; its index in `near` */
     dm_node *nodes;
     dm_neighbour *near;
     uint32_t near_count, near_room, pair_count, pair_room, *pairs_of, pairs_of_room;
-    uint32_t candidate_count, candidate_room; /* pairs that may touch before the next query */
-    dm_candidate *candidates;
+    uint32_t candidate_count, candidate_room, *candidates; /* pairs that may touch before they are found again, sorted */
     uint32_t sorted_room, *bins; /* working memory to sort them */
     dm_ordered *sorted;
     uint32_t support_count, standing, support_room, prop_count;
@@ -131,7 +133,7 @@ typedef struct dm_scene_state {
     int wakes;                           /* something awake may have come near something that sleeps */
     int due;       /* a query is due */
     dm_pair waiting[2][DM_WAITING]; /* pairs of faces, and of edges, that a query has not measured yet */
-    uint32_t waiting_count[2], run_count, run_room, released_count, released_room;
+    uint32_t waiting_count[2], run_count, run_room, kept_count, released_count, released_room;
     uint32_t (*released)[2]; /* body, and collider that let its skin go: they collide again once they are apart */
     dm_run *runs;
     dm_pair *pairs;

@@ -8,10 +8,27 @@ static void dm_fit_body(dm_state *b) {
     dm_fit_pose(b, sums), dm_fit_motion(b, sums);
 }
 
-/* Apply the rolling resistance of the surfaces that a body touches, as part of the drift, which is subtracted. */
-static void dm_take_moment(dm_state *b) {
-    const double *m = b->resisted, *row = b->moments.inverse, *o = b->moments.centre;
-    double a[3];
+/* Let the fill turn with the skin: the body has the inertia of both. Find the moment that this takes from the skin. */
+static void dm_turn_fill(dm_state *b, double *taken) {
+    double by[9], share[9], more[9], back[9], *r = b->rotation;
+    for (int k = 0; k < 9; k++) back[k] = r[k % 3 * 3 + k / 3];
+    dm_multiply3x3(r, b->fill_share, by), dm_multiply3x3(by, back, share);
+    dm_multiply3x3(share, b->moments.tensor, more);
+    for (int c = 0; c < 3; c++) {
+        double now = dm_inner3(more + 3 * c, b->moments.spin);
+        taken[c] = b->fill_turns ? (now - b->fill_momentum[c]) / b->dt : 0, b->fill_momentum[c] = now;
+    }
+    for (int k = 0; k < 9; k++) b->moments.tensor[k] += more[k];
+    b->fill_turns = 1;
+}
+
+/* Apply the moments of the fill, and of the rolling resistance of the surfaces that a body touches, as part of the
+ * drift, which is subtracted. */
+static void dm_take_moments(dm_state *b) {
+    const double *row = b->moments.inverse, *o = b->moments.centre;
+    double a[3], m[3];
+    dm_turn_fill(b, m);
+    for (int c = 0; c < 3; c++) m[c] += b->resisted[c];
     for (int c = 0; c < 3; c++, row += 3) a[c] = row[0] * m[0] + row[1] * m[1] + row[2] * m[2], b->drift.angular[c] += a[c];
     b->drift.linear[0] -= a[1] * o[2] - a[2] * o[1];
     b->drift.linear[1] -= a[2] * o[0] - a[0] * o[2];
@@ -24,7 +41,7 @@ static void dm_substep(dm_state *b, int64_t left, dm_frame *frame) {
         dm_press_free(b, left, frame);
     }
     dm_run_rings(b);
-    if (b->free) dm_take_moment(b);
+    if (b->free) dm_take_moments(b);
     dm_apply_fill(b);
     dm_run_pass(b, dm_pass_advance);
 }
@@ -212,7 +229,7 @@ static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
 
 static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
     dm_begin_motion(b, m, frame);
-    memset(b->resisted, 0, sizeof b->resisted), b->sag = 0, b->meets = 0, b->changes++;
+    memset(b->resisted, 0, sizeof b->resisted), b->meets = 0, b->changes++;
     for (int64_t t = 0; t < m->ticks && frame->finite; t++) {
         dm_begin_tick(b, m, t, frame);
         for (int64_t s = 0; s < m->substeps && !b->asleep; s++) dm_run_substep(b, m->substeps - 1 - s, frame);

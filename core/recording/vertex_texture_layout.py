@@ -41,7 +41,7 @@ def layout(vertices: int, frames: int) -> Layout:
     width = -(-vertices // rows)
     if rows * frames > WIDEST:
         raise DimpleError(
-            "{vertices} vertices in {frames} frames need a picture {height} pixels high, and graphics cards take "
+            "{vertices} vertices in {frames} frames need an image {height} pixels high, but graphics cards support "
             "{widest}. Export at most {most} frames.",
             vertices=vertices, frames=frames, height=rows * frames, widest=WIDEST, most=WIDEST // rows
         )  # fmt: skip

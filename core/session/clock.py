@@ -42,7 +42,7 @@ class Clock:
             DimpleError: dt is negative or not a number.
         """
         if not 0 <= dt < math.inf:
-            raise DimpleError("A step of time must be 0 s or longer (it is {dt}).", dt=dt)
+            raise DimpleError("A time step must be 0 s or longer (it is {dt}).", dt=dt)
         self.begin, self.end = self.time, self.time + dt
         self._last_tick = math.floor(self.end / self.tick + 1e-6)
 

@@ -120,7 +120,7 @@ class Fingertips:
             raise DimpleError("There are at most {most} fingertips.", most=MAX_FINGERTIPS)
         for finger in fingers:
             if finger and not _is_possible(finger):
-                raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
+                raise DimpleError("A fingertip needs a location with finite coordinates and a radius greater than 0.")
         self._tips = list(map(_sent, [*self._tips, *[None] * MAX_FINGERTIPS], fingers))
 
     def motions(self, first: float, last: float, materials: Sequence[Material], size: float) -> FingertipMotions:

@@ -167,7 +167,7 @@ class Session:
             at, done = self.clock.ticks * self.clock.tick, self._done
             self.reset()
             note = Message(
-                "The simulation blew up after {at:.3f} s and was put back to rest. Lower k or K2, or raise the mass.",
+                "The simulation diverged after {at:.3f} s and was reset. Lower k or K2, or raise the mass.",
                 at=at,
             )
             self._done, self._note = done, note
@@ -250,7 +250,7 @@ class Session:
         moves, before, surface = proxy.model if proxy else model, self.body.model, self.model
         moves.substeps(self.clock.tick)
         if len(model.matching.rest.T) != len(surface.matching.rest.T):
-            raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
+            raise DimpleError("The vertices of the mesh have changed since the start. Reset it and start again.")
         self.rest_shape.let_go(self.body)
         skin = scale * np.asarray(self._skin.surface(self.body), np.float64)
         led = self._pins.target

@@ -75,7 +75,7 @@ class World:
         self._itself = list(itself) if itself is not None else [False] * len(self.sessions)
         self._names = [*names, *(f"{i + 1}" for i in range(len(names), len(self.sessions) + len(self.colliders)))]
         if len({(session.clock.tick, session.backend) for session in self.sessions}) > 1:
-            raise DimpleError("Bodies that meet must be stepped by the same backend, with the same tick.")
+            raise DimpleError("Bodies that collide must use the same backend and the same tick.")
         self._at = [np.array(collider.positions, np.float64) for collider in self.colliders]
         self._ends: list[Floats | None] = [None] * len(self.colliders)
         self.parts, self.held = list[SceneFrame](), list[Held]()
@@ -90,12 +90,12 @@ class World:
             where = _where(found.place)
             if min(found.surfaces) >= len(self.sessions):
                 raise DimpleError(
-                    'A falling object must not touch other colliders: "{first}" and "{second}" intersect at ({where}) '
-                    "mm, {pairs} pairs of faces in all. Move them apart.",
+                    'A falling object must not touch other colliders at the start: "{first}" and "{second}" '
+                    "intersect at ({where}) mm ({pairs} pairs of faces in all). Move them apart.",
                     first=first, second=second, where=where, pairs=found.pairs
                 )  # fmt: skip
             raise DimpleError(
-                '"{first}" and "{second}" intersect at ({where}) mm, {pairs} pairs of faces in all. Move them apart.',
+                '"{first}" and "{second}" intersect at ({where}) mm ({pairs} pairs of faces in all). Move them apart.',
                 first=first, second=second, where=where, pairs=found.pairs
             )  # fmt: skip
 
@@ -111,8 +111,8 @@ class World:
             if np.shape(end) != self._at[i].T.shape or not np.isfinite(end).all():
                 name = self._names[len(self.sessions) + i]
                 raise DimpleError(
-                    'Collider "{name}" has another number of vertices than at the start, or a coordinate that is '
-                    "not a number. Reset, and start again.",
+                    'The number of vertices of collider "{name}" has changed since the start, or a coordinate is not '
+                    "a number. Reset, and start again.",
                     name=name,
                 )
             self._ends[i] = np.ascontiguousarray(np.asarray(end, np.float64).T)
@@ -153,13 +153,13 @@ class World:
             where = _where(self.parts[-1].places[i])
             if torn:
                 said = Message(
-                    'Collider "{name}" pulled the skin at ({where}) mm farther than the body is large, and was let go. '
-                    "It passes through the body until they are apart.",
+                    'Collider "{name}" pulled the skin at ({where}) mm farther than the size of the body, so it was '
+                    "let go. It passes through the body until they are apart.",
                     name=name, where=where
                 )  # fmt: skip
             else:
                 said = Message(
-                    'Collider "{name}" is held back by {late} mm: the skin at ({where}) mm has no room.',
+                    'Collider "{name}" is held back by {late} mm: the skin at ({where}) mm has no room to move.',
                     name=name, late=f"{1e3 * late:.1f}", where=where
                 )  # fmt: skip
             found.append(Held(name, late, torn, said))
@@ -242,7 +242,7 @@ def _where(place: Iterable[float]) -> str:
 
 def _left_out(found: Crossings) -> str:
     return Message(
-        "The mesh passes through itself at ({where}) mm: {pairs} pairs of faces, and those beside them, are left out "
-        "of Self Contact.",
+        "The mesh passes through itself at ({where}) mm: {pairs} pairs of faces and their neighbors are left out of "
+        "Self Contact.",
         where=_where(found.place), pairs=found.pairs
     )  # fmt: skip

@@ -15,9 +15,9 @@ class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
     bl_idname = Op.BAKE
     bl_label = "Bake"
     bl_description = (
-        "Turn the press of the keyframed fingertips on the selected bodies into an animation. A proxy is simulated for "
-        "a mesh that is too heavy, as in a live press. Full Mesh in Physics > Dimple bakes every vertex. A bake does "
-        "not follow later changes of material or settings: bake again"
+        "Turn the keyframed presses on the selected bodies into an animation. A mesh that is too heavy is simulated "
+        "by a proxy, as in a live press; Full Mesh in Physics > Dimple bakes every vertex. Bake again after changes "
+        "of material or settings"
     )
     bl_options = {"UNDO"}
     running = "Baking: Esc cancels"
@@ -66,4 +66,4 @@ class DIMPLE_OT_unbake(polls.Declared, bpy.types.Operator):
 
         meshes = [obj for obj in live_step.candidates(context) if obj.type == "MESH"]
         if not sum(bake_files.detach_cache(obj) for obj in meshes):
-            say(self, {"WARNING"}, "There was no bake on the selected objects")
+            say(self, {"WARNING"}, "The selected objects have no bake")

@@ -138,8 +138,8 @@ def _check(plan: BakePlan) -> None:
         )
     if (render := bpy.context.scene.render).frame_map_old != render.frame_map_new:
         raise DimpleError(
-            "Time Stretching is on, and a bake plays by frames that are not stretched. Make Old and New alike in "
-            "Output > Frame Range > Time Stretching, and change the frame rate instead."
+            "Time Stretching is on, but a bake plays unstretched frames. Set Old and New to the same value in Output "
+            "> Frame Range > Time Stretching, and change the frame rate instead."
         )
     for obj in plan.objects:
         scene_objects.check(obj)

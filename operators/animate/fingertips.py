@@ -19,8 +19,8 @@ class DIMPLE_OT_add_fingertip(polls.Declared, bpy.types.Operator):
     bl_idname = Op.ADD_FINGERTIP
     bl_label = "Add Fingertip"
     bl_description = (
-        "Add a fingertip to animate: on top of the active body, or at the 3D cursor if that is on its surface. "
-        "Drag its arrow, or move it like any object, and press I over the viewport to keyframe it"
+        "Add a fingertip to animate: on top of the active body, or at the 3D cursor if the cursor is on the surface. "
+        "Drag its arrow or move it like any object, and press I in the viewport to keyframe it"
     )
     bl_options = {"REGISTER", "UNDO"}
 

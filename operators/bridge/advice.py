@@ -21,7 +21,7 @@ def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: Ob
     """Return advice on a body: its rig, effects of the scene that do not act, missing files, size and resolution."""
     notes, size = [], mesh.size
     if modifier_kinds.is_carried(body):
-        notes.append(Note("A rig holds the body: its shape at rest follows the rig."))
+        notes.append(Note("A rig moves the body: its shape at rest follows the rig."))
     if any(each.field and each.field.type != "NONE" for each in scene.objects):
         notes.append(Note("Wind and other force fields of the scene do not act on the body."))
     for bake in filter(modifier_kinds.is_cache, body.modifiers):
@@ -45,8 +45,8 @@ def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, link: Ob
         ))  # fmt: skip
     elif edge > 2 * radius:
         notes.append(Message(
-            "The edges of the mesh are {edge:.3g} mm long, the fingertip {radius:.3g} mm wide: subdivide the mesh or "
-            "use a larger fingertip, for a visible dent.",
+            "The edges of the mesh are {edge:.3g} mm long, and the fingertip is only {radius:.3g} mm wide. For a "
+            "visible dent, subdivide the mesh or use a larger fingertip.",
             edge=1e3 * edge, radius=2e3 * radius
         ))  # fmt: skip
     return tuple(notes)
@@ -57,18 +57,18 @@ def on_sway(model: Model, wanted: tuple[float, float, float] | None) -> tuple[st
     if not wanted or model.sway:
         return ()
     if not model.mesh.pressurable:
-        return ("It cannot sway, for its mesh encloses no volume: close it.",)
-    return ("It does not sway, for nothing holds it: pin a part of it, or give it a rig.",)
+        return ("It cannot sway, because its mesh encloses no volume: close the mesh.",)
+    return ("It does not sway, because nothing holds it: pin a part of it, or give it a rig.",)
 
 
 def on_fill(model: Model) -> tuple[str, ...]:
     """Return a sentence on which fill acts, if the materials differ, or on a pressure that has no effect."""
     fills, inside = {(each.fill, each.pressure) for each in model.materials}, model.pressure
     if not model.mesh.pressurable and any(pressure for _, pressure in fills):
-        return ("A pressure needs an inside: close the mesh.",)
+        return ("Pressure has no effect, because the mesh encloses no volume: close the mesh.",)
     if len(fills) < 2 or not model.mesh.pressurable:
         return ()
     return (Message(
-        "Its materials differ in fill or pressure: {fill}, {kpa:g} kPa acts, on the most area.",
+        "Its materials differ in fill or pressure. Those of the largest area act: {fill}, {kpa:g} kPa.",
         fill=Message(inside.fill), kpa=inside.rest_pressure / 1e3
     ),)  # fmt: skip

@@ -103,7 +103,7 @@ def read(context: bpy.types.Context, body: bpy.types.Object, *, cuts: int | None
     """
     if body.name not in context.view_layer.objects:
         raise DimpleError(
-            '"{name}" is not in this view layer, so it has no shape now. Put it there first.', name=body.name
+            '"{name}" is not in this view layer, so it cannot be read. Add it there first.', name=body.name
         )
     with attached(context, body, cuts):
         mesh = evaluated(context, body)
@@ -180,8 +180,8 @@ def _check_count(context: bpy.types.Context, body: bpy.types.Object, link: Objec
     count = len(evaluated(context, body).vertices)
     if body.visible_get() and count != len(link.rest):
         raise DimpleError(
-            '"{name}": its modifiers give {count:,} vertices now, and gave {vertices:,}. What is pressed must keep '
-            "its vertices: apply the modifier that changes them, or switch it off.",
+            'The modifiers of "{name}" now make {count:,} vertices instead of {vertices:,}. The number must not '
+            "change while a body is pressed or baked: apply the modifier that changes it, or turn it off.",
             name=body.name, count=count, vertices=len(link.rest)
         )  # fmt: skip
 

@@ -59,7 +59,7 @@ def check_matrix(name: str, matrix: Floats) -> None:
     longest = np.linalg.norm(matrix[:3, :3], axis=0).max()
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix[:3, :3])) <= 1e-9 * longest**3:
         raise DimpleError(
-            '"{name}" has a scale of 0, so it is flat or a point. Give it a scale in the sidebar.', name=name
+            '"{name}" has a scale of 0, so it is flat or a point. Set its scale in the sidebar.', name=name
         )
 
 
@@ -86,7 +86,7 @@ def scale_of_body(scene: bpy.types.Scene, body: bpy.types.Object, rest: Singles,
     axes = np.linalg.norm(matrix[:3, :3], axis=0)
     largest = float((np.array([np.ptp(along) for along in rest.T]) * axes).max())  # much faster axis by axis
     if largest <= 0:
-        raise DimpleError('"{name}": all vertices lie in one point. Give the mesh a size.', name=name)
+        raise DimpleError('"{name}": all vertices are at the same point. Move them apart.', name=name)
     if size is not None and not size <= LARGEST:
         raise DimpleError(
             '"{name}": a Custom Size of {size:.3g} mm is too large. Lower it in Physics > Dimple.',

@@ -25,8 +25,8 @@ def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> Message | None
     settings = obj.dimple
     settings.size_mode = "CUSTOM"
     said = Note(
-        "{as_modelled:.3g} m across as modelled, but constants are measured on what one can hold: it is pressed as an "
-        "object of {size_mm:.3g} mm. Physical Size in Physics > Dimple changes that.",
+        "{as_modelled:.3g} m across as modeled, but constants are measured on objects that fit in a hand, so it is "
+        "pressed as an object of {size_mm:.3g} mm. Change that with Physical Size in Physics > Dimple.",
         as_modelled=_as_modelled(scene, obj), size_mm=settings.size_mm
     )  # fmt: skip
     return about(obj.name, said)

@@ -21,7 +21,7 @@ has_result = polls.need(_result, "Calibrate with a file first")
 
 
 class DIMPLE_OT_apply_calibration(polls.Declared, bpy.types.Operator):
-    """Give the active material the calibrated constants and their source, and the body its measured size"""
+    """Give the active material the calibrated constants and their source, and set the size of the body"""
 
     bl_idname = Op.APPLY_CALIBRATION
     bl_label = "Apply to Material"
@@ -29,16 +29,16 @@ class DIMPLE_OT_apply_calibration(polls.Declared, bpy.types.Operator):
 
     use_k: BoolProperty(
         name="Surface Spring", default=True,
-        description="Also set k, and let it decide the spread, if the size of the object is known",
+        description="Also set k, from which the spread then follows. Needs the size of the object",
     )  # fmt: skip
     use_damping: BoolProperty(
-        name="Damping Ratio", description="Also set the damping ratio, where it follows from the unloading curve",
+        name="Damping Ratio", description="Also set the damping ratio, if the file has an unloading curve",
         default=True,
     )  # fmt: skip
 
     needs = (
         has_result,
-        polls.need(lambda context: _result(context)["K1"] > 0, "There is no material with these constants"),
+        polls.need(lambda context: _result(context)["K1"] > 0, "No material has these constants"),
         polls.needs_mesh,
         polls.is_own,
     )

@@ -9,7 +9,7 @@ from .from_file import WIDTH, Tip
 
 
 class DIMPLE_OT_paste_table(polls.Declared, bpy.types.Operator):
-    """Fill the table with two copied columns: steps and grams"""
+    """Fill the table from the clipboard: two columns, steps and grams"""
 
     bl_idname = Op.PASTE_TABLE
     bl_label = "Paste"

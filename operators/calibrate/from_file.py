@@ -39,7 +39,7 @@ def _items(asked: str, number: int) -> list[tuple[str, str, str]]:
 
 def _answer(number: int) -> EnumProperty:
     return EnumProperty(
-        name="Answer", description="Answer to what the file does not say", options=HIDDEN,
+        name="Answer", description="Answer to a question that the file leaves open", options=HIDDEN,
         items=lambda operator, _context: _items(operator.asked, number),
     )  # fmt: skip
 
@@ -49,7 +49,7 @@ def _property(field: Field):
     kind, choices = str(field.type), field.metadata["choices"]
     how = {"name": field.metadata["label"], "description": field.metadata["text"], "options": {"SKIP_SAVE"}}
     if choices:
-        items = [(DETECTED, "Detected", "As the file shows it"), *((each, each.capitalize(), "") for each in choices)]
+        items = [(DETECTED, "Detected", "Take it from the file"), *((each, each.capitalize(), "") for each in choices)]
         return EnumProperty(items=items, **how)
     if kind.startswith("float"):
         return FloatProperty(precision=4, **how)
@@ -60,12 +60,12 @@ def _property(field: Field):
 class Tip:
     """Give an operator properties for the tip and for the size of the measured object."""
 
-    tip: EnumProperty(name="Tip", description="What pressed the object", items=TIPS)
+    tip: EnumProperty(name="Tip", description="Shape of the tip that pressed the object", items=TIPS)
     tip_radius_mm: FloatProperty(
-        name="Tip Radius (mm)", description="Radius of what pressed the object", default=2.0, min=0.01, soft_max=50.0
+        name="Tip Radius (mm)", description="Radius of that tip", default=2.0, min=0.01, soft_max=50.0
     )
     length_mm: FloatProperty(
-        name="Object Size (mm)", description="Edge of the object that was pressed, for k; 0 is not known",
+        name="Object Size (mm)", description="Edge length of the measured object, for k; 0 if unknown",
         default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
     )  # fmt: skip
 
@@ -109,14 +109,14 @@ class Opened:
 
 
 class DIMPLE_OT_calibrate(Tip, Opened, polls.Declared, bpy.types.Operator):
-    """Fit a material to a force-depth file of an instrument: CSV or text, unedited"""
+    """Fit a material to the force-depth file of an instrument: CSV or text, as the instrument wrote it"""
 
     bl_idname = Op.CALIBRATE
     bl_label = "Calibrate"
     bl_options = {"REGISTER", "UNDO"}
 
     filter_glob: shown_files(results.FILTER)
-    asked: StringProperty(name="Question", description="What the file does not say", options=HIDDEN)
+    asked: StringProperty(name="Question", description="Question that the file leaves open", options=HIDDEN)
     found: StringProperty(name="Found", description="Touch and tare that the fit found", options=HIDDEN)
     answer_0: _answer(0)
     answer_1: _answer(1)
@@ -200,7 +200,7 @@ class DIMPLE_OT_calibrate(Tip, Opened, polls.Declared, bpy.types.Operator):
     def _ask(self, context: bpy.types.Context, asked: str, message: str) -> set[str]:
         """Open the dialog with the open questions; in background mode, report an error instead."""
         if bpy.app.background:
-            say(self, {"ERROR"}, message or "A question of the dialog has no answer.")
+            say(self, {"ERROR"}, message or "A question in the dialog has no answer.")
             return {"CANCELLED"}
         given = {name: getattr(self, name) for name in _KEPT if self._is_typed(name)}
         given |= {name: getattr(self, name) for name in _ANSWERS if getattr(self, name)}
@@ -218,7 +218,7 @@ _KEPT = (*_NUMBERS, "tip", "tip_radius_mm", "length_mm")
 class Saved(ExportHelper):
     """Give an operator a file to write; its name is completed before Blender asks whether to overwrite the file."""
 
-    filepath: StringProperty(name="File", description="Where it goes", subtype="FILE_PATH", options={"SKIP_SAVE"})
+    filepath: StringProperty(name="File", description="Path of the file", subtype="FILE_PATH", options={"SKIP_SAVE"})
     check_existing: BoolProperty(
         name="Check Existing", description="Ask before a file is overwritten", options={"HIDDEN"}, default=True
     )

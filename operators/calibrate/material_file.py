@@ -54,7 +54,7 @@ class DIMPLE_OT_save_material(polls.Declared, Saved, bpy.types.Operator):
 
 
 class DIMPLE_OT_open_material(Opened, polls.Declared, bpy.types.Operator):
-    """Give the active object the material of a file that was saved to share"""
+    """Give the active object the material of a Dimple material file"""
 
     bl_idname = Op.OPEN_MATERIAL
     bl_label = "Open Material File"

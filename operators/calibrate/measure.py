@@ -25,12 +25,12 @@ class DIMPLE_OT_measure(Working, Saved, bpy.types.Operator):
 
     filter_glob: shown_files("*.csv")
     tip_radius_mm: FloatProperty(
-        name="Tip Radius (mm)", description="Radius of the tip; 0 is that of the tip that measured the material",
+        name="Tip Radius (mm)", description="Radius of the tip; 0 uses the tip that measured the material",
         default=0.0, min=0.0, soft_max=50.0,
     )  # fmt: skip
     place: EnumProperty(name="Press At", description="Where the tip presses", items=PLACES)
     depth_mm: FloatProperty(
-        name="Depth (mm)", description="How deep to press; 0 is the measured depth",
+        name="Depth (mm)", description="How deep to press; 0 is the depth to which the material was measured",
         default=0.0, min=0.0, soft_max=200.0,
     )  # fmt: skip
     rows: IntProperty(name="Rows", description="Rows of the file", default=60, min=12, soft_max=300)
@@ -65,13 +65,13 @@ class DIMPLE_OT_measure(Working, Saved, bpy.types.Operator):
         from ..bridge import scene_objects
 
         if not self.filepath:
-            raise DimpleError("Say where the file goes: give it a path.")
+            raise DimpleError("Choose a path for the file.")
         sessions.stop_all()
         body = context.object
         link, model = scene_objects.read_body(context, body)
         if model.free and model.ground is None:
             raise DimpleError(
-                '"{name}" is held by nothing, so the tip would push it away. Pin its base.', name=body.name
+                'Nothing holds "{name}", so the tip would push it away. Pin its base.', name=body.name
             )
         slot = link.slots.index(body.active_material_index) if body.active_material_index in link.slots else 0
         material = model.materials[slot]
@@ -109,13 +109,13 @@ class DIMPLE_OT_measure(Working, Saved, bpy.types.Operator):
         write_press(path, depth, force, about=self._about)
         deepest, wanted = float(depth[-1]), self._deepest
         if deepest < 0.999 * wanted:
-            why = Message("the body is no thicker, or gives way")
+            why = Message("the body is too thin, or gives way")
             say(self, {"WARNING"}, Message(
-                "Pressed {depth:.3g} mm of {wanted:.3g} mm deep: {why}",
+                "Pressed {depth:.3g} mm deep instead of {wanted:.3g} mm: {why}",
                 depth=1e3 * deepest, wanted=1e3 * wanted, why=why
             ))  # fmt: skip
         say(self, {"INFO"}, Message(
-            "Measured {depth:.3g} mm deep with up to {force:.3g} N: {path}",
+            "Measured to a depth of {depth:.3g} mm, with up to {force:.3g} N: {path}",
             depth=1e3 * deepest, force=force.max(), path=path
         ))  # fmt: skip
         return {"FINISHED"}

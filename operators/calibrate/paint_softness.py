@@ -13,7 +13,7 @@ PAINTED = 0.02  # fraction of the vertices that may lie outside the range of a m
 
 
 class DIMPLE_OT_softness_from_pokes(Opened, polls.Declared, bpy.types.Operator):
-    """Paint softness from a table of pokes: x, y, z, depth and force, in places on the object as it stands"""
+    """Paint softness from a table of pokes: x, y, z, depth and force, at positions on the object as it stands"""
 
     bl_idname = Op.SOFTNESS_FROM_POKES
     bl_label = "Softness from Pokes"
@@ -43,5 +43,5 @@ class DIMPLE_OT_softness_from_pokes(Opened, polls.Declared, bpy.types.Operator):
         if link.cuts:
             say(self, {"WARNING"}, "The mesh has too few vertices to hold the map. Subdivide it first.")
         if found.outside > PAINTED:
-            said = "{outside:.0%} of the vertices are 4 times softer or stiffer than the material: change K1 and K2."
+            said = "{outside:.0%} of the vertices are over 4 times softer or stiffer than the material: edit K1 and K2."
             say(self, {"WARNING"}, Message(said, outside=found.outside))

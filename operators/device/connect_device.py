@@ -33,7 +33,7 @@ class DIMPLE_OT_connect_device(polls.Declared, bpy.types.Operator):
 
 
 class DIMPLE_OT_arm_device(polls.Declared, bpy.types.Operator):
-    """Allow force while Shift or the device's own button is held. Esc disarms"""
+    """Let the device exert force while you hold Shift or its own button. Esc disarms it"""
 
     bl_idname = Op.ARM_DEVICE
     bl_label = "Arm"
@@ -122,7 +122,7 @@ class DIMPLE_OT_disarm_device(polls.Declared, bpy.types.Operator):
 
 
 class DIMPLE_OT_centre_device(polls.Declared, bpy.types.Operator):
-    """Place the middle of the fingertips, as you hold them now, at the 3D cursor"""
+    """Place the center of your fingertips, as you hold the device now, at the 3D cursor"""
 
     bl_idname = Op.CENTRE_DEVICE
     bl_label = "Calibrate Origin"

@@ -102,7 +102,7 @@ class DIMPLE_OT_open_experiment(Opened, polls.Declared, bpy.types.Operator):
     bl_label = "Open Experiment"
 
     filter_glob: shown_files("*.json")
-    participant: StringProperty(name="Participant", description="Code that the file has", options={"SKIP_SAVE"})
+    participant: StringProperty(name="Participant", description="Participant code from the file", options={"SKIP_SAVE"})
 
     needs = polls.needs_mesh, polls.is_own, polls.is_free, is_ready
 
@@ -133,13 +133,13 @@ _is_open = polls.need(lambda _: experiments, "Open an experiment first")
 
 
 class DIMPLE_OT_continue_experiment(polls.Declared, bpy.types.Operator):
-    """Agree to the text and begin; then present the next object of the trial. Stopping is possible at any time"""
+    """Agree to the text and begin; later, present the next object of the trial. You can stop at any time"""
 
     bl_idname = Op.CONTINUE_EXPERIMENT
     bl_label = "Continue"
     needs = (
         _is_open, is_ready, polls.need(lambda _: not experiments[0].rests, "Rest a little longer"),
-        polls.need(lambda _: not experiments[0].agreed or not experiments[0].is_shown, "Everything was presented"),
+        polls.need(lambda _: not experiments[0].agreed or not experiments[0].is_shown, "All objects were presented"),
     )  # fmt: skip
 
     def run(self, context: bpy.types.Context) -> None:
@@ -181,7 +181,7 @@ class DIMPLE_OT_answer_trial(polls.Declared, bpy.types.Operator):
 
     choice: IntProperty(name="Choice", description="Number of the answer", default=1, min=1)
 
-    needs = _is_open, polls.need(lambda _: experiments[0].is_shown, "Feel everything first, for long enough")
+    needs = _is_open, polls.need(lambda _: experiments[0].is_shown, "Touch each object for long enough first")
 
     def run(self, _context: bpy.types.Context) -> None:
         sessions.stop_all()

@@ -52,17 +52,17 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command's arguments."""
     whole = argparse.ArgumentParser(prog=f"blender --command {COMMAND}", description=(__doc__ or "").split("\n\n")[1])
     bake = whole.add_subparsers(metavar="COMMAND", required=True).add_parser(
-        "bake", help="export bodies of a .blend file, simulated if they play no bake", allow_abbrev=False
+        "bake", help="export the bodies of a .blend file; those without a bake are simulated", allow_abbrev=False
     )
     bake.add_argument("file", type=Path, metavar="FILE.blend")
-    bake.add_argument("--object", action="append", metavar="NAME", help="more than one may be given; else every body")
-    bake.add_argument("--frames", type=_frames, metavar="FIRST-LAST", help="else those of the scene")
+    bake.add_argument("--object", action="append", metavar="NAME", help="may be repeated; default: every body")
+    bake.add_argument("--frames", type=_frames, metavar="FIRST-LAST", help="default: those of the scene")
     bake.add_argument("--format", type=_formats, default=["ALEMBIC"], metavar="abc,usd,glb", help=", ".join(NAMES))
-    bake.add_argument("--out", type=Path, required=True, metavar="DIR", help="it is made")
-    bake.add_argument("--key-error", type=float, default=0.0, metavar="PERCENT", help="glTF and FBX: few shape keys")
-    bake.add_argument("--rendered", action="store_true", help="the modifiers as in a render, not as in the viewport")
-    bake.add_argument("--overwrite", action="store_true", help="replace files that are there")
-    bake.add_argument("--json", type=Path, metavar="FILE", help="write the summary there too")
+    bake.add_argument("--out", type=Path, required=True, metavar="DIR", help="output folder, created if needed")
+    bake.add_argument("--key-error", type=float, default=0.0, metavar="PERCENT", help="glTF, FBX: fewer shape keys")
+    bake.add_argument("--rendered", action="store_true", help="modifiers as in a render, not as in the viewport")
+    bake.add_argument("--overwrite", action="store_true", help="replace existing files")
+    bake.add_argument("--json", type=Path, metavar="FILE", help="also write the summary to this file")
     return whole
 
 

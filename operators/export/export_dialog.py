@@ -15,22 +15,22 @@ from ..translation import translated
 
 CHARACTER = 8.5  # [px] width of a character in the dialog, with a share of icon and borders
 _MODIFIERS = (
-    ("VIEWPORT", "Viewport", "As the viewport shows it"),
-    ("RENDER", "Render", "As a render shows it, often subdivided further"),
+    ("VIEWPORT", "Viewport", "As in the viewport"),
+    ("RENDER", "Render", "As in a render, often with more subdivision"),
 )
 # the formats; `formats` writes them, and is not imported with the dialog
 EXPORTS = (
     ("ALEMBIC", "Alembic (.abc)", "For other 3D programs and renderers", 1),
-    ("USD", "USD (.usdc)", "A folder with its textures, for other 3D programs, renderers and pipelines", 2),
+    ("USD", "USD (.usdc)", "File and textures in a folder, for other 3D programs, renderers and pipelines", 2),
     ("GLB", "glTF Binary (.glb)", "For game engines and the web, with morph targets", 4),
     ("FBX", "FBX (.fbx)", "For game engines, with shape keys", 8),
     ("PC2", "PC2 Point Cache (.pc2)", "For 3ds Max, and Blender's Mesh Cache modifier", 16),
-    ("VAT", "Vertex Animation Texture", "Two EXR pictures for shaders, of places and normals, and the mesh", 256),
+    ("VAT", "Vertex Animation Texture", "Two EXR images for shaders, with positions and normals, and the mesh", 256),
 )
 
 
 class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
-    """Export the selected bodies as they move, with a table of forces. Those that play no bake are simulated first"""
+    """Export the animation of the selected bodies, with a table of forces. Bodies without a bake are simulated first"""
 
     bl_idname = Op.EXPORT
     bl_label = "Export Animation"
@@ -47,16 +47,16 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
         name="Formats", description="File formats to write", items=EXPORTS, options={"ENUM_FLAG"}, default={"ALEMBIC"},
     )  # fmt: skip
     modifiers: EnumProperty(
-        name="Modifiers", description="Export the mesh as its modifiers make it for the viewport, or for a render",
+        name="Modifiers", description="Export the mesh with its modifiers as in the viewport, or as in a render",
         items=_MODIFIERS,
     )  # fmt: skip
     key_error: FloatProperty(
         name="Key Error (%)",
-        description="glTF and FBX: write few shape keys, with which no vertex is off by more than this share of the "
-        "object's size, and no normal by more than a degree. 0 writes one for each frame that differs",
+        description="For glTF and FBX: write fewer shape keys, such that no vertex is off by more than this share of "
+        "the object's size, and no normal by more than a degree. 0 writes one for each frame that differs",
         default=0.0, min=0.0, soft_max=1.0, max=100.0, precision=3,
     )  # fmt: skip
-    overwrite: BoolProperty(name="Overwrite", description="Replace files that are there already", default=False)
+    overwrite: BoolProperty(name="Overwrite", description="Replace existing files", default=False)
 
     needs = polls.in_object_mode, polls.is_free
 
@@ -109,7 +109,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
         from . import export_plan
 
         if not self.directory:
-            raise DimpleError("No folder is chosen. Choose where the files go.")
+            raise DimpleError("No folder is chosen. Choose a folder for the files.")
         if self.directory.startswith("//") and not bpy.data.filepath:
             raise DimpleError("The folder is relative to the .blend file, which is not saved yet. Save the file first.")
         sessions.stop_all()

@@ -72,7 +72,7 @@ def played(obj: bpy.types.Object, plan: ExportPlan) -> Clip | None:
             count = len(obj.evaluated_get(graph).data.vertices) if graph and obj.visible_get() else points.shape[1]
             if points.shape[1] != count:
                 raise DimpleError(
-                    '"{name}" has {count} vertices and its bake {baked}. Bake again, or remove the bake.',
+                    '"{name}" has {count} vertices, but its bake has {baked}. Bake again, or remove the bake.',
                     name=obj.name, count=count, baked=points.shape[1]
                 )  # fmt: skip
             table = path.with_suffix(".csv")
@@ -128,7 +128,7 @@ def check(plan: ExportPlan) -> None:
             clips.check_shear(obj, np.array(obj.matrix_world)[None])
     there = [path.name for path in finals(plan) if os.path.lexists(path)]
     if there and not plan.overwrite:
-        which = "{path} is there already." if len(there) == 1 else "{path} and {count} more are there already."
+        which = "{path} already exists." if len(there) == 1 else "{path} and {count} other files already exist."
         said = Message(which, path=there[0], count=len(there) - 1)
         raise DimpleError(in_a_row([said, "Choose another folder, or switch Overwrite on."]))
 
@@ -169,7 +169,7 @@ def check_space(size: float, folder: Path) -> None:
         enough = False
     if not enough:
         raise DimpleError(
-            "The export may need {needed} MB, more than {folder} has left. Choose another folder, fewer frames or "
+            "The export may need {needed} MB, more than {folder} has free. Choose another folder, fewer frames or "
             "fewer formats.",
             needed=megabytes(size), folder=folder
         )  # fmt: skip

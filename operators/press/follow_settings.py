@@ -81,7 +81,7 @@ def _changing(
         return [] if refused_before else [body.refused]
     gone = any(had and not has for had, has in zip(body.settings.materials, now.materials, strict=False))
     body.settings = now
-    return [about(body.name, "a material is gone: the constants of a new one act in its place.")] if gone else []
+    return [about(body.name, "a material was removed: the constants of a new one act in its place.")] if gone else []
 
 
 def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings) -> Parts:

@@ -18,11 +18,12 @@ from ...core.message import Message, in_a_row
 from . import modal_runs, sessions
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from ...core.device.device import Device
     from ...core.device.orders import ServoReport
     from ...core.device.workspace import Workspace
+    from ...core.material import Material
     from ...core.session import Finger
     from .sessions import LiveBody
 
@@ -38,9 +39,9 @@ class Connection:
     device: Device  # the open device
     report: ServoReport  # its last report
     watch: object = None  # token of the operator that follows the dead-man key
-    # combinations of the last frame: body, index of the fingertip, the device's workspace in the space of the body, and
-    # radius of the fingertips [mm]; only a new one can kick
-    known: set[tuple[LiveBody, int, Workspace, float]] = field(default_factory=set)
+    # by body, index of the fingertip, the device's workspace in the space of the body, and radius of the fingertips
+    # [mm]: materials and force [N] of the last frame; only a new combination, or new materials, can kick
+    known: dict[tuple[LiveBody, int, Workspace, float], tuple[Sequence[Material], float]] = field(default_factory=dict)
     note: str = ""  # a sentence for the artist that has not been shown yet
     read_at: float = 0.0  # time of the last reading [s]
     slow: bool = False  # Blender draws too slowly for the dead-man key
@@ -122,8 +123,8 @@ def read() -> list[str]:
     armed = report.link is LinkState.READY and report.arming is not Arming.OFF
     if gap > SLOW_S and armed and not connection.slow:
         connection.slow, connection.note = True, Message(
-            "Blender draws only {rate:.1f} frames a second, so the dead-man key lapses and there is no force. "
-            "Simulate a proxy, or draw less.",
+            "Blender draws only {rate:.1f} frames a second, so the dead-man key times out and there is no force. "
+            "Simulate a proxy, or simplify the view.",
             rate=1 / gap
         )  # fmt: skip
     elif gap < SLOW_S / 2 or not armed:
@@ -162,8 +163,8 @@ def fingertips(scene: bpy.types.Scene, body: LiveBody) -> list[Finger | None]:
 def write(scene: bpy.types.Scene) -> None:
     """Send the device the surface under each fingertip, that of the body in which the fingertip is deepest.
 
-    A new session, a moved workspace, a changed radius or the end of a poke may suddenly put a body under a fingertip.
-    If that body pushes, the device is disarmed instead of kicking.
+    A new session, a moved workspace, a changed radius or the end of a poke may suddenly put a body under a fingertip,
+    and an edit may make its material stiffer. If it then pushes harder, the device is disarmed instead of kicking.
     """
     from ...core.device.limits import QUIET_FORCE
     from ...core.device.orders import LinkState
@@ -173,22 +174,23 @@ def write(scene: bpy.types.Scene) -> None:
     connection = get()
     if connection is None or connection.report.link is not LinkState.READY:
         return
-    now, radius, known, kicks = time.perf_counter(), scene.dimple.finger_radius_mm, set(), False
+    now, radius, known, kicks = time.perf_counter(), scene.dimple.finger_radius_mm, {}, False
     deepest, surfaces = [-math.inf] * FINGERS, [None] * FINGERS
     for body in sessions.sessions.values():
         where, touches = workspace(scene, body.link.scale), body.frame.touches
         for i, surface in enumerate(surfaces_of(body.session, touches, where, now)):
             if i in body.poked:
                 continue
-            known.add(which := (body, i, where, radius))
-            if surface is None:
-                continue
-            kicks |= math.hypot(*touches[i].force) >= QUIET_FORCE * where.scale and which not in connection.known
-            if touches[i].depth > deepest[i]:
+            which, materials = (body, i, where, radius), body.session.model.materials
+            force = math.hypot(*touches[i].force) if surface else 0.0
+            same, before = connection.known.get(which, ((), 0.0))
+            kicks |= same != materials and force - before >= QUIET_FORCE * where.scale
+            known[which] = materials, force
+            if surface and touches[i].depth > deepest[i]:
                 deepest[i], surfaces[i] = touches[i].depth, surface
     if kicks and connection.report.arming.name != "OFF":
         connection.device.disarm()
-        connection.note = "What is under a fingertip has changed. Lift it and arm the device again."
+        connection.note = "The surface under a fingertip has changed. Lift the fingertip and arm the device again."
     connection.known = known
     connection.device.write(surfaces)
 

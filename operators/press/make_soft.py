@@ -68,7 +68,7 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, l
     scene_objects.check(obj)
     scene_objects.check_writable(obj)
     if sessions.get(obj):
-        raise DimpleError('"{name}" is being pressed already.', name=obj.name)
+        raise DimpleError('"{name}" is already being pressed.', name=obj.name)
     settings = material_of(obj, "Soft").dimple
     preset = next((each for each in OBJECTS if each.name == obj.dimple.material), None)  # with these constants
     if preset and not (settings.provenance or settings.id_data.library):
@@ -80,7 +80,7 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, l
     obj.dimple.enabled = True
     if len(obj.data.vertices) > LARGE:
         return Message(
-            '"{name}" is soft: "{material}". It is prepared when you press it first.',
+            '"{name}" is soft: "{material}". It will be prepared when you first press it.',
             name=obj.name, material=obj.active_material.name,
         ), []  # fmt: skip
     model = ObjectBody.from_object(obj).session.model  # planned now, so that the first press begins at once
@@ -111,11 +111,11 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.type
         if deepened:
             obj.data.extrude = 0.0
         raise DimpleError(
-            '"{name}" has no faces, so there is no surface to press. Give it depth or a bevel first.', name=name
+            '"{name}" has no faces, so there is no surface to press. Extrude or bevel it first.', name=name
         )
     with context.temp_override(object=obj, active_object=obj, selected_objects=[obj], selected_editable_objects=[obj]):
         bpy.ops.object.convert(target="MESH")
     made = context.view_layer.objects.active if replaced else obj  # Blender removes a metaball
     made.name = name
-    what = '"{name}" was given a depth and converted to a mesh.' if deepened else '"{name}" was converted to a mesh.'
+    what = '"{name}" was extruded and converted to a mesh.' if deepened else '"{name}" was converted to a mesh.'
     return made, Message(what, name=made.name)

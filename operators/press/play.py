@@ -9,8 +9,8 @@ from ..names import Op
 from ..reporting import gathered, report, say
 from . import modal_runs, polls, progress, sessions, showing
 
-PLAYING = "Playing: Esc ends and puts the rest shape back"
-PAUSED = "Paused: Play goes on, Esc ends and puts the rest shape back"
+PLAYING = "Playing: Esc ends and restores the rest shape"
+PAUSED = "Paused: Play continues, Esc ends and restores the rest shape"
 
 
 class Driving(polls.Declared):
@@ -68,17 +68,17 @@ class Driving(polls.Declared):
 
 
 class DIMPLE_OT_play(Driving, bpy.types.Operator):
-    """Run or pause the selected bodies, which fingertip objects press. Esc ends it and restores the shapes"""
+    """Play or pause the selected bodies, which fingertip objects press. Esc ends it and restores the shapes"""
 
     bl_idname = Op.PLAY
     bl_label = "Play"
 
     seconds: FloatProperty(
-        name="Seconds", description="From a script: how long to run", default=1.0, min=0.0, soft_max=60.0
+        name="Seconds", description="For scripts: how long to run", default=1.0, min=0.0, soft_max=60.0
     )
     frames: IntProperty(
         name="Frames",
-        description="From a script: run this many frames of the timeline, as a bake does, instead of the seconds",
+        description="For scripts: number of frames of the timeline to run, as in a bake, instead of seconds",
         default=0,
         min=0,
     )

@@ -30,12 +30,12 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         name="Location", description="Where to press [scene units]; by default the top of the body", subtype="XYZ"
     )
     direction: FloatVectorProperty(
-        name="Direction", description="Direction in which the fingertip presses; 0 is straight into the surface",
+        name="Direction", description="Direction of the press; 0 presses straight into the surface",
         subtype="XYZ",
     )  # fmt: skip
     depth_mm: FloatProperty(name="Depth (mm)", description="How deep to press", default=15.0, min=0.01, soft_max=200.0)
     force_n: FloatProperty(
-        name="Force (N)", description="Force to press with; 0 presses to the depth", default=0.0, min=0.0,
+        name="Force (N)", description="Force to press with; 0 presses to the depth instead", default=0.0, min=0.0,
         soft_max=100.0,
     )  # fmt: skip
     press_s: FloatProperty(
@@ -53,11 +53,11 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         name="Finger", description="Fingertip to press with: 1, 2 or 3; 0 uses that of the scene", default=0, min=0,
         max=3,
     )  # fmt: skip
-    keep: BoolProperty(name="Keep", description="Keep the dent at the end instead of putting the rest shape back")
+    keep: BoolProperty(name="Keep", description="Keep the dent at the end instead of restoring the rest shape")
 
     needs = (
         polls.in_object_mode,
-        polls.need(lambda _: all(run.kind != "poke" for run in modal_runs.runs), "A poke is running; Esc leaves it"),
+        polls.need(lambda _: all(run.kind != "poke" for run in modal_runs.runs), "A poke is running; Esc ends it"),
         polls.is_free,
     )
 
@@ -200,7 +200,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
 
     def _help(self, context: bpy.types.Context) -> str:
         if context.mode != "OBJECT":
-            return polls.tip_("The fingertips stay where they are | Esc: leave the poke")
+            return polls.tip_("The fingertips stay where they are | Esc: end the poke")
         return help_text(self._state, paused=self._run.paused)
 
 

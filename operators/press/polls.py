@@ -88,7 +88,7 @@ def is_own(operator: type, context: bpy.types.Context) -> bool:
 def has_free_fingertips(operator: type, scene: bpy.types.Scene, count: int) -> bool:
     """Return whether at least `count` fingertips are not in use."""
     if len(fingertip_objects.free(scene)) < count:
-        return refuse(operator, "All three fingertips are in use; take one out of its slot first")
+        return refuse(operator, "All three fingertips are in use; clear one of their slots first")
     return True
 
 

@@ -29,10 +29,10 @@ class FrameRange:
     """Give an operator a first and a last frame."""
 
     frame_start: IntProperty(
-        name="First Frame", description="First frame of the animation. By default that of the scene", default=1
+        name="First Frame", description="First frame of the animation; by default, that of the scene", default=1
     )
     frame_end: IntProperty(
-        name="Last Frame", description="Last frame of the animation. By default that of the scene", default=250
+        name="Last Frame", description="Last frame of the animation; by default, that of the scene", default=250
     )
 
     def _frames(self, scene: bpy.types.Scene) -> tuple[int, int]:
@@ -147,7 +147,7 @@ class Working(polls.Declared):
 
 
 class DIMPLE_OT_start(Working, bpy.types.Operator):
-    """Get the selected meshes ready to be pressed, then poke or play"""
+    """Prepare the selected meshes, then start Poke or Play"""
 
     bl_idname = Op.START
     bl_label = "Get Ready"

@@ -66,7 +66,7 @@ def pressed(
     size = body.session.model.mesh.size
     if not state.by_force and state.depth > size:
         raise DimpleError(
-            '"{name}" is {size:.4g} mm across, so a press of {depth:.4g} mm would go through it. Press less deep.',
+            '"{name}" is {size:.4g} mm across, so a press of {depth:.4g} mm would go through it. Use a smaller depth.',
             name=body.name, size=1e3 * size, depth=1e3 * state.depth
         )  # fmt: skip
     return on_event(state, event)

@@ -37,8 +37,9 @@ class Motors:
         """Return the force [N] that may act during this tick; none where it is not a number."""
         wanted = wanted if is_finite(wanted) else ZERO
         self.limited = length(wanted) > self._most
-        change = capped(along(wanted, self.sent, -1.0), self.spec.slew * self.spec.tick)
-        self.sent = capped(along(self.sent, change, 1.0), self._most)
+        before = capped(self.sent, length(wanted))  # a force falls at once
+        change = capped(along(wanted, before, -1.0), self.spec.slew * self.spec.tick)
+        self.sent = capped(along(before, change, 1.0), self._most)
         self._spend()
         return self.sent
 

@@ -235,8 +235,8 @@ def run_mesh(
 def add_release(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_release)
-    command.add_argument("--json", type=Path, metavar="FILE", help="write each press and the sum")
-    command.add_argument("--only", default="", metavar="WORD", help="only meshes whose name has it")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write each press and the totals")
+    command.add_argument("--only", default="", metavar="WORD", help="only meshes whose name contains it")
 
 
 def run_release(options: argparse.Namespace) -> int:

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import numpy as np
@@ -119,8 +120,8 @@ def winding(points: Floats, x: Floats, faces: Ints) -> Floats:
 def judge(name: str, starts: int) -> dict[str, Any]:
     """Play a scene from several starts and return what came of it."""
     found = dict.fromkeys(("intersections", "swallowed"), 0)
-    finite, taken, truncated, spent, alone, ticks, held_back, touching = True, 0.0, 0, 0.0, 0.0, 0, 0.0, 0
-    overlap = 0.0
+    spent, alone, overlap = list[float](), list[float](), 0.0
+    finite, taken, truncated, ticks, held_back, touching = True, 0.0, 0, 0, 0.0, 0
     for start in range(starts):
         played = SCENES[name](np.random.default_rng(start))
         referee, world = Referee(played), played.world
@@ -133,7 +134,7 @@ def judge(name: str, starts: int) -> dict[str, Any]:
                     session.set_pins(lead(at))
             began = time.process_time()
             world.step(world.sessions[0].clock.tick)
-            spent += time.process_time() - began
+            spent.append(time.process_time() - began)
             meeting = meeting_of(world)
             taken, truncated = taken + meeting.taken, truncated + meeting.truncated
             held_back, touching = max(held_back, meeting.held_back), max(touching, meeting.touching)
@@ -145,21 +146,21 @@ def judge(name: str, starts: int) -> dict[str, Any]:
         alone += _alone(world.sessions, count)
     return {
         "name": name, "starts": starts, "ticks": ticks, **found, "finite": finite,
-        "cost_ratio": round(spent / max(alone, 1e-9), 2), "momentum_taken": taken, "truncated": truncated,
+        "cost_ratio": round(median(spent) / median(alone), 2), "median_ms": round(1e3 * median(spent), 3), "momentum_taken": taken, "truncated": truncated,
         "held_back_mm": 1e3 * held_back, "touching": touching, "overlap_mm": 1e3 * overlap,
     }  # fmt: skip
 
 
-def _alone(sessions: list[Session], ticks: int) -> float:
-    """Return the processor time [s] that the bodies take alone, tick by tick as in the scene, none of them asleep."""
-    spent = 0.0
+def _alone(sessions: list[Session], ticks: int) -> list[float]:
+    """Return the processor time [s] that the bodies take alone in each tick, none of them asleep."""
+    spent = [0.0] * ticks
     for session in sessions:
         session.reset()
-        for _ in range(ticks):
+        for tick in range(ticks):
             session.body.set_state(session.body.positions(), session.body.velocities())  # it wakes
             began = time.process_time()
             session.step(session.clock.tick)
-            spent += time.process_time() - began
+            spent[tick] += time.process_time() - began
     return spent
 
 
@@ -183,7 +184,7 @@ def run_contact(options: argparse.Namespace) -> int:
         return 1
     rows = []
     print(
-        "scene                 starts  ticks  intersections  swallowed  finite  cost  taken [N s]  held back [mm]"
+        "scene                 starts  ticks  intersections  swallowed  finite  cost  tick [ms]  taken [N s]  held back [mm]"
         "  props overlap [mm]"
     )
     for name in options.scenes or SCENES:
@@ -191,7 +192,7 @@ def run_contact(options: argparse.Namespace) -> int:
         rows.append(row)
         print(
             f"{name:21} {row['starts']:6} {row['ticks']:6} {row['intersections']:14} {row['swallowed']:10}"
-            f"  {'yes' if row['finite'] else 'NO':6} {row['cost_ratio']:5.2f} {row['momentum_taken']:11.3g}"
+            f"  {'yes' if row['finite'] else 'NO':6} {row['cost_ratio']:5.1f} {row['median_ms']:10.3f} {row['momentum_taken']:12.3g}"
             f" {row['held_back_mm']:14.2f} {row['overlap_mm']:20.3f}",
             flush=True,
         )

@@ -111,7 +111,7 @@ def run(session: Session, *, spec: EmulatedSpec | None = None, seconds: float = 
 def add_grasp(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_grasp)
-    command.add_argument("--cells", type=int, default=3, help="of the cube along an edge")
+    command.add_argument("--cells", type=int, default=3, help="cells along an edge of the cube")
     command.add_argument("--json", type=Path, metavar="OUT", help="write height and forces of each frame")
 
 

@@ -43,12 +43,12 @@ def add_haptics(command: argparse.ArgumentParser) -> None:
     command.set_defaults(run=run_haptics)
     command.add_argument("--emulate", action="store_true", required=True, help="with an emulated device")
     shortest = READY_AFTER + cycle()
-    command.add_argument("--seconds", type=float, metavar="N", help=f"of pressing, {shortest:.2f} at least")
+    command.add_argument("--seconds", type=float, metavar="N", help=f"time to press, at least {shortest:.2f}")
     command.add_argument("--busy", action="store_true", help="stall the main thread for 200 ms each second")
     command.add_argument("--fault", action="append", default=[], metavar="FAULT", help="see `emulator --help`")
-    command.add_argument("--baud", type=int, metavar="B", help="bits a second, 0: bytes take no time")
+    command.add_argument("--baud", type=int, metavar="B", help="bits per second; 0: bytes take no time")
     command.add_argument("--line", choices=LINES, default="pty", help="how it is connected")
-    command.add_argument("--table", action="store_true", help="press by every line, beside nothing and two busy loops")
+    command.add_argument("--table", action="store_true", help="press over every line, without and with two busy loops")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the figures")
 
 

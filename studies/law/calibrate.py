@@ -23,8 +23,8 @@ def add_command(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run)
     command.add_argument("file", type=Path, metavar="FILE", help="file of an instrument")
-    command.add_argument("--length-mm", type=float, metavar="L", help="edge of the object, for k")
-    command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT.radius, help="of the tip")
+    command.add_argument("--length-mm", type=float, metavar="L", help="edge length of the object, for k")
+    command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT.radius, help="tip radius")
     command.add_argument("--indenter", choices=TIPS, default="point", help="shape of the tip; a point is a small punch")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")
     command.add_argument("--plot", type=Path, metavar="OUT.png", help="draw the curve and the fit (needs matplotlib)")

@@ -242,11 +242,11 @@ def spread_of(values: Floats | Sequence[float]) -> Row:
 def add_law(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_law)
-    command.add_argument("--mesh", required=True, metavar="FILE", help="a mesh, or a made-up one: uv-sphere-32-x-16")
-    command.add_argument("--places", type=int, default=25, help="for each tip (default: 25)")
-    command.add_argument("--seed", type=int, default=0, help="of the places")
+    command.add_argument("--mesh", required=True, metavar="FILE", help="a mesh file, or a built-in: uv-sphere-32-x-16")
+    command.add_argument("--places", type=int, default=25, help="number for each tip (default: 25)")
+    command.add_argument("--seed", type=int, default=0, help="of the random places")
     command.add_argument("--tips", default="5,10,20", metavar="MM,...", help="radii (default: 5,10,20)")
-    command.add_argument("--drag", type=int, nargs="?", const=6, default=0, metavar="N", help="drag from N places too")
+    command.add_argument("--drag", type=int, nargs="?", const=6, default=0, metavar="N", help="also drag from N places")
     command.add_argument("--json", type=Path, metavar="OUT", help="write all figures")
 
 

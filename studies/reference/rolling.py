@@ -25,10 +25,16 @@ from .constants import BACK, ROLL_ARM
 class Turning:
     """How a free body turns: its inertia (3, 3) [kg m2] about its centre (3,) [m], and its spin (3,) [1/s].
 
+    inverse: (3, 3) of the inertia of its skin.
+    fill: (3,) angular momentum of its fill [kg m2/s], None where it was changed.
+    given: (3,) moment by which the skin turns the fill [N m].
     kept, moment: (3,) that resist it [N m]: kept from substep to substep, and in the next one, reactions included.
     """
 
     size: float
+    inverse: Floats = field(default_factory=lambda: np.eye(3))
+    fill: Floats | None = None
+    given: Floats = field(default_factory=lambda: np.zeros(3))
     centre: Floats = field(default_factory=lambda: np.zeros(3))
     inertia: Floats = field(default_factory=lambda: np.eye(3))
     spin: Floats = field(default_factory=lambda: np.zeros(3))
@@ -40,11 +46,18 @@ class Turning:
         self.centre = x @ mass / mass.sum()
         r = x - self.centre[:, None]
         self.inertia = np.eye(3) * (mass * r * r).sum() - (mass * r) @ r.T
-        self.spin = np.linalg.pinv(self.inertia, hermitian=True) @ (np.cross(r, v, axis=0) @ mass)
+        self.inverse = np.linalg.pinv(self.inertia, hermitian=True)
+        self.spin = self.inverse @ (np.cross(r, v, axis=0) @ mass)
+
+    def turn_fill(self, share: Floats, dt: float) -> None:
+        """Let the fill, whose momentum is such a share (3, 3) of the skin's, turn with it in a substep [s]."""
+        more = share @ self.inertia
+        before, self.fill, self.inertia = self.fill, more @ self.spin, self.inertia + more
+        self.given = np.zeros(3) if before is None else (self.fill - before) / dt
 
     def acceleration(self, x: Floats) -> Floats:
-        """Return what the moment takes out of vertices (3, n) [m/s2]."""
-        turn = np.linalg.pinv(self.inertia, hermitian=True) @ self.moment
+        """Return what the moments take out of vertices (3, n) [m/s2]."""
+        turn = self.inverse @ (self.moment + self.given)
         return np.asarray(np.cross(turn[:, None], x - self.centre[:, None], axis=0), np.float64)
 
 

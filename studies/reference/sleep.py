@@ -1,8 +1,8 @@
 """Bodies at rest sleep: they are not stepped until something wakes them, and go on from the very state they were in.
 
-A body falls asleep when for REST_TIME it has been slower than REST_SPEED and no vertex is farther than ROUNDING from
-where it was when that began. Its velocities stay as they are, so neither position nor velocity jumps when it wakes.
-Under a fingertip that stands still it sleeps too.
+A body falls asleep when for REST_TIME it has been slower than REST_SPEED, or in place, and no vertex is farther than
+ROUNDING from where it was when that began. A velocity alone does not move it: contact may hold it back, and a short
+step is lost in rounding. Its velocities stay as they are, so neither position nor velocity jumps when it wakes.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .constants import NEAR, REST_SPEED, REST_TIME, ROUNDING
 class Rest:
     """How long a body has been at rest.
 
-    quiet: [s] since it was slow last.
+    quiet: [s] since it became slow, or stayed in place.
     still: (3, n) where it was then [m].
     rested: it may sleep.
     asleep: it is not stepped.
@@ -33,21 +33,15 @@ class Rest:
     asleep: bool = False
     under: dict[int, tuple[Floats, float]] = field(default_factory=dict)
 
-    def watch(
-        self, x: Floats, v: Floats, size: float, tick: float, *, led: bool, sag: float = 0.0, held: bool = False
-    ) -> None:
+    def watch(self, x: Floats, v: Floats, size: float, tick: float, *, led: bool) -> None:
         """Look at a body (3, n) [m], [m/s] after a tick [s].
 
         Args:
             led: its pins were.
-            sag: [m/s] that gravity gives in a substep, and contact takes back as a way; 0 where none does.
-            held: there are fingertips, and all stand still: what they hold back has a speed and does not move.
         """
         speed = float(np.sqrt((v * v).sum(axis=0).max(initial=0)))
-        fast = speed > REST_SPEED * size
-        if fast and (speed <= sag or held):
-            fast = self.quiet > 0 and not self._stays(x, size)
-        if led or fast:
+        goes = speed > REST_SPEED * size and self.quiet > 0 and not self._stays(x, size)
+        if led or goes:
             self.quiet, self.rested = 0.0, False
             return
         if self.still is None or self.quiet == 0:

@@ -60,9 +60,9 @@ class Twin:
         self._surface: RestSurface = self._lay_surface()
         self._fitted: Pose = np.eye(3), np.zeros(3)  # as the substep began
         self.meets = False  # it is in a scene
+        self.turning = Turning(model.mesh.size)
         self._moved: Floats | None = None  # the shape at rest, where it is not the model's
         self._rest_rate: Floats | None = None  # in the next motion
-        self.sag = 0.0  # [m/s] that gravity gives in a substep, and contact takes back: in a scene
         self.set_state(model.matching.rest)
 
     def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
@@ -77,6 +77,7 @@ class Twin:
         if model.rigged and not old.rigged:
             self._state.pose = np.eye(3), np.zeros(3)
         self._rest_pins(model.pinned)
+        self.turning.fill = None
         self._fine = surface or (model if self._fine is old else self._fine)
         self.model, self._rest = model, Rest()
         if self._moved is not None:
@@ -100,6 +101,7 @@ class Twin:
         if len(self._fine.mesh.rest_positions) != len(self.model.mesh.rest_positions):
             raise ValueError("a proxy has a surface of its own")
         self._moved, self._rest_rate, self._rest = np.array(rest), rate, Rest()
+        self.turning.fill = None
         if rate is not None and self.model.free:  # only the shape counts
             k1 = self.model.matching.k1
             self._rest_rate = rate - (rate @ k1 / max(k1.sum(), 1e-300))[:, None]
@@ -116,7 +118,7 @@ class Twin:
     def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
         """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s], the shape at rest at rest."""
         state = self._state = initial_state(self.model)
-        self._rest_rate = None
+        self._rest_rate = self.turning.fill = None
         state.positions[:] = positions
         state.velocities[:] = 0.0 if velocities is None else velocities
         self._led, self._rest = False, Rest()
@@ -134,7 +136,7 @@ class Twin:
 
     def step(self, motion: Motion) -> Frame:
         """Run the ticks of a motion."""
-        call, self.sag, self.meets = self.begin(motion), 0.0, False
+        call, self.meets, self.turning.moment = self.begin(motion), False, np.zeros(3)
         while call.ticks < motion.ticks and call.finite:
             touches = self.begin_tick(call)
             for left in reversed(range(motion.substeps)) if not self._rest.asleep else ():
@@ -204,15 +206,15 @@ class Twin:
         """Return what the fingertips may touch in the tick under way."""
         return next(each_tick(self.model, self._state, call.path, call.motion.tick))
 
-    def substep(self, call: Call, touches: list[Near], left: int, turning: Turning | None = None) -> None:
+    def substep(self, call: Call, touches: list[Near], left: int) -> None:
         """Advance the body by a substep after which so many come in the tick, fingertips included."""
         try:
             with np.errstate(all="ignore"):  # the frame says when it has blown up
-                self._advance(call, touches, left, turning)
+                self._advance(call, touches, left)
         except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
             self._state.positions[:] = np.nan
 
-    def _advance(self, call: Call, touches: list[Near], left: int, turning: Turning | None) -> None:
+    def _advance(self, call: Call, touches: list[Near], left: int) -> None:
         model, state, dt = self.model, self._state, call.motion.tick / call.motion.substeps
         before = state.positions.copy()
         near = [h for h in touches if len(h.vertices) or len(h.triangles)]
@@ -220,11 +222,12 @@ class Twin:
         if model.free:
             self._fitted = self._pose()
             self._press_free(call, touches, left + 1, dt)
-        if turning:
-            turning.measure(model.mass, before, state.velocities)
+            turning, turn = self.turning, self._fitted[0]
+            turning.measure(model.matching.mass, before, state.velocities)
+            turning.turn_fill(turn @ model.fill_momentum @ turn.T, dt)
         semi_implicit.advance(model, state, dt)
-        if turning:
-            by = dt * turning.acceleration(before)
+        if model.free:
+            by = np.where(model.inverse_mass > 0, dt * turning.acceleration(before), 0.0)
             state.velocities -= by
             state.positions -= dt * by
         if near:
@@ -300,13 +303,12 @@ class Twin:
         self._comes_back = REST_TIME if self._is_beside_others(None) else back
         if self._rest.asleep:
             return
-        state, tick, path = self._state, call.motion.tick, call.path
+        state, tick = self._state, call.motion.tick
         with np.errstate(all="ignore"):
             call.finite = self._is_finite(tick)
         if call.finite:
             size, led = self.model.mesh.size, call.motion.pins is not None or self._rest_rate is not None
-            held = len(path.radii) > 0 and bool((path.centres[:, 0] == path.centres[:, 1]).all())
-            self._rest.watch(state.positions, state.velocities, size, tick, led=led, sag=self.sag, held=held)
+            self._rest.watch(state.positions, state.velocities, size, tick, led=led)
 
     def end(self, call: Call) -> Frame:
         """End a motion and return what it came to."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +20,16 @@ from .proximity import Pairs, find_pairs, join_surfaces, touching_distance
 from .rolling import Turning, resist
 from .twin import Call, Twin
 from .twin_props import Props, leave
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """The pairs of two surfaces, found by a search of some reach; used: their relative displacement since then [m]."""
+
+    surfaces: tuple[int, int]
+    pairs: Pairs
+    reach: float
+    used: float
 
 
 class TwinScene:
@@ -58,12 +69,13 @@ class TwinScene:
         sizes = [body.model.mesh.size for body in bodies]
         sizes += [2 * prop.radius if prop else 0.0 for prop in self._props.of[len(bodies) :]]
         self._sizes = TOO_NEAR * np.array(sizes)
-        self._turning: list[Turning | None] = [Turning(b.model.mesh.size) if b.model.free else None for b in bodies]
+        self._turning: list[Turning | None] = [b.turning if b.model.free else None for b in bodies]
         self._turning += [None] * len(colliders)
-        self._touched = np.zeros(len(self._part), bool)  # of the surfaces, in the last substep
         self._share, self._late = np.ones(len(self._part)), np.zeros(len(self._part))
         self._ends = [x.copy() for x in self._here]  # where colliders were to be at the end of the last tick
         self._due, self._wakes, self._approach = True, True, 0.0
+        self._runs: list[Run] = []
+        self._placed: set[int] = set()  # surfaces that were put elsewhere since the last query
         self._looks, self._looked, self._near = True, self._positions(), np.zeros(0, np.int64)
         self._known = [(body.model, body.positions()) for body in bodies]
         self._left_out = np.zeros(len(s.of_vertex), bool)  # of self contact
@@ -75,12 +87,13 @@ class TwinScene:
 
     def crossings(self) -> Crossings:
         """Return what passes through each other now."""
-        self._due = True
+        self._due, self._runs = True, []
         return find_crossings(self._surfaces, self._positions(), self._free, self._itself, self._left_out)
 
     def set_collider(self, index: int, positions: Floats) -> None:
         """Put a collider at positions (3, m) [m] at once."""
         self._here[index], self._due = np.array(positions, np.float64), True
+        self._placed.add(len(self._bodies) + index)
         self._rates[index][:] = 0
         self._ends[index] = self._here[index].copy()
         self._props.wake(len(self._bodies) + index)
@@ -94,16 +107,19 @@ class TwinScene:
     ) -> SceneFrame:
         """Run the ticks of motions, one for each body."""
         self._tick, self._dt = motions[0].tick, motions[0].tick / motions[0].substeps
-        for body, (model, x), turning in zip(self._bodies, self._known, self._turning, strict=False):
+        for i, (body, (model, x), turning) in enumerate(zip(self._bodies, self._known, self._turning, strict=False)):
             changed = body.model is not model or not np.array_equal(body.state.positions, x)
             self._due |= changed
+            if changed:
+                self._placed.add(i)
             if changed and turning:
                 turning.kept, turning.moment = np.zeros(3), np.zeros(3)
         self._queries = self._most_pairs = self._most_touching = self._truncated = 0
         self._taken = 0.0
         self._gap, self._impulses = np.inf, np.zeros((len(self._part), 6))
         self._given = np.zeros((len(self._surfaces.of_vertex), 3))
-        self._due |= self._props.take(ways, self._here, self._rates)
+        if self._props.take(ways, self._here, self._rates):
+            self._due, self._runs = True, []
         calls = [body.begin(motion) for body, motion in zip(self._bodies, motions, strict=True)]
         for body in self._bodies:
             body.meets = True
@@ -153,9 +169,9 @@ class TwinScene:
                 touches[i] = self._bodies[i].near(calls[i])
             self._wakes = False
             self._props.begin(self._last, self._dt)
-            for body, call, near, turning in zip(self._bodies, calls, touches, self._turning, strict=False):
+            for body, call, near in zip(self._bodies, calls, touches, strict=True):
                 if not body.rest.asleep:
-                    body.substep(call, near, substeps - 1 - step, turning)
+                    body.substep(call, near, substeps - 1 - step)
             with np.errstate(all="ignore"):  # the frame says when it has blown up
                 self._was = [x.copy() for x in self._here]
                 self._lead_colliders(step, substeps)
@@ -165,8 +181,7 @@ class TwinScene:
         for i, aim in enumerate(self._aims, len(self._bodies)):
             late = 0.0 if aim is None else np.linalg.norm(aim - self._here[i - len(self._bodies)], axis=0).max()
             self._late[i] = late
-        for i, (body, call) in enumerate(zip(self._bodies, calls, strict=True)):
-            body.sag = float(np.linalg.norm(body.model.gravity)) * self._dt if self._touched[i] else 0.0
+        for body, call in zip(self._bodies, calls, strict=True):
             body.end_tick(call)
         for _, prop in self._props.awake:
             prop.watch(self._tick)
@@ -221,38 +236,64 @@ class TwinScene:
 
     def _query(self) -> None:
         s, x, count, bodies = self._surfaces, self._positions(), len(self._part), len(self._bodies)
-        least = QUERY_REACH * max(self._touch, 2 * OFFSET * self._edge)
-        reach = max(least, self._touch + 3 * self._fastest_rigid * self._dt)
         lows, highs = (np.array([pick(x[part], axis=0) for part in self._part]) for pick in (np.min, np.max))
-        slack, stale, found = np.full(count, np.inf), np.full(count, np.inf), []
+        slack, stale, runs, kept = np.full(count, np.inf), np.full(count, np.inf), [], self._kept(x)
         for i in range(count):
             for j in range(i, count):
                 if not (i < bodies and self._itself[i] if i == j else self._free[i] or self._free[j]):
                     continue
+                reach, run = self._reach_of(i, j), kept.get((i, j))
                 apart = -1.0 if i == j else float(np.maximum(lows[j] - highs[i], lows[i] - highs[j]).max())
-                far = apart if apart > reach else reach
-                way = apart / 4 if apart > reach else STALE * (reach - self._touch) / 2
+                if run is None and apart <= reach:
+                    run = Run((i, j), self._searched(i, j, x, reach), reach, 0.0)
+                far, way = apart, apart / 4
+                if run:
+                    runs.append(run)
+                    far = run.reach - run.used
+                    way = STALE * (far - self._touch) / 2
                 for k in (i, j):
                     slack[k], stale[k] = min(slack[k], BOUND * far / 2), min(stale[k], way)
-                if apart > reach:
-                    continue
-                closest = float(max(self._sizes[i], self._sizes[j]))
-                found.append(find_pairs(s, x, i, j, reach=reach, closest=closest, bodies=bodies))
-                if i == j:
-                    out = self._left_out[found[-1].at].sum(axis=1)
-                    found[-1] = _picked(found[-1], np.flatnonzero(out == 0))
-        pairs = _joined(found)
+        pairs = _joined([run.pairs for run in runs])
         self._bounds: Bounds = bounds_of(x, slack[s.of_vertex], pairs)
-        self._stale = stale
+        self._runs, self._placed, self._stale = runs, set(), stale
         self._touches = touching_distance(s, pairs, self._offsets, self._props.skins, bodies)
-        may = (pairs.weight > 0) & (pairs.gap <= self._touches + STALE * (reach - self._touch) * 1.5)
         order = touching.order_of(pairs, s)
-        order = order[may[order]]
+        order = order[pairs.weight[order] > 0]
         self._candidates, self._touches = _picked(pairs, order), self._touches[order]
         self._near, self._looks = np.unique(pairs.at), True
         self._due, self._queries = False, self._queries + 1
         self._most_pairs = max(self._most_pairs, len(pairs.gap))
         self._gap = min(self._gap, float(pairs.gap.min(initial=np.inf)))
+
+    def _reach_of(self, i: int, j: int) -> float:
+        """Return how far pairs of two surfaces are searched [m]: so far that rigid surfaces need not stop."""
+        least = QUERY_REACH * max(self._touch, 2 * OFFSET * self._edge)
+        soft = max(i, j) < len(self._bodies)
+        return least if soft else max(least, self._touch + 3 * self._fastest_rigid * self._dt)
+
+    def _searched(self, i: int, j: int, x: Floats, reach: float) -> Pairs:
+        """Return the pairs of two surfaces at x (n, 3) [m] that are nearer than the reach."""
+        closest = float(max(self._sizes[i], self._sizes[j]))
+        found = find_pairs(self._surfaces, x, i, j, reach=reach, closest=closest, bodies=len(self._bodies))
+        return found if i != j else _picked(found, np.flatnonzero(self._left_out[found.at].sum(axis=1) == 0))
+
+    def _kept(self, x: Floats) -> dict[tuple[int, int], Run]:
+        """Return the pairs of surfaces that have hardly moved relative to each other since they were searched."""
+        kept, start = dict[tuple[int, int], Run](), 0
+        if not self._runs:
+            return kept
+        ways = [x[part] - self._bounds.before[part] for part in self._part]
+        means = [way.mean(axis=0) for way in ways]
+        bent = [float(np.linalg.norm(way - mean, axis=1).max()) for way, mean in zip(ways, means, strict=True)]
+        for run in self._runs:
+            (i, j), stop = run.surfaces, start + len(run.pairs.gap)
+            way = bent[i] + bent[j] + float(np.linalg.norm(means[i] - means[j]))
+            pairs, start = _picked(self._bounds.pairs, np.arange(start, stop)), stop
+            if self._placed & {i, j} or run.reach < self._reach_of(i, j):
+                continue
+            if run.used + way < STALE * (run.reach - self._touch) / 2:
+                kept[i, j] = Run((i, j), replace(pairs, gap=pairs.gap - way), run.reach, run.used + way)
+        return kept
 
     def _lead_colliders(self, step: int, substeps: int) -> None:
         """Let colliders go on their way in a substep; what was held back tries twice as much."""
@@ -314,7 +355,6 @@ class TwinScene:
         sides, sleeps = self._surfaces.of_vertex[meetings.at[:, [0, 3]]], self._asleep()
         if not len(meetings.gap):
             resist(self._turning, sides, meetings.gap, self._dt, sleeps)
-            self._touched = np.zeros(len(self._part), bool)
             self._props.answer(sides, meetings.point, meetings.normal)
             return
         asleep = sleeps[sides[:, 0]] | sleeps[sides[:, 1]]
@@ -334,7 +374,6 @@ class TwinScene:
         np.add.at(self._given, meetings.at, meetings.weights[:, :, None] * passed[:, None])
         np.add.at(self._impulses, sides[:, 0], given)
         np.subtract.at(self._impulses, sides[:, 1], given)
-        self._touched = np.isin(np.arange(len(self._part)), sides[active])
         self._most_touching = max(self._most_touching, int((passed != 0).any(axis=1).sum()))
 
     def _keep_apart(self) -> None:

@@ -128,7 +128,7 @@ def test_a_mesh_as_a_fingertip_is_said_to_press_as_a_ball(bpy: ModuleType, shape
     mesh = bpy.data.meshes.new("Knuckle") if shape == "CUBE" else None
     bpy.context.scene.dimple.finger_1 = bpy.data.objects.new("Knuckle", mesh)
     drawn = draw(bpy, bpy.types.DIMPLE_PT_fingertips)
-    assert (" ".join(drawn).find("presses as a ball of the tool's radius, whatever its shape") > 0) == said
+    assert (" ".join(drawn).find("presses like a ball of the tool's radius, whatever its shape") > 0) == said
 
 
 def test_a_calibration_shows_its_constants_with_errors_and_the_just_noticeable_difference(
@@ -156,7 +156,7 @@ def test_a_calibration_shows_its_constants_with_errors_and_the_just_noticeable_d
     ], "the material shows what it was given"
     before = " ".join(draw(bpy, panel, object=body))
     body.active_material.dimple.K1 = 2.0
-    edited = "The constants have been edited since."
+    edited = "The constants were edited and no longer match their source."
     assert edited not in before and edited in " ".join(draw(bpy, panel, object=body))
     assert edited in " ".join(draw(bpy, bpy.types.DIMPLE_PT_material, material=body.active_material))
 

@@ -82,7 +82,7 @@ def test_a_hold_at_the_bottom_and_one_on_the_way_are_dropped():
     way = np.concatenate([np.linspace(0, 10, 150), np.full(400, 10.0), np.linspace(10, 22, 150), np.full(2000, 22.0)])
     relaxed = law(way) * np.where(np.arange(len(way)) > 750, 0.8, 1.0)
     press = prepare(recording(way, relaxed, noise=0.001))
-    assert "stood still" in " ".join(press.remarks.notes)
+    assert "did not change" in " ".join(press.remarks.notes)
     assert constants(recording(way, relaxed, noise=0.001)) == TRUTH
 
 
@@ -95,7 +95,7 @@ def test_cycles_that_agree_need_no_question_and_the_first_is_fitted():
 def test_cycles_that_differ_are_asked():
     one = np.concatenate([np.linspace(0, 22, 200), np.linspace(22, 0, 200)])
     softened = recording(np.tile(one, 2), law(np.tile(one, 2)) * np.repeat([1.0, 0.6], 400))
-    with pytest.raises(Undecided, match=r"Which one is fitted\? Give cycle: '1' \(.*'2' \("):
+    with pytest.raises(Undecided, match=r"Which one is to be fitted\? Give cycle: '1' \(.*'2' \("):
         prepare(softened)
     assert constants(softened, Answers(cycle=1)) == TRUTH
     assert constants(softened, Answers(cycle=2))[0] == pytest.approx(0.6 * 0.61, rel=0.03)
@@ -106,7 +106,7 @@ def test_single_rows_that_are_wrong_are_left_out_with_a_warning():
     force = law(depth) + 0.05 * np.random.default_rng(2).normal(size=300)
     force[[50, 180]] = 70, -40
     broken = recording(depth, force)
-    assert "2 rows stand apart" in " ".join(prepare(broken).remarks.warnings)
+    assert "2 rows differ strongly" in " ".join(prepare(broken).remarks.warnings)
     assert constants(broken) == TRUTH
 
 
@@ -145,7 +145,7 @@ def test_a_force_that_goes_both_ways_is_asked():
 def test_rows_from_the_last_to_the_first_are_read_backwards_with_a_warning():
     depth = np.linspace(22, 0, 300)
     press = prepare(recording(depth, law(depth)))
-    assert any("way back alone" in warning for warning in press.remarks.warnings)
+    assert any("only the unloading" in warning for warning in press.remarks.warnings)
     assert constants(recording(depth, law(depth))) == TRUTH
 
 

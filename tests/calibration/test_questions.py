@@ -30,7 +30,7 @@ ASKED = {
     "decimal": ("Weg (um);Kraft (mN)", lambda i, d, f: f"{1e3 * d:,.0f};{1e3 * f:,.0f}".translate(SWAP)),
 }
 # answers that the data, rather than another answer, speak against
-NO_PRESS = "turns back|never grows|a fit needs at least"
+NO_PRESS = "reverses|never increases|a fit needs at least"
 
 
 def answered(path: Path, answers: Answers, given: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], str]]:

@@ -193,7 +193,7 @@ def test_of_two_bare_columns_one_answer_settles_both(curve, write):
 
 def test_a_missing_unit_is_asked_with_what_it_would_mean(curve, write):
     path = write(table(curve, lambda i, d, f: f"{d:.5f},{f:.5f}", head="Depth (mm),Force\n"))
-    with pytest.raises(Undecided, match=r"In what unit is Force.* 'gf' \(then it reaches"):
+    with pytest.raises(Undecided, match=r"the unit of Force.* 'gf' \(then it reaches"):
         read_measurement(path)
     check(path, curve, Answers(force_unit="N"))
 
@@ -268,14 +268,14 @@ def test_missing_files_and_folders_are_refused(tmp_path):
 def test_a_long_recording_is_thinned_and_says_so(make, write):
     curve = make(rows=250_000)
     read = read_measurement(write(table(curve, lambda i, d, f: f"{d:.5f},{f:.4f}", head="Depth (mm),Force (N)\n")))
-    assert "one in 3" in " ".join(read.remarks.notes)
+    assert "One in 3" in " ".join(read.remarks.notes)
     assert 80_000 < len(read.depth) < 100_001
     assert np.ptp(read.depth) * 1e3 == pytest.approx(22, rel=1e-3)
 
 
 def test_answers_that_name_nothing_are_refused(curve, write):
     path = write(table(curve, lambda i, d, f: f"{d:.5f},{f:.5f}", head="Depth (mm),Force (N)\n"))
-    with pytest.raises(DimpleError, match="No single column"):
+    with pytest.raises(DimpleError, match="does not name one column"):
         read_measurement(path, Answers(force_column="Kraft"))
     with pytest.raises(DimpleError, match="not a unit of force"):
         read_measurement(path, Answers(force_unit="furlong"))

@@ -210,7 +210,7 @@ def test_two_windows_do_not_share_a_file(pairs: Plan, tmp_path: Path) -> None:
     experiment = begun(path, pairs)
     words = "import sys; from pathlib import Path; from core.experiment.log import Log; Log(Path(sys.argv[1]))"
     other = subprocess.run([sys.executable, "-c", words, path], cwd=ROOT, capture_output=True, text=True, check=False)
-    assert "is open already" in other.stderr and other.returncode
+    assert "is already open" in other.stderr and other.returncode
     answer(experiment, 1)
     experiment.log.file.close()
     assert subprocess.run([sys.executable, "-c", words, path], cwd=ROOT, check=False).returncode == 0
@@ -220,7 +220,7 @@ def test_two_windows_do_not_share_a_file(pairs: Plan, tmp_path: Path) -> None:
 def test_another_file_stays_as_it_is(tmp_path: Path, text: str) -> None:
     path = tmp_path / "plan.json"
     path.write_bytes(text.encode())
-    with pytest.raises(DimpleError, match="not a file of answers"):
+    with pytest.raises(DimpleError, match="not an answer file"):
         Log(path)
     assert path.read_bytes() == text.encode() and list(tmp_path.iterdir()) == [path]
 
@@ -231,7 +231,7 @@ def test_a_row_that_was_edited_to_nonsense_is_said(pairs: Plan, tmp_path: Path) 
     experiment.log.file.close()
     text = path.read_text().replace(f",{experiment._key},2,", f",{experiment._key},second,")
     path.write_text(text)
-    with pytest.raises(DimpleError, match="not a file of answers"):
+    with pytest.raises(DimpleError, match="not an answer file"):
         begun(path, pairs)
     assert path.read_text() == text
 

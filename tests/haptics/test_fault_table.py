@@ -234,6 +234,25 @@ def test_a_wall_that_comes_back_after_the_simulation_stood_still_hardly_gives_th
     assert press.forces(press.now - 0.02)[-1] == pytest.approx(leant(press.servo.cap, 1000.0), abs=0.2)
 
 
+def test_what_friction_took_pushes_out_no_fingertip_that_sank_in() -> None:
+    """The hand rubs a rough wall for a second: 70 mJ, all of them heat. The wall holds half of 10 mm of it: 4 mJ."""
+    rub = [(0.8 + t / 10, 0.02 * math.sin(2 * math.pi * t / 10), 0.0, -0.01) for t in range(10)]
+    stall = AT + 0.5
+    way = (*WAY[:2], *rub, (AT, 0.0, 0.0, -0.01), (stall + 0.5, 0.0, 0.0, -0.01), (stall + 1.5, 0.0, 0.0, 0.01))
+
+    def rough(now: float) -> Surface | None:
+        anchor = press.servo._fingers[0].contact.anchor
+        return None if stall < now < stall + 0.2 else replace(wall(now, k=1000.0), friction=0.5, anchor=anchor)
+
+    press = Press(surface=rough, way=way, baud=0)
+    press.run(stall)
+    rows, stored = len(press.trace), press.servo._fingers[0].guard.passivity.stored
+    press.run(stall + 2.0)
+    del press.trace[:rows]
+    assert stored > 0.05 and press.arming == "ON"
+    assert press.energy() > -0.0041 - 1e-3
+
+
 @pytest.mark.parametrize("fault", ["adc-range", "adc-frozen", "adc-jump"])
 def test_a_sensor_that_lies(fault: str) -> None:
     """Masked at once (a frozen one after 50 readings alike), disarmed after 5 more."""

@@ -2,6 +2,7 @@
 
 import json
 import math
+import signal
 import socket
 import threading
 import time
@@ -95,15 +96,19 @@ def end(service: HaplyService) -> None:
         time.sleep(0.01)
 
 
-def test_a_servo_that_is_killed_leaves_no_force(serve: Callable[..., HaplyService]) -> None:
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_servo_that_is_killed_or_hangs_leaves_no_force(
+    serve: Callable[..., HaplyService], how: signal.Signals
+) -> None:
+    """Blender ends one that hangs: the service holds the last force for as long as its client is connected."""
     service = serve(devices=1)
     device = Device(f"haply:{service.number}")
     device.open()
     drive(device, lambda report: report.tips and report.tips[0].force[2] > 0.5)
     assert device.process
-    device.process.kill()
-    end(service)
+    device.process.send_signal(how)
     assert drive(device, lambda report: report.link is LinkState.LOST).arming is Arming.OFF
+    end(service)
     device.close()
 
 
@@ -134,6 +139,23 @@ def test_a_service_that_stands_still_is_lost_and_one_that_ends_too(serve: Callab
     service.ends = True
     assert "lost" in drive(device, lambda report: report.link is LinkState.LOST).note
     device.close()
+
+
+def test_a_second_blender_is_refused_and_takes_over_once_the_first_has_ended(
+    serve: Callable[..., HaplyService],
+) -> None:
+    """The service takes forces from all its clients; those of two would alternate on the hand."""
+    service = serve(devices=1)
+    first, second = Device(f"haply:{service.number}"), Device(f"haply:{service.number}")
+    first.open()
+    drive(first, lambda report: report.states > 10, held=False)
+    second.open()
+    report = drive(second, lambda report: report.link is LinkState.REFUSED, held=False)
+    assert "another Blender" in report.note and drive(first, lambda _: True).link is LinkState.READY
+    first.close()
+    second.open()
+    drive(second, lambda report: report.states > 10, held=False)
+    second.close()
 
 
 def test_a_device_that_is_not_ready_is_not_trusted(serve: Callable[..., HaplyService]) -> None:
@@ -218,5 +240,5 @@ def test_a_close_and_an_endless_message_end_the_connection(bad: bytes) -> None:
 
 @pytest.mark.parametrize("answer", [b"HTTP/1.1 200 OK\r\n\r\n", b"SSH-2.0-x\r\n\r\n", HaplyService.welcome(b"another")])
 def test_what_is_no_web_socket_is_refused(answer: bytes) -> None:
-    with pytest.raises(DimpleError, match="no device's service"):
+    with pytest.raises(DimpleError, match="not the port of a device service"):
         Peer(answer).open()

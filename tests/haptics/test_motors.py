@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from core.vectors import ZERO, Vector
+from core.vectors import ZERO, Vector, dot, scaled
 from studies.bench.motors import Motors
 from tests.haptics.host import SPEC
 
@@ -19,6 +19,12 @@ def hottest(forces: list[Vector], window: float) -> float:
         sums.append(total)
     n = round(window / SPEC.tick)
     return math.sqrt(max(b - a for a, b in zip(sums, sums[n:], strict=False)) / n) if len(sums) > n else 0.0
+
+
+def rise(before: Vector, after: Vector) -> float:
+    """Return how far a force is from every smaller one in the direction of that before it [N]: it may fall at once."""
+    square = dot(before, before)
+    return math.dist(scaled(before, min(max(dot(before, after) / square, 0.0), 1.0) if square else 0.0), after)
 
 
 @pytest.mark.parametrize(

@@ -104,8 +104,8 @@ def test_the_servo_hangs(emulator: Rig) -> None:
     device.process.send_signal(signal.SIGSTOP)
     report = drive(device, lambda report: report.link is LinkState.LOST)
     assert report.arming is Arming.OFF and "does not answer" in report.note
-    device.close()
     assert gone(pid)
+    device.close()
     assert needs_a_new_arm(emulator.port)
     emulator.stop()
     assert emulator.force_left() < NOISE
@@ -242,7 +242,7 @@ def test_a_port_with_something_else_behind_it_is_refused_within_a_second(data: b
         return report.link is not LinkState.OPENING
 
     report = drive(device, answered)
-    assert report.link is LinkState.REFUSED and "Nothing answers within 1 s" in report.note
+    assert report.link is LinkState.REFUSED and "Nothing answered within 1 s" in report.note
     assert gone(pid)
     device.close()
     os.close(master)

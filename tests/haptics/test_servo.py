@@ -6,10 +6,13 @@ from dataclasses import replace
 import pytest
 
 from core.device import wire
+from core.device.force_guard import Guard
 from core.device.notes import FAULTS
 from core.device.rendered_surface import Law
+from core.device.servo_finger import ServoFinger
 from core.device.spec import Spec
-from tests.haptics.bench_device import SESSION, BenchDevice, disarmed, note, wall
+from core.vectors import ZERO
+from tests.haptics.bench_device import SESSION, TICK, BenchDevice, disarmed, note, wall
 
 
 def test_a_press_meets_the_wall_once_it_is_armed() -> None:
@@ -101,6 +104,15 @@ def test_a_fingertip_that_runs_away_disarms() -> None:
         device.at[0] = (x, y, z + 2e-3)
         device.tick()
     assert disarmed(device) and "1.5 m/s" in note(device)
+
+
+@pytest.mark.parametrize("word", [0x7FFF, -0x7FFF, -0x8000])
+def test_a_fingertip_at_the_end_of_the_range_is_not_trusted(word: int) -> None:
+    """It may be farther away, so nobody knows how deep it is; one step before, it is known."""
+    finger = ServoFinger(guard=Guard(10.0, 4.0))
+    for at, bad in ((round(0x7FFE * math.copysign(1, word)), 0), (word, 1)):
+        finger.sense((0, 0, at), False, TICK, 0.0, ZERO, 1.0)
+        assert finger.known and finger.bad == bad
 
 
 def test_a_place_that_jumps_masks_its_finger_at_once_and_disarms_after_5_of_them() -> None:

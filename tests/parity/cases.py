@@ -74,6 +74,10 @@ WHOLE = {
     "no fill": Case(shape=lambda: ball(2), material=replace(SOFT, fill="none")),
     "beyond its knee": Case(shape=lambda: ball(2), material=replace(SOFT, x0=1e-3)),
     "free": Case(shape=lambda: ball(2), hold="free", thrown=True),
+    "free solid": Case(
+        shape=lambda: (ball(2)[0] * (1, 0.7, 0.4), ball(2)[1]), hold="free", thrown=True, fingers=2,
+        material=replace(SOFT, fill="solid", indenter=FINGERTIP),
+    ),
     "free on the ground": Case(shape=lambda: ball(2), hold="free", options={"ground": -0.5, "gravity": (0, 0, -9.81)}),
     "in slices": Case(shape=lambda: ball(4), hold="free", ticks=4, options={"ground": -0.5, "gravity": (0, 0, -9.81)}),
     "lifted by three": Case(shape=lambda: ball(2), hold="free", fingers=3, options={"gravity": (1, 0, -9.81)}),

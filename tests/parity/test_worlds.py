@@ -1,6 +1,7 @@
 """The library and its numpy twin let bodies meet alike."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -45,9 +46,9 @@ def sessions(model: Model) -> list[Session]:
 @pytest.mark.parametrize("offsets", [(), (1e-3, 0.0)], ids=["by edges", "as given"])
 def test_two_balls_on_a_moving_sheet_go_the_same_way(offsets: tuple[float, ...]) -> None:
     models = []
-    for level, at in ((1, (0.003, 0.001, 0.0525)), (1, (0.008, 0.002, 0.1575))):
-        points, faces = ball(level, 0.05)
-        models.append(build_model(mesh_from_triangles(points + at, faces), [SOFT], gravity=(0, 0, -9.81)))
+    for fill, at in (("air", (0.003, 0.001, 0.0525)), ("solid", (0.008, 0.002, 0.1575))):
+        (points, faces), material = ball(1, 0.05), replace(SOFT, fill=fill)
+        models.append(build_model(mesh_from_triangles(points + at, faces), [material], gravity=(0, 0, -9.81)))
     floor, faces = sheet(5, 0.4)
     collider, start = Collider(floor.T.copy(), faces, 0.5), floor.T.copy()
     substeps = max(model.substeps(1e-3) for model in models)

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from core.base import TICK, Floats
 from core.body.model import Model, build_model
+from core.material import DEFAULT_MATERIAL
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.native.motion import FingertipMotion, Motion
 from core.reduction.proxy import build_proxy
@@ -21,7 +22,7 @@ from core.world import Collider, World
 from studies import scenes
 from studies.reference import create
 from studies.reference.constants import REST_SPEED, ROUNDING
-from tests.bodies import ball, sheet
+from tests.bodies import ball, plate, sheet
 
 EVERY = ["native64", "native"]
 RADIUS, TIP = scenes.BALL_RADIUS, 0.02
@@ -205,7 +206,7 @@ def test_it_goes_on_as_if_it_had_been_awake(cause: str, each: float, backend: st
     way, off = (np.abs(a).max(axis=(0, 2, 3)) for a in (awake - awake[0], slept - awake))
     assert way[0] > 5e-5
     assert off[0] < 2 * ROUNDING * SIZE
-    assert off[1] < 1.2 * REST_SPEED * SIZE
+    assert off[1] < 2 * REST_SPEED * SIZE
 
 
 @pytest.mark.parametrize("backend", EVERY)
@@ -275,6 +276,35 @@ def test_nothing_jumps_when_it_falls_asleep(backend: str) -> None:
             assert before and np.array_equal(before[0], x) and np.array_equal(before[1], v)
         before = x, v
     assert 500 < ticks_asleep < 1900
+
+
+@pytest.mark.parametrize("pinned", [True, False], ids=["held at its rim", "on the ground"])
+def test_a_proxy_that_rests_shows_a_skin_that_rests_to_the_bit(pinned: bool) -> None:
+    """A plate with nine holes, pressed and let go: its steps are so short that rounding swallows some velocities."""
+    k, thickness = 48, 0.005
+    at = np.arange(k) % 16
+    hole = (at > 2) & (at < 13)
+    points, faces = plate(~(hole[:, None] & hole), 0.2 / k, thickness)
+    rim = (np.abs(points[:, :2] - 0.1) > 0.0999).any(axis=1)
+    fine = build_model(
+        mesh_from_triangles(points, faces), [DEFAULT_MATERIAL], pinned=rim if pinned else None,
+        gravity=(0.0, 0.0, 0.0 if pinned else -9.81), ground=-1e-4,
+    )  # fmt: skip
+    session = Session(fine, proxy=build_proxy(fine, 800))
+    for depth in np.linspace(0.0, thickness, 13):
+        session.set_fingers([Finger((0.2 / 3, 0.1, thickness + 0.01 - depth), 0.01)])
+        session.step(1 / 60)
+    session.set_fingers([])
+    for seconds in (1.5, 0.1):
+        session.step(seconds)
+    assert not session.moved
+    shown, proxy = session.positions(), session.body.positions()
+    for _ in range(30):
+        session.step(1 / 60)
+        assert np.array_equal(session.positions(), shown) and np.array_equal(session.body.positions(), proxy)
+    session.wake()
+    session.step(0.1)
+    assert np.abs(session.positions() - shown).max() < 2 * ROUNDING * fine.mesh.size
 
 
 @pytest.mark.parametrize("backend", EVERY)

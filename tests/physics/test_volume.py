@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from core.body.model import build_model
+from core.body.pressure import volume
 from core.body.springs import membrane_stiffness
 from core.constants import AIR_PRESSURE, LIQUID_BULK_MODULUS
 from core.material import PRESETS, Material, law_force
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session
+from core.world import Collider, World
 from studies import scenes
 from tests.bodies import ball, sheet
 
@@ -38,6 +40,20 @@ def test_the_pressure_of_a_pressed_liquid_is_its_bulk_modulus_times_what_is_miss
     *_, frame = scenes.poke(session, seconds=0.5)
     assert frame.volume < frame.rest_volume and frame.pressure > 0
     assert frame.pressure == pytest.approx(2e6 * (1 - frame.volume / frame.rest_volume), rel=0.05)
+
+
+def test_a_liquid_pressed_to_half_its_height_by_plates_gives_way_by_its_pressure_and_by_nothing_else() -> None:
+    """Contact, which moves the skin after the pressure, takes none of its volume."""
+    mesh, (points, faces) = mesh_from_triangles(*ball(3, 0.05)), sheet(1, 0.4)
+    session = Session(build_model(mesh, [PRESETS[2].material]))
+    low, high = points - (0, 0, 0.051), points + (0, 0, 0.051)
+    world = World([session], [Collider(low.T.copy(), faces, 0.5), Collider(high.T.copy(), faces[:, ::-1], 0.5)])
+    for frame in range(30):
+        world.set_colliders([None, high - (0, 0, min(frame / 18, 1) * 0.051)])
+        world.step(1 / 60)
+    lost = 1 - volume(session.body.model.pressure, session.body.positions()) / mesh.volume
+    assert np.ptp(session.positions()[:, 2]) == pytest.approx(0.05, abs=1e-3)
+    assert 0.001 < lost < 0.004 and lost == pytest.approx(session.frame.pressure / LIQUID_BULK_MODULUS, rel=0.02)
 
 
 def test_pressed_air_gives_way_by_the_adiabatic_law() -> None:

@@ -43,6 +43,7 @@ FLOORS = {
     "core.fills": 0,
     "core.message": 0,
     "core.background_work": 0,
+    "core.file_lock": 0,
     "core.vectors": 0,
     "core.material": 0,
     "core.everyday_presets": 1,

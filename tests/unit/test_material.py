@@ -22,8 +22,8 @@ def test_a_constant_that_is_not_positive_nan_or_infinite_is_named(name: str, val
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"mass": None}, "mass or a density .it is neither"),
-        ({"density": 100.0}, "mass or a density .it is both"),
+        ({"mass": None}, "mass or a density .set now: neither"),
+        ({"density": 100.0}, "mass or a density .set now: both"),
         ({"mass": None, "density": 0.0}, "density must be greater"),
         ({"mass": None, "density": math.nan}, "density must be greater"),
         ({"damping_ratio": -0.1}, "damping ratio"),

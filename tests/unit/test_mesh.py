@@ -74,7 +74,7 @@ def test_one_flipped_face_is_flipped_back_alone() -> None:
     points, faces = ball(1)
     faces[3] = faces[3, ::-1]
     mesh = mesh_from_triangles(points, faces)
-    assert mesh.notes == ("1 faces were flipped to match the normals of their neighbours.",)
+    assert mesh.notes == ("1 faces were flipped to match the normals of their neighbors.",)
 
 
 def test_a_mesh_facing_inward_is_turned_outward() -> None:
@@ -132,7 +132,7 @@ def test_a_crumpled_sheet_encloses_no_volume(bend: float) -> None:
     points[:, 2] = np.random.default_rng(0).normal(0, bend, len(points)) if bend else 0
     mesh = mesh_from_triangles(points, faces)
     assert not mesh.pressurable and not mesh.closed
-    assert mesh.notes == ("The mesh is a sheet and encloses no volume: its fill is off.",)
+    assert mesh.notes == ("The mesh is an open sheet without a volume, so its fill has no effect.",)
 
 
 def test_one_triangle_is_a_sheet_that_stands_on_its_rim() -> None:
@@ -186,7 +186,7 @@ def test_a_vertex_with_a_nan_infinite_or_huge_coordinate_is_named(position: floa
         (np.eye(3), np.zeros((0, 3), int), "no faces"),
         (np.eye(3), np.array([[0, 1, 3]]), "does not exist"),
         (np.eye(3), np.array([[0, 1, -1]]), "does not exist"),
-        (np.ones((3, 3)), np.array([[0, 1, 2]]), "one point"),
+        (np.ones((3, 3)), np.array([[0, 1, 2]]), "at the same point"),
         (np.arange(3.0)[:, None] * np.ones(3), np.array([[0, 1, 2]]), "no area"),
         (np.eye(3), np.array([[0, 1, 1]]), "line or a point"),
     ],

@@ -1,5 +1,8 @@
 """What a model makes of a mesh and its materials."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -9,6 +12,7 @@ from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from studies import scenes
 from studies.reference.laws import initial_state
+from tests.bodies import Shape, ball, hemisphere
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2)
 
@@ -41,6 +45,29 @@ def test_a_sliver_moves_under_two_percent_of_the_mass_and_does_not_multiply_the_
     by_area = 0.2 * uneven.mesh.vertex_areas / uneven.mesh.vertex_areas.sum()
     assert np.abs(uneven.mass - by_area).sum() / 2 < 0.02 * 0.2
     assert uneven.substeps(1e-3) <= 3 * even.substeps(1e-3)
+
+
+def turns(shape: Shape, fill: str = "solid", **options: Any) -> list[float]:
+    """Return the inertia of a body over that of its skin, about its principal axes."""
+    model = build_model(mesh_from_triangles(*shape), [replace(SOFT, fill=fill)], **options)
+    return sorted((1 + np.linalg.eigvals(model.fill_momentum).real).tolist())
+
+
+def test_a_free_solid_has_the_inertia_of_its_volume_and_what_is_held_or_has_another_fill_that_of_its_skin() -> None:
+    (points, faces), long = ball(4, 0.08), np.array([1.0, 1.0, 10.0])
+    assert turns((points, faces)) == pytest.approx([0.6] * 3, rel=0.01)
+    assert turns((points * long, faces))[0] == pytest.approx(0.5, abs=0.04)  # a rod about its axis
+    assert turns((points, faces), "liquid") == turns((points, faces), "air") == [1.0] * 3
+    assert turns((points, faces), pinned=points[:, 2] > 0.079) == [1.0] * 3
+
+
+def test_a_solid_with_a_hole_turns_as_if_it_were_closed() -> None:
+    points, faces = ball(4, 0.08)
+    whole = turns((points, faces[points[faces].mean(axis=1)[:, 2] < 0.0799]))
+    half, closed = hemisphere(64, 16, 0.08), turns(hemisphere(64, 16, 0.08))
+    assert whole == pytest.approx([0.6] * 3, rel=0.02)
+    turned = turns((half[0] @ np.diag([1.0, -1.0, -1.0]) + (0.5, 0.2, 0.1), half[1]))
+    assert turned == pytest.approx(closed, rel=1e-6)
 
 
 def test_a_density_and_the_mass_it_makes_give_the_same_body():

@@ -172,9 +172,9 @@ def test_a_lifted_finger_feels_nothing_and_a_new_one_starts_where_it_is_put() ->
         ([Finger((0, 0, 0), 0.0)], "radius greater than 0"),
         ([Finger((0, 0, 0), -1.0)], "radius greater than 0"),
         ([Finger((0, 0, 0), np.nan)], "radius greater than 0"),
-        ([Finger((0, 0, 0), np.inf)], "place that is a number"),
-        ([Finger((0, np.nan, 0), 0.01)], "place that is a number"),
-        ([None, Finger((0, 0), 0.01)], "place that is a number"),  # type: ignore[arg-type]
+        ([Finger((0, 0, 0), np.inf)], "location with finite"),
+        ([Finger((0, np.nan, 0), 0.01)], "location with finite"),
+        ([None, Finger((0, 0), 0.01)], "location with finite"),  # type: ignore[arg-type]
     ],
 )
 def test_a_fingertip_that_cannot_be_is_refused_and_the_others_stay(fingers: list[Finger | None], words: str) -> None:
@@ -299,7 +299,7 @@ def test_what_blows_up_is_put_back_with_a_note_and_goes_on() -> None:
         fling = np.where(np.arange(42) == 40, 1e30, 0.0) * np.ones((3, 1))
         session.body.set_state(mesh.rest_positions.T, fling)
         frame = session.step(0.02)
-        assert not frame.finite and "put back to rest" in frame.note
+        assert not frame.finite and "was reset" in frame.note
         np.testing.assert_array_equal(session.positions(), BALL[0].astype(np.float32))
         assert session.step(0.02).finite
 

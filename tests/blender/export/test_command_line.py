@@ -76,7 +76,7 @@ def test_a_second_run_refuses_to_replace_the_files_of_the_first(command: Any, bl
     assert command(*words)[0] == 0
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
     code, said = command(*words)
-    assert code == 1 and "there already" in said["error"]
+    assert code == 1 and "already exist" in said["error"]
     assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
     assert command(*words, "--overwrite")[0] == 0
 

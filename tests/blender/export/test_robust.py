@@ -30,7 +30,7 @@ def test_files_that_are_there_are_kept_unless_they_are_to_be_replaced(
     pressed()
     before = earlier(tmp_path / "out")
     given = {"directory": str(tmp_path / "out"), "formats": {"PC2", "VAT"}, "frame_start": 1, "frame_end": 3}
-    with pytest.raises(RuntimeError, match=r"Ball.pc2 and 3 more are there already.*Overwrite"):
+    with pytest.raises(RuntimeError, match=r"Ball.pc2 and 3 other files already exist.*Overwrite"):
         bpy.ops.dimple.export_animation(**given)
     assert contents(tmp_path / "out") == before
     bpy.ops.dimple.export_animation(**given, overwrite=True)
@@ -58,7 +58,7 @@ def test_a_disk_that_fills_costs_nothing_that_was_there(
             directory=str(tmp_path / "out"), formats={kind}, frame_start=1, frame_end=6, overwrite=True
         )
     (sentence,) = str(refused.value).strip().splitlines()
-    said = {"ALEMBIC": "more than .* has left"}.get(kind, "File too large|could not finish")
+    said = {"ALEMBIC": "more than .* has free"}.get(kind, "File too large|could not finish")
     assert re.search(said, sentence) and str(tmp_path) in sentence
     now = contents(tmp_path / "out")
     assert now.keys() == before.keys(), "no temporary file is left"
@@ -96,7 +96,7 @@ def test_a_folder_that_is_nowhere_is_said(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], folder: str
 ) -> None:
     pressed()
-    with pytest.raises(RuntimeError, match=r"Choose where the files go|Save the file first"):
+    with pytest.raises(RuntimeError, match=r"Choose a folder for the files|Save the file first"):
         bpy.ops.dimple.export_animation(directory=folder, formats={"PC2"}, frame_start=1, frame_end=3)
 
 
@@ -108,7 +108,7 @@ def test_too_small_a_disk_is_said_before_anything_is_simulated(
 
     pressed()
     monkeypatch.setattr(shutil, "disk_usage", lambda _path: SimpleNamespace(free=1e4))
-    with pytest.raises(RuntimeError, match=r"may need 0\.\d MB, more than .+ has left"):
+    with pytest.raises(RuntimeError, match=r"may need 0\.\d MB, more than .+ has free"):
         bpy.ops.dimple.export_animation(directory=str(tmp_path / "o"), formats={"ALEMBIC"}, frame_start=1, frame_end=90)
     assert contents(tmp_path / "o") == {}
 
@@ -206,7 +206,7 @@ def test_a_bake_that_no_longer_fits_the_mesh_is_said(
     obj.data.vertices.add(1)
     obj.data.update_tag()
     given = {"directory": str(tmp_path / "o"), "formats": {"PC2"}, "frame_start": 1, "frame_end": 3}
-    with pytest.raises(RuntimeError, match="has 43 vertices and its bake 42"):
+    with pytest.raises(RuntimeError, match="has 43 vertices, but its bake has 42"):
         bpy.ops.dimple.export_animation(**given)
     path.unlink()
     with pytest.raises(RuntimeError, match="cannot be read"):

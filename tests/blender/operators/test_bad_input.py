@@ -56,7 +56,7 @@ def works(coordinates: Callable[[Any], bytes], bpy: ModuleType) -> Callable[[Any
     [
         ([], [], "no faces"),
         (CUBE, [], "no faces"),
-        ([(0, 0, 0)] * 3, [(0, 1, 2)], "lie in one point"),
+        ([(0, 0, 0)] * 3, [(0, 1, 2)], "at the same point"),
         ([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)], "no area"),
         ([*CUBE[:7], (NAN, 0, 0)], FACES, "vertex 7 has a coordinate that is not a number"),
         ([*CUBE[:7], (0, float("inf"), 0)], FACES, "not a number"),

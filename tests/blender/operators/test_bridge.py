@@ -51,7 +51,7 @@ def two_fills(bpy: ModuleType, obj: Any, share: int) -> Any:
 
 
 def test_of_several_fills_the_one_with_the_most_area_acts_and_a_note_says_so(bpy: ModuleType, ball: Add) -> None:
-    words = "Its materials differ in fill or pressure: {}, 0 kPa acts, on the most area."
+    words = "Its materials differ in fill or pressure. Those of the largest area act: {}, 0 kPa."
     for name, share, fill in (("Airy", 20, "air"), ("Wet", 60, "liquid")):
         model = two_fills(bpy, ball(name), share)
         assert model.pressure.fill == fill and words.format(fill) in model.notes
@@ -73,7 +73,7 @@ def test_one_fill_or_none_that_can_act_needs_no_note(bpy: ModuleType, ball: Add,
     )
     assert not any("materials differ" in note for note in two_fills(bpy, sheet, 1).notes)
     sheet.active_material.dimple.pressure_kpa = 3.0
-    assert "A pressure needs an inside: close the mesh." in read(bpy, sheet).notes
+    assert "Pressure has no effect, because the mesh encloses no volume: close the mesh." in read(bpy, sheet).notes
 
 
 def test_of_several_pressures_the_one_on_the_most_area_acts_and_a_note_says_so(bpy: ModuleType, ball: Add) -> None:
@@ -83,4 +83,4 @@ def test_of_several_pressures_the_one_on_the_most_area_acts_and_a_note_says_so(b
         each.dimple.fill, each.dimple.pressure_kpa = "AIR", value
     model = read(bpy, obj)
     assert model.pressure.rest_pressure == 7500
-    assert "Its materials differ in fill or pressure: air, 7.5 kPa acts, on the most area." in model.notes
+    assert "Its materials differ in fill or pressure. Those of the largest area act: air, 7.5 kPa." in model.notes

@@ -28,4 +28,4 @@ def test_a_report_has_versions_plan_messages_and_the_last_traceback(
     assert f"Cube: {read(cube.dimple.plan_reason)}" in lines
     assert any("Pressed 5.0 mm deep" in line for line in lines)
     assert any("ZeroDivisionError" in line for line in lines) and any("Traceback" in line for line in lines)
-    assert said == ["The report is in the clipboard"]
+    assert said == ["The report is on the clipboard"]

@@ -113,7 +113,7 @@ def test_a_force_where_the_file_begins_is_asked_and_the_touch_can_be_said(
 
 def test_a_torn_specimen_is_asked_about_and_its_range_can_be_cut(bpy: ModuleType, scene: Any, write: Write) -> None:
     path = write("torn.csv", "Depth (mm),Force (N)", lambda x, f: f"{x:.4f},{f if x < 17 else 1.0:.4f}")
-    with pytest.raises(RuntimeError, match="was the specimen torn.* Give until_mm: '17.1"):
+    with pytest.raises(RuntimeError, match="did the specimen tear.* Give until_mm: '17.1"):
         bpy.ops.dimple.calibrate(filepath=path)
     assert bpy.ops.dimple.calibrate(filepath=path, until_mm=17.1) == {"FINISHED"}
     assert record_of(scene)["K2"] == pytest.approx(7, rel=1e-3) and record_of(scene)["deepest"] < 17

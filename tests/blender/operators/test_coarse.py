@@ -92,7 +92,7 @@ def test_the_artist_hears_at_what_size_and_with_how_many_vertices_it_is_pressed(
     bare("cube")
     bpy.ops.dimple.poke(depth_mm=2.0, press_s=0.02, hold_s=0.0, release_s=0.0)
     said = capfd.readouterr().out
-    assert "2 m across as modelled" in said and "it is subdivided to 6,146 vertices" in said and "Warning" not in said
+    assert "2 m across as modeled" in said and "it is subdivided to 6,146 vertices" in said and "Warning" not in said
 
 
 def test_a_size_or_a_mesh_that_was_chosen_is_kept(bpy: ModuleType, bare: Callable[[str], Any]) -> None:

@@ -298,7 +298,7 @@ def test_a_blender_that_draws_too_slowly_for_the_dead_man_key_is_said_once(
         clock.now += frame_s
         said.append(haptic_fingertips.read())
     assert [bool(each) for each in said] == [False, False, True, False, False, True]
-    assert said[2][0].startswith("Blender draws only 2.0 frames a second, so the dead-man key lapses")
+    assert said[2][0].startswith("Blender draws only 2.0 frames a second, so the dead-man key times out")
     assert haptic_fingertips.get().slow
     report.link, clock.now = LinkState.LOST, clock.now + 0.4
     haptic_fingertips.read()

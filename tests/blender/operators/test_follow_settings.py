@@ -323,5 +323,5 @@ def test_a_material_that_is_deleted_while_it_acts_is_said(
     bpy.ops.dimple.play(seconds=0.01)
     bpy.data.materials.remove(cube.active_material)
     bpy.ops.dimple.play(seconds=0.01)
-    assert "a material is gone: the constants of a new one act in its place" in capfd.readouterr().out
+    assert "a material was removed: the constants of a new one act in its place" in capfd.readouterr().out
     bpy.ops.dimple.reset()

@@ -48,7 +48,7 @@ def test_of_twenty_bodies_pressed_at_once_each_is_prepared_once(
     assert poke.invoke() == {"RUNNING_MODAL"}
     assert len(sessions.sessions) == len(bodies) == calls["_mesh"] and calls["build_proxy"] <= len(bodies)
     said = [text for _, text in poke.reports]
-    assert said and f"{MANY} bodies: 2 m across as modelled" in said[-1] and len(said[-1]) < 1000
+    assert said and f"{MANY} bodies: 2 m across as modeled" in said[-1] and len(said[-1]) < 1000
     poke.send("ESC")
 
 
