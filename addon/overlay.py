@@ -3,6 +3,7 @@
 It shows the last Frame of each running session, or the calibration if no session runs, and changes nothing.
 """
 
+from itertools import zip_longest
 from typing import Any
 
 import bpy
@@ -15,7 +16,6 @@ from ..operators.translation import translated
 from . import canvas, device, force_chart, readout, shapes, viewport_room
 from .canvas import FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
-from .shapes import Point
 from .viewport_room import Room
 
 FEWEST = 3  # lines of text that must fit above a chart, or it is left out: the name, the force, the depth
@@ -35,9 +35,7 @@ def draw_numbers() -> None:
         return
     shown = shown_bodies(context)
     calibrated = None if shown else force_chart.calibrated_curves(context)
-    if calibrated and not canvas.overlays_shown(context):
-        return
-    if not shown and not calibrated:
+    if not shown and not (calibrated and canvas.overlays_shown(context)):
         return
     screen = canvas.screen_of(context)
     scale = screen.scale
@@ -47,7 +45,8 @@ def draw_numbers() -> None:
     if calibrated and force_chart.fits(free, scale, 0):
         force_chart.draw_curves(calibrated, free[:2], screen)
     for body, entry in shown:
-        if context.scene.dimple.show_chart and force_chart.fits(free, scale, FEWEST):
+        matters = len(shown) == 1 or max(entry.frame.depths, default=0) > 0  # of several bodies only the pressed ones
+        if matters and context.scene.dimple.show_chart and force_chart.fits(free, scale, FEWEST):
             end = force_chart.draw_curves(force_chart.pressed_curves(body, entry), free[:2], screen)
             free = free._replace(bottom=end + MARGIN * scale)
         end = draw_rows(body, entry, free, scale)
@@ -56,9 +55,14 @@ def draw_numbers() -> None:
 
 def draw_fingers(entry: Any, screen: Screen) -> None:
     """Draw each fingertip in use, and the force on it unless a blind trial is under way."""
-    for finger, force in _fingers(entry):
-        centre, radius = _in_scene(entry, finger)
-        canvas.draw_lines(shapes.sphere(centre, radius), FINGERTIP, screen)
+    import gpu
+
+    view = gpu.matrix.get_model_view_matrix()
+    for finger, force in zip_longest(entry.fingers, entry.frame.finger_forces, fillvalue=(0.0, 0.0, 0.0)):
+        if not finger:
+            continue
+        centre, radius = entry.to_world(finger.position), finger.radius / entry.link.scale
+        canvas.draw_lines(shapes.outline(centre, radius, view), FINGERTIP, screen)
         if not is_blind():
             canvas.draw_lines(shapes.arrow(centre, force, radius), FORCE, screen)
 
@@ -94,20 +98,6 @@ def shown_bodies(context: bpy.types.Context) -> list[tuple[bpy.types.Object, Any
         return []
     here = {body.session_uid: body for body in context.scene.objects if body.visible_get()}
     return [(here[uid], entry) for uid, entry in sessions.items() if uid in here]
-
-
-def _fingers(entry: Any) -> list[tuple[Any, Point]]:
-    """Return each fingertip in use with the force on it [N]."""
-    forces = [tuple(map(float, force)) for force in entry.frame.finger_forces]
-    forces += [(0.0, 0.0, 0.0)] * len(entry.fingers)
-    return [(finger, force) for finger, force in zip(entry.fingers, forces, strict=False) if finger]
-
-
-def _in_scene(entry: Any, finger: Any) -> tuple[Point, float]:
-    x, y, z = finger.position
-    centre, edge = entry.to_world((x, y, z)), entry.to_world((x + finger.radius, y, z))
-    radius = sum((b - a) ** 2 for a, b in zip(centre, edge, strict=True)) ** 0.5
-    return tuple(map(float, centre)), float(radius)
 
 
 register, unregister = canvas.drawing(draw_bodies, draw_numbers)

@@ -51,8 +51,6 @@ def more_rows(frame: Any, tick: float) -> list[tuple[str, str]]:
         (iface_("Volume"), volume),
         (iface_("Change of Volume"), f"{round(volume_change(frame), 4) + 0.0:+.2%}"),
         (iface_("Time"), f"{frame.time:.3f} s"),
-        (iface_("Rate"), f"{rate_hz(frame):.0f} Hz"),
-        (iface_("Steps per Tick"), f"{frame.substeps}"),
         real_time(frame, tick),
     ]
 

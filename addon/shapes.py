@@ -9,8 +9,8 @@ Law = tuple[float, float, float, float]  # K1, K2 [N/m], x0 [m], and the exponen
 
 CIRCLE_SIDES = 32
 BENT_LINES = 32  # segments of a law that begins as a curve
-ARROW_PER_NEWTON = 1.0  # [fingertip radii/N] long enough to compare two fingers by eye
-ARROW_LONGEST = 6.0  # [fingertip radii] the limit; larger forces are read from the numbers
+ARROW_PER_NEWTON = 0.2  # [fingertip radii/N] long enough to compare two fingers by eye
+ARROW_HEAD, ARROW_LONGEST = 0.4, 5.0  # [fingertip radii] its barbs; the limit: larger forces are read as numbers
 
 
 def circle(centre: Point, across: Point, up: Point) -> list[Segment]:
@@ -20,24 +20,25 @@ def circle(centre: Point, across: Point, up: Point) -> list[Segment]:
     return list(zip(points, points[1:], strict=False))
 
 
-def sphere(centre: Point, radius: float) -> list[Segment]:
-    """Return the three great circles of a sphere in the coordinate planes."""
-    x, y, z = (radius, 0.0, 0.0), (0.0, radius, 0.0), (0.0, 0.0, radius)
-    return [*circle(centre, x, y), *circle(centre, y, z), *circle(centre, z, x)]
+def outline(centre: Point, radius: float, view: Sequence[Sequence[float]]) -> list[Segment]:
+    """Return the outline of a sphere in a view, given by its matrix; great circles would cover the dent."""
+    across, up = (_scaled(tuple(row[:3]), radius) for row in view[:2])
+    return circle(centre, across, up)
 
 
-def arrow(start: Point, force: Point, radius: float) -> list[Segment]:
-    """Return an arrow along a force [N] from a fingertip of a radius [scene units]; nothing below 1 mN."""
+def arrow(centre: Point, force: Point, radius: float) -> list[Segment]:
+    """Return an arrow along a force [N] from the surface of a fingertip [scene units]; nothing below 1 mN."""
     newtons = math.hypot(*force)
     if newtons < 1e-3:
         return []
     along = _scaled(force, 1 / newtons)
-    tip = _add(start, _scaled(along, radius * min(1 + ARROW_PER_NEWTON * newtons, ARROW_LONGEST)))
+    start = _add(centre, _scaled(along, radius))
+    tip = _add(start, _scaled(along, radius * min(ARROW_HEAD + ARROW_PER_NEWTON * newtons, ARROW_LONGEST)))
     # the two barbs may lie in any plane through the arrow
     least = min(range(3), key=lambda axis: abs(along[axis]))
     across = _cross(along, tuple(float(axis == least) for axis in range(3)))
     across = _scaled(across, 1 / math.hypot(*across))
-    barbs = [_add(tip, _scaled(along, -0.4 * radius), _scaled(across, side * 0.2 * radius)) for side in (-1, 1)]
+    barbs = [_add(tip, _scaled(along, -ARROW_HEAD * radius), _scaled(across, side * 0.2 * radius)) for side in (-1, 1)]
     return [(start, tip), *((tip, barb) for barb in barbs)]
 
 

@@ -188,7 +188,7 @@ def _require(holds: bool, name: str, rule: str, value: float, unit: str = "") ->
 
 
 # for a body without a material, and for a new one in the panel: the law of the vinyl cube, as heavy as foam. The spread
-# is not measured: little wider than a fingertip of 10 mm, so that a dent is seen on a body of 165 mm
+# is not measured: little wider than a fingertip of 10 mm, for a body of 165 mm; Make Soft fits it to other sizes
 DEFAULT_MATERIAL = Material(K1=610, K2=7230, x0=0.0163, k=9_200, spread=0.012, density=100, indenter=FINGERTIP)
 
 _SOURCE = (

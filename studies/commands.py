@@ -14,6 +14,8 @@ COMMANDS = {
     "dents": ("measure how smooth settled dents are, and how close to finite elements", ".body.dents", "add_dents"),
     "solid": ("press solids by finite elements, for comparison", ".body.solid", "add_solid"),
     "contact": ("judge twelve scenes in which nothing may pass through anything", ".contact.judge", "add_contact"),
+    "led": ("lead shapes, whole and cut, into soft bodies: does the skin give way", ".contact.led", "add_led"),
+    "props": ("let props rest on soft bodies: how deep, beside the closed form", ".contact.resting", "add_props"),
     "emulator": ("run an emulated haptic device, with faults on demand", ".bench.command", "add_emulator"),
     "haptics": ("press with an emulated device and print what it rendered", ".device.haptics", "add_haptics"),
     "grasp": ("lift a cube with three emulated fingertips and put it down", ".device.grasp", "add_grasp"),

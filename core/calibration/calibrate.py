@@ -15,7 +15,7 @@ from .doubts import Miss, doubts, largest_miss
 from .fit import Fit, fit_law
 from .known_words_and_units import UNITS
 from .measurement import Measurement, read_measurement
-from .press import LoadingCurve, check_loss, prepare
+from .press import LoadingCurve, prepare
 from .question import Answers
 from .surface_constant import ASSUMES, surface_constant
 from .touch import settle
@@ -64,7 +64,6 @@ def calibrate(
     """
     measurement = read_measurement(path, answers)
     loading, fit = settle(prepare(measurement, answers), answers)
-    loading.remarks.warnings += check_loss(loading)
     return _calibration(measurement, loading, fit, length, tip)
 
 
@@ -154,7 +153,7 @@ def to_record(calibration: Calibration) -> dict[str, Any]:
         "largest_error": c.miss and c.miss.share,
         "contact": loading.reading(0.0),
         "tare": loading.tare,
-        "loss": None if loading.loss is None else max(loading.loss, 0.0),
+        "loss": loading.loss,
         "damping_ratio_hint": loading.damping_ratio,
         "columns": {"depth": m.depth_header, "force": m.force_header},
         "column_numbers": {"depth": m.columns[0], "force": m.columns[1]},

@@ -191,7 +191,7 @@ def _least_squares(
     low, span, high = float(x.min()), float(np.ptp(x)) or 1.0, float(np.abs(f - tare).max()) or 1.0
     order = np.argsort(x, kind="stable")
     u, v = (x[order] - low) / span, (f[order] - tare) / high
-    distinct = np.unique(u)
+    distinct, sums = np.unique(u), _running_sums(u, v)
     cs, ts = (touches - low) / span, _KNEES if knee else _KNEES[-1:]
     around = np.array([TOUCH_STEP if len(free) == 2 else 0.0, _KNEES[0] if knee else 0.0])
     terms, best = [0, *([1] if knee else []), *([2] if free else [])], np.empty(0)
@@ -204,7 +204,7 @@ def _least_squares(
         c, t = c[enough], t[enough]
         if not len(c):
             return None
-        solution, squares = _solutions(u, v, c, t, terms)
+        solution, squares = _solutions(u, sums, c, t, terms)
         rises = solution[:, : 1 + knee].min(axis=1) > 0
         if knee and not rises.any():
             return None
@@ -226,19 +226,24 @@ def _least_squares(
     return Law(values, (*(("K1", "K2", "x0") if knee else ("K1",)), *free))
 
 
-def _solutions(u: Floats, v: Floats, c: Floats, t: Floats, terms: list[int]) -> tuple[Floats, Floats]:
+def _running_sums(u: Floats, v: Floats) -> Floats:
+    """Return the sums (n + 1, 3, 3) of the products of (depth, 1, force) over the first rows, from none to all."""
+    rows = np.stack([u, np.ones_like(u), v], axis=1)
+    return np.concatenate([np.zeros((1, 3, 3)), np.cumsum(rows[:, :, None] * rows[:, None, :], axis=0)])
+
+
+def _solutions(u: Floats, sums: Floats, c: Floats, t: Floats, terms: list[int]) -> tuple[Floats, Floats]:
     """Return least-squares solutions (p, len(terms)) for touches c and knees t (p,), and their sums of squares (p,).
 
     The columns of the law are min(x, t) - c and max(x - t, 0), both 0 before the touch, and 1. Their products with one
-    another and with the force follow from the sums of the products of (x, 1, force) over the rows before the touch,
-    between touch and knee, and beyond the knee.
+    another and with the force follow from the running sums over the rows before the touch, between touch and knee, and
+    beyond the knee.
 
     Args:
-        u, v: (n,) depths and forces, in ascending order of depth.
+        u: (n,) depths in ascending order.
+        sums: their running sums.
         terms: the columns that are fitted.
     """
-    rows = np.stack([u, np.ones_like(u), v], axis=1)
-    sums = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(rows[:, :, None] * rows[:, None, :], axis=0)])
     at_touch, at_knee = (sums[np.searchsorted(u, each, "right")] for each in (c, t))
     maps = np.zeros((3, len(c), 4, 3))
     maps[:, :, 2, 1] = maps[:, :, 3, 2] = 1

@@ -15,7 +15,6 @@ from .strokes import CLEAR, Cycle, dip, find_cycles, oriented, roughness, spikes
 from .table import MIN_ROWS, SLIGHT
 
 _AGREE = 10.0  # [% of full scale] RMS difference of two presses above which the object has changed in between
-_GAINED = 0.03  # share of the work: if unloading returns more than this in excess, it is no error of measurement
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,16 +53,13 @@ class LoadingCurve:
 
     @property
     def loss(self) -> float | None:
-        """Return the share of the work that unloading does not return, None if the unloading is incomplete.
-
-        It is negative if unloading returns more work than loading took.
-        """
+        """Return the share of the work that unloading does not return, None if the unloading is incomplete."""
         inside, depth = self.depth > 0, self.unloading_depth
         if len(depth) < MIN_ROWS or depth.min() > 0.2 * self.depth.max():
             return None
         spent = _work(self.depth[inside], self.force[inside])
         returned = -_work(depth, np.maximum(self.unloading_force, 0))
-        return min(1 - returned / spent, 1.0) if spent > 0 else None
+        return min(max(1 - returned / spent, 0.0), 1.0) if spent > 0 else None
 
     @property
     def damping_ratio(self) -> float | None:
@@ -71,7 +67,7 @@ class LoadingCurve:
 
         A cycle from 0 to a depth X loses pi c w (X/2)^2 of the work k X^2 / 2; with c w = 2 z k this share is pi z.
         """
-        return None if self.loss is None else max(self.loss, 0.0) / math.pi
+        return None if self.loss is None else self.loss / math.pi
 
 
 def prepare(measurement: Measurement, answers: Answers | None = None) -> LoadingCurve:
@@ -105,20 +101,6 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     remarks.notes += curve.remarks.notes
     remarks.warnings += curve.remarks.warnings
     return replace(curve, remarks=remarks)
-
-
-def check_loss(curve: LoadingCurve) -> tuple[str, ...]:
-    """Return a warning if unloading returns more work than the press took; none otherwise."""
-    if curve.loss is None or curve.loss >= -_GAINED:
-        return ()
-    why = Message("The unloading returns {loss:.0f} % more work than the press takes", loss=-100 * curve.loss)
-    return (
-        Message(
-            "{why}.\nNo object does that: the rows may be in reverse order, or the force and the depth may be from "
-            "different presses.",
-            why=why,
-        ),
-    )
 
 
 def _without_spikes(measurement: Measurement, remarks: Remarks) -> tuple[Floats, Floats]:
@@ -164,7 +146,7 @@ def _curve(depth: Floats, force: Floats, cycle: Cycle, inward: int) -> LoadingCu
     x, f = x[~stands], f[~stands]
     if len(x) < MIN_ROWS:
         raise DimpleError("The press has only {rows} rows; a fit needs at least {least}.", rows=len(x), least=MIN_ROWS)
-    pulled, depth_of_dip = dip(x, f), float(np.median(f[:3]) - f.min())
+    pulled, depth_of_dip = dip(x, f), float(f[0] - f.min())
     if pulled.any() or depth_of_dip > max(2 * CLEAR * roughness(f), SLIGHT * float(np.ptp(f))):
         said = "The force dips by {dip:.3g} N before the press, as if the tip stuck; these {rows} rows were left out."
         remarks.warn(said, dip=depth_of_dip, rows=int(pulled.sum()))

@@ -17,7 +17,7 @@ from .fit import slope_of
 _CLEAR = 0.05  # share of the largest depth: closer to the touch the tension is 0/0, pure noise
 ASSUMES = (
     "k is the slope of tension over stretch of a string of length l that is pressed in its middle. The surface is "
-    "assumed to carry all of the force and the inside none, so k is an upper bound."
+    "assumed to carry all of the force and the inside none."
 )
 
 

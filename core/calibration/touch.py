@@ -28,8 +28,7 @@ _LIKELY = 2.0  # [standard errors] a force at the first row that may still be 0
 _FIRST = 0.1  # share of the range of force, or of depth: the beginning of a press, far from any knee
 _WITHIN = 1.5  # times the noise: RMS residual up to which a law follows its rows
 _HARMLESS = 0.02  # share of the range of depth: touches closer together give the same constants
-# differences of the criterion that are positive and very strong evidence. Source: Kass and Raftery 1995
-_POSITIVE, _VERY_STRONG = 2.0, 10.0
+_VERY_STRONG = 10.0  # evidence, as a difference of the criterion. Source: Kass and Raftery 1995
 
 
 class _Begun(NamedTuple):
@@ -51,33 +50,36 @@ def settle(curve: LoadingCurve, answers: Answers | None = None) -> tuple[Loading
         the curve with depths from the touch and forces without the tare, and the fit.
 
     Raises:
-        Undecided: two touches are plausible, and would give different constants.
+        Undecided: two touches are plausible, and would give different constants; never if the user gave either.
         DimpleError: too few rows, or a touch far outside them.
     """
     touch, tare = (None, None) if answers is None else (answers.contact_mm, answers.tare_n)
-    fit = _likeliest(curve) if touch is None else _as_given(curve, curve.inward * touch / 1e3)
-    if tare is not None:
-        fit = fit_law(curve.depth, curve.force, touch=fit.contact.value, tare=tare)
+    curve = curve.begun_at(0.0, tare or 0.0)
+    fit, question = _likeliest(curve) if touch is None else (_as_given(curve, curve.inward * touch / 1e3), None)
+    if tare is not None:  # the rows in contact alone say where the force is 0
+        pressed = curve.depth > fit.contact.value
+        free = ("contact",) if touch is None and "contact" in fit.fitted.free else ()
+        fit = fit_law(curve.depth[pressed], curve.force[pressed], touch=fit.contact.value, free=free)
+    elif question:
+        raise Undecided(question)
     return curve.begun_at(fit.contact.value, fit.tare.value), fit
 
 
-def _likeliest(curve: LoadingCurve) -> Fit:
+def _likeliest(curve: LoadingCurve) -> tuple[Fit, Question | None]:
+    """Return the likeliest fit, and the question for the touch if another one is plausible."""
     x, f = curve.depth, curve.force
     first, span = float(x[0]), float(np.ptp(x))
     pressed, force = _from_the_first_row(x, f)
     fit = pressed.whole
     if (air := _after_air(x, f)) is not None:
         rows = len(x) if air.follows and pressed.follows else first_rows(f)
-        gain = _gain(air.first, fit if air.follows else pressed.first, x[:rows], f[:rows])
-        least = _POSITIVE if fit.K1.value > fit.K1.half_width else 0.0  # otherwise that fit shows no press there
-        if 0 < least < gain < _VERY_STRONG and _differs(fit, air.whole, span):
-            raise Undecided(_hidden(curve, fit, air.whole))
-        fit = air.whole if gain > least else fit
+        if _gain(air.first, fit if air.follows else pressed.first, x[:rows], f[:rows]) > 0:
+            fit = air.whole
     if fit.model == "two" and fit.K1.value * fit.x0.value < SLIGHT * fit.full_scale and fit.x0.value > _FIRST * span:
-        raise Undecided(_soft_or_air(curve, fit))
+        return fit, _soft_or_air(curve, fit)
     if min(first - fit.contact.value, abs(fit.contact.value)) > _HARMLESS * span:  # and far from the file's 0
-        raise Undecided(_loaded(curve, max(fit.contact.value, first - span), force))
-    return fit
+        return fit, _loaded(curve, max(fit.contact.value, first - span), force)
+    return fit, None
 
 
 def first_rows(f: Floats) -> int:
@@ -181,13 +183,6 @@ def _gain(one: Fit, other: Fit, x: Floats, f: Floats) -> float:
     return rows * math.log(_squares(other, x, f) / _squares(one, x, f)) - more * math.log(rows)
 
 
-def _differs(one: Fit, other: Fit, span: float) -> bool:
-    """Return whether the touches of two fits differ, and any constant by more than its interval."""
-    pairs = [(getattr(one, name), getattr(other, name)) for name in ("K1", "K2", "x0")]
-    apart = any(abs(a.value - b.value) > max(a.half_width, b.half_width) for a, b in pairs)
-    return apart and abs(one.contact.value - other.contact.value) > _HARMLESS * span
-
-
 def _which_touch(curve: LoadingCurve, text: str, *answers: tuple[float, str]) -> Question:
     """Return the question for the touch, with the likeliest depth [m] first."""
     candidates = [(f"{curve.reading(at):.6g}", label) for at, label in answers]
@@ -206,11 +201,6 @@ def _loaded(curve: LoadingCurve, before: float, force: float) -> Question:
         (before, "before the file begins: the object was pressed already"),
         (first, "where the file begins: the load cell was not tared"),
     )
-
-
-def _hidden(curve: LoadingCurve, fit: Fit, air: Fit) -> Question:
-    likely = [(one.contact.value, Message("then K1 is {K1} N/mm", K1=one.K1.text(1e3))) for one in (air, fit)]
-    return _which_touch(curve, "The noise hides the first touch. At which depth was it?", *likely)
 
 
 def _soft_or_air(curve: LoadingCurve, fit: Fit) -> Question:

@@ -300,8 +300,8 @@ DM_API int32_t dm_scene_get_collider(const dm_scene *scene, int64_t collider, do
 /* Run the ticks of motions (bodies,), which must be equal in ticks, substeps and tick. Colliders (colliders,) have
  * covered the share `first` of their paths at the end of the first tick, and `last` at the end of the last. passed
  * (bodies + colliders, DM_PASSED) is set, for each surface, to the impulse that it got from others [N s], its moment
- * about the origin [N m s], how far the surface lags behind its path [m], 1 if it pulled skin too far and released
- * it, and the place (3,) of either event [m]; given (vertices of all bodies, 3) to the impulse on each vertex [N s].
+ * about the origin [N m s], how far the surface lags behind its path [m], 1 from when it pulled skin too far and
+ * released it until they are apart, and the place (3,) of either event [m]; given (vertices of all bodies, 3) to the impulse on each vertex [N s].
  * If memory runs out, the current tick is the last. */
 DM_API int32_t dm_scene_step(dm_scene *scene, const dm_motion *motions, const dm_collider_motion *colliders,
                              double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed,

@@ -232,6 +232,13 @@ static void dm_note_late(dm_scene_state *s) {
     }
 }
 
+/* Return whether a surface has released skin, and passes through it. */
+static int dm_has_released(const dm_scene_state *s, int64_t which) {
+    for (uint32_t k = 0; k < s->released_count; k++)
+        if (s->released[k][1] == which) return 1;
+    return s->surfaces[which].torn;
+}
+
 static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, const dm_collider_motion *colliders,
                              double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed, double *given) {
     int64_t bodies = 0, substeps = motions->substeps, ticks = motions->ticks;
@@ -255,7 +262,7 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
         for (int64_t k = 0; k < bodies; k++) dm_begin_tick(s->surfaces[k].body, motions + k, t, frames + k);
         for (int64_t k = 0; k < s->surface_count; k++) awake |= dm_moves(s->surfaces + k);
         if (awake) dm_set_approach(s), s->wakes = 1;
-        if (dm_is_changed(s)) s->due = 1;
+        if (dm_is_changed(s) || s->released_count) s->due = 1; /* a query finds what is apart again */
         for (int64_t i = 0; i < substeps && awake && s->code == DM_OK; i++)
             dm_run_scene_substep(s, motions, t, frames, substeps - 1 - i);
         dm_note_late(s);
@@ -274,7 +281,7 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     for (int64_t k = 0; k < bodies; k++) dm_end_motion(s->surfaces[k].body, motions + k, frames + k);
     for (int64_t k = 0; k < s->surface_count; k++)
         memcpy(passed, s->surfaces[k].impulse, 3 * sizeof *passed), memcpy(passed + 3, s->surfaces[k].moment, 3 * sizeof *passed),
-            passed[6] = s->surfaces[k].late, passed[7] = s->surfaces[k].torn,
+            passed[6] = s->surfaces[k].late, passed[7] = dm_has_released(s, k),
             memcpy(passed + 8, s->surfaces[k].place, 3 * sizeof *passed), passed += DM_PASSED;
     for (const dm_surface *f = s->surfaces; f < s->surfaces + bodies; f++)
         for (uint32_t k = 0; k < f->body->n; k++, given += 3)

@@ -85,7 +85,7 @@ class SceneFrame(NamedTuple):
     moments: moments of these impulses about the origin [N m s], (k, 3).
     given: contact impulse on each vertex of all bodies [N s], (n, 3).
     late: distance of each surface behind its prescribed motion at the end [m], (k,).
-    torn: whether each surface pulled the skin too far and was let go, (k,).
+    torn: whether each surface pulled the skin too far and was let go, until they are apart, (k,).
     places: place of the skin that held each surface back or that was let go [m], (k, 3).
     """
 

@@ -26,7 +26,7 @@ class Held(NamedTuple):
     """A collider that could not follow its prescribed motion in a step.
 
     late: its distance behind that motion [m].
-    torn: whether it pulled the skin too far and was let go.
+    torn: whether it pulled the skin too far, was let go, and is not yet apart from it.
     """
 
     name: str

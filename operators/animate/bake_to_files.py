@@ -107,9 +107,10 @@ def simulate(
         _show_props(worlds, plan.first, poses)
         for frame in range(plan.first + 1, plan.last + 1):
             for each in _step(context, bodies, worlds, frame):
-                if each.late >= held.get((each.name, each.torn), (0.0,))[0]:
+                late = 0.0 if each.torn else each.late  # it is let go once, and held back the farthest at one frame
+                if late > held.get((each.name, each.torn), (-1.0,))[0]:
                     said = Message("Frame {frame}: {said}", frame=frame, said=each.said)
-                    held[each.name, each.torn] = each.late, said
+                    held[each.name, each.torn] = late, said
             _show_props(worlds, frame, poses)
             _write(bodies, frame)
             share = (frame - plan.first) / (plan.last - plan.first)

@@ -9,6 +9,7 @@ from ..reporting import Note
 
 SMALLEST_M, LARGEST_M = 0.01, 1.0  # [m] a body modelled smaller or larger is pressed at a custom size
 SHARES = {"finger_radius_mm": 10 / 165, "press_depth_mm": 15 / 165}  # fractions of a body's size, unless typed
+SPREAD = 12 / 165  # fraction of a body's size that a dent reaches beyond the fingertip, unless typed
 LEAST_MM = 0.01  # [mm] smallest radius or depth
 NUMBERS = (1, 2, 3)  # of the fingertips
 
@@ -51,11 +52,16 @@ def metres_per_unit(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
     return float(scene.unit_settings.scale_length)
 
 
+def size_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
+    """Return the largest dimension of the real object [mm]."""
+    return 1e3 * metres_per_unit(scene, obj) * max(obj.dimensions)
+
+
 def fit(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
     """Fit radius and depth of the fingertip to the size of a body, except typed values; change nothing if a fingertip
     object is not drawn as a sphere, because it presses with the radius of the scene.
     """
-    settings, size = scene.dimple, 1e3 * metres_per_unit(scene, obj) * max(obj.dimensions)
+    settings, size = scene.dimple, size_of(scene, obj)
     if size <= 0 or not all(map(is_sphere, filter(None, fingertips(scene)))):
         return
     following = [name for name in SHARES if follows(settings, name)]

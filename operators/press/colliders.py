@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ...core.world import World
 
 SAME_SCALE = 1e-6  # relative difference up to which two scales count as the same
+_APART = "Bodies of different scale do not collide: set Physical Size to As Modeled in Physics > Dimple."
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -57,15 +58,16 @@ def worlds_of(
     Raises:
         DimpleError: two surfaces intersect, or a collider is not usable.
     """
+    groups, on = _groups(bodies), is_on(context.scene)
     for _, session, _ in bodies.values():
-        session.contact_note = session.held_note = ""
-    if not is_on(context.scene):
+        session.contact_note, session.held_note = _APART if on and len(groups) > 1 else "", ""
+    if not on:
         return []
     graph = context.evaluated_depsgraph_get()
     colliders = [obj for obj in context.scene.objects if _is_collider(context.scene, graph, obj, bodies)]
     frictions = [(obj.session_uid, obj.dimple.collider_friction, _mass_of(obj)) for obj in colliders]
     found = []
-    for scale, uids in _groups(bodies).items():
+    for scale, uids in groups.items():
         itself = [bool(bodies[uid][0].dimple.self_contact) for uid in uids]
         if not colliders and not any(itself) and len(uids) < 2:
             continue
@@ -74,7 +76,7 @@ def worlds_of(
         same = next((world for world in before if world.key == key), None)
         found.append(same or _make(context, key, scale, [bodies[uid] for uid in uids], colliders, itself))
         for uid, note in zip(uids, found[-1].world.notes, strict=True):
-            bodies[uid][1].contact_note = note
+            bodies[uid][1].contact_note = in_a_row([note, bodies[uid][1].contact_note])
     return found
 
 

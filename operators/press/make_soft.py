@@ -5,7 +5,7 @@ import bpy
 from ...core.errors import DimpleError
 from ...core.message import Message, about, in_a_row
 from ..bridge.material_presets import material_of
-from ..bridge.sizing import fit, settle_size
+from ..bridge.sizing import SPREAD, fit, settle_size, size_of
 from ..names import Op
 from ..reporting import gathered, report, say
 from . import polls, sessions
@@ -75,21 +75,21 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, l
         settings.provenance = preset.provenance
     settle_size(context.scene, obj)
     fit(context.scene, obj)
+    size = size_of(context.scene, obj)
+    for given in {slot.material for slot in obj.material_slots if slot.material}:
+        if not (given.library or given.dimple.is_property_set("spread_mm")):
+            given.dimple.spread_mm = SPREAD * size
     if not obj.dimple.pin_group and PIN in obj.vertex_groups:
         obj.dimple.pin_group = PIN
     obj.dimple.enabled = True
-    if len(obj.data.vertices) > LARGE:
-        return Message(
-            '"{name}" is soft: "{material}". It will be prepared when you first press it.',
-            name=obj.name, material=obj.active_material.name,
-        ), []  # fmt: skip
-    model = ObjectBody.from_object(obj).session.model  # planned now, so that the first press begins at once
-    size, notes = f"{1e3 * model.mesh.size:.3g} mm", [about(obj.name, note) for note in model.notes]
     said = Message(
         '"{name}" is soft: "{material}", {size} across. Press it with the left mouse button.',
-        name=obj.name, material=obj.active_material.name, size=size
+        name=obj.name, material=obj.active_material.name, size=f"{size:.3g} mm"
     )  # fmt: skip
-    return said, notes
+    if len(obj.data.vertices) > LARGE:
+        return said, []
+    model = ObjectBody.from_object(obj).session.model  # planned now, so that the first press begins at once
+    return said, [about(obj.name, note) for note in model.notes]
 
 
 def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.types.Object, str]:

@@ -134,8 +134,10 @@ def under(context: bpy.types.Context, view: View) -> Under | None:
 
 
 def touched(context: bpy.types.Context, view: View) -> tuple[Vector, Vector, float] | None:
-    """Return the point of a body under the pointer, the normal there, and the fingertip's radius, in scene units."""
+    """Return point and normal of a body under the pointer, and the fingertip's radius; None while the mouse presses."""
     radius = context.scene.dimple.finger_radius_mm / 1e3
+    if any(context.scene.dimple.active_finger - 1 in body.poked for body in sessions.values()):
+        return None
     if not sessions:
         found = under(context, view)
         return found and (found.point, found.normal, radius / sizing.metres_per_unit(context.scene, found.obj))

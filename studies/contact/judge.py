@@ -146,7 +146,8 @@ def judge(name: str, starts: int) -> dict[str, Any]:
         alone += _alone(world.sessions, count)
     return {
         "name": name, "starts": starts, "ticks": ticks, **found, "finite": finite,
-        "cost_ratio": round(median(spent) / median(alone), 2), "median_ms": round(1e3 * median(spent), 3), "momentum_taken": taken, "truncated": truncated,
+        "cost_ratio": round(median(spent) / median(alone), 2), "median_ms": round(1e3 * median(spent), 3),
+        "momentum_taken": taken, "truncated": truncated,
         "held_back_mm": 1e3 * held_back, "touching": touching, "overlap_mm": 1e3 * overlap,
     }  # fmt: skip
 
@@ -184,16 +185,16 @@ def run_contact(options: argparse.Namespace) -> int:
         return 1
     rows = []
     print(
-        "scene                 starts  ticks  intersections  swallowed  finite  cost  tick [ms]  taken [N s]  held back [mm]"
-        "  props overlap [mm]"
+        "scene                 starts  ticks  intersections  swallowed  finite  cost  tick [ms]"
+        "  taken [N s]  held back [mm]  props overlap [mm]"
     )
     for name in options.scenes or SCENES:
         row = judge(name, QUICK_STARTS if options.quick else STARTS)
         rows.append(row)
         print(
             f"{name:21} {row['starts']:6} {row['ticks']:6} {row['intersections']:14} {row['swallowed']:10}"
-            f"  {'yes' if row['finite'] else 'NO':6} {row['cost_ratio']:5.1f} {row['median_ms']:10.3f} {row['momentum_taken']:12.3g}"
-            f" {row['held_back_mm']:14.2f} {row['overlap_mm']:20.3f}",
+            f"  {'yes' if row['finite'] else 'NO':6} {row['cost_ratio']:5.1f} {row['median_ms']:10.3f}"
+            f" {row['momentum_taken']:12.3g} {row['held_back_mm']:14.2f} {row['overlap_mm']:20.3f}",
             flush=True,
         )
     found: dict[str, Any] = {"scenes": rows}

@@ -59,7 +59,7 @@ def entry(bpy: ModuleType) -> Any:
         time=1.25, volume=0.0044, rest_volume=0.0045, substeps=12, steps=33, cost=0.011, note="",
     )  # fmt: skip
     return SimpleNamespace(
-        link=SimpleNamespace(slots=(0,)), frame=frame, refused="",
+        link=SimpleNamespace(slots=(0,), scale=1 / 12), frame=frame, refused="",
         fingers=(Finger((0.0, 0.0, 0.05), 0.01), None, None),
         session=SimpleNamespace(
             clock=SimpleNamespace(tick=1e-3), contact_note="", held_note="", fingers=(Finger((0.0, 0.0, 0.05), 0.02),),
@@ -85,7 +85,7 @@ def test_force_and_depth_stand_first_and_the_read_out_carries_every_other_number
     assert readout.rows(entry.frame) == [("Force 1", "7.40 N"), ("Depth 1", "12.00 mm")]
     assert readout.more_rows(entry.frame, 1e-3) == [
         ("Pressure", "0.812 kPa"), ("Volume", "4400.0 cm³"), ("Change of Volume", "-2.22%"), ("Time", "1.250 s"),
-        ("Rate", "3000 Hz"), ("Steps per Tick", "12"), ("Real Time", "100%"),
+        ("Real Time", "100%"),
     ]  # fmt: skip
     slow = SimpleNamespace(**{**vars(entry.frame), "steps": 3, "depths": [-0.01], "pushes": [0.0]})
     assert readout.real_time(slow, 1e-3) == ("Real Time", "27%"), "a computer too slow for real time says so"
@@ -149,6 +149,23 @@ def test_a_session_is_drawn_only_where_overlays_are_switched_on(
     for shown, expected in ((False, []), (True, ["fingers", "curves", "rows"])):
         context.space_data.overlay.show_overlays = shown
         overlay.draw_bodies()
+        overlay.draw_numbers()
+        assert drawn == expected
+
+
+def test_of_several_bodies_those_that_are_pressed_have_a_chart(
+    bpy: ModuleType, overlay: ModuleType, entry: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    resting = SimpleNamespace(frame=SimpleNamespace(depths=[-0.01, 0.0]))
+    still, hit = ("Still", resting), ("Hit", entry)
+    for shown, expected in (([still], ["Still"]), ([still, still], []), ([still, hit], ["Hit"])):
+        drawn: list[str] = []
+        monkeypatch.setattr(overlay, "shown_bodies", lambda _, shown=shown: shown)
+        monkeypatch.setattr(overlay.force_chart, "pressed_curves", lambda body, _: body)
+        monkeypatch.setattr(overlay.force_chart, "draw_curves", lambda body, *_, drawn=drawn: drawn.append(body) or 0.0)
+        monkeypatch.setattr(overlay, "draw_rows", lambda *_, **__: 0.0)
+        context = viewport(bpy, region=region("WINDOW", 0, 0, 1280, 800))
+        monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
         overlay.draw_numbers()
         assert drawn == expected
 
@@ -253,18 +270,18 @@ def test_an_arrow_points_along_the_force_and_a_stronger_one_is_longer(shapes: Mo
     lengths = []
     for newtons in (0.5, 1.0, 4.0, 1e9):
         start, tip = shapes.arrow((1.0, 2.0, 3.0), (0.0, -newtons, 0.0), 0.1)[0]
-        assert start == (1.0, 2.0, 3.0) and tip[0] == 1.0 and tip[2] == 3.0
+        assert start == pytest.approx((1.0, 1.9, 3.0)) and tip[0] == 1.0 and tip[2] == 3.0
         lengths.append(start[1] - tip[1])
     assert lengths[0] < lengths[1] < lengths[2] < lengths[3] == pytest.approx(0.1 * shapes.ARROW_LONGEST)
 
 
-def test_a_fingertip_is_drawn_as_large_as_it_is(shapes: ModuleType, overlay: ModuleType, entry: Any) -> None:
-    centre, radius = overlay._in_scene(entry, entry.fingers[0])
-    assert radius == pytest.approx(0.12) and centre == pytest.approx((0, 0, 0.6))
-    points = [point for line in shapes.sphere(centre, radius) for point in line]
+def test_a_fingertip_is_drawn_as_large_as_it_is(shapes: ModuleType) -> None:
+    centre, radius = (0.0, 0.0, 0.6), 0.12
+    from_front = ((1.0, 0.0, 0.0, 0.3), (0.0, 0.0, 1.0, 0.2))
+    points = [point for line in shapes.outline(centre, radius, from_front) for point in line]
     assert [math.dist(point, centre) for point in points] == pytest.approx([radius] * len(points))
-    for axis in range(3):
-        assert max(point[axis] for point in points) == pytest.approx(centre[axis] + radius)
+    for axis, reach in enumerate((radius, 0.0, radius)):
+        assert max(point[axis] for point in points) == pytest.approx(centre[axis] + reach)
 
 
 def test_the_chart_the_numbers_and_the_fingertip_leave_their_colours(

@@ -323,7 +323,7 @@ def mixed(rng: random.Random) -> Specimen:
     head, clock = HEAD, rng.random() < 0.5
     if clock:
         head, rows = f"Time (s),{HEAD}", [f"{i / 50:.2f},{row}" for i, row in enumerate(rows)]
-    if rng.random() < 0.15:
+    if rng.random() < 0.15 and (clock or end != "torn"):  # the reverse of a tear without a clock is refused
         rows = rows[::-1]
     if rng.random() < 0.2:
         long = rng.choice([30, 50])

@@ -105,6 +105,23 @@ def by_one_who_saw_it(path: Path, press: Press) -> tuple[list[str], Calibration]
 
 
 @pytest.mark.parametrize("files", [42, pytest.param(300, marks=pytest.mark.slow)])
+def test_a_touch_or_a_tare_that_is_typed_is_taken_and_not_asked_about(files: int, tmp_path: Path) -> None:
+    """And the interval of a touch that was found with a typed tare is in those of the constants."""
+    inside: dict[str, list[bool]] = {name: [] for name in ("K1", "K2", "x0")}
+    for press in map(made, range(files)):
+        write_press(tmp_path / "x.csv", press.depth, press.force)
+        touched = calibrate(tmp_path / "x.csv", Answers(contact_mm=1e3 * press.touch))
+        assert touched.loading.reading(0) == pytest.approx(1e3 * press.touch)
+        tared = calibrate(tmp_path / "x.csv", Answers(tare_n=press.tare))
+        assert tared.loading.tare == pytest.approx(press.tare)
+        for name in inside if press.kind not in ("adhesion", "drift") else ():
+            constant = getattr(tared.fit, name)
+            inside[name].append(abs(constant.value - getattr(press, name)) <= constant.half_width)
+    for name, held in inside.items():
+        assert np.mean(held) >= (0.90 if files == 300 else 0.85), (name, np.mean(held))
+
+
+@pytest.mark.parametrize("files", [42, pytest.param(300, marks=pytest.mark.slow)])
 def test_the_intervals_hold_the_truth_and_nothing_is_wrong_in_silence(files: int, tmp_path: Path) -> None:
     names, silent = ("K1", "K2", "x0"), []
     inside: dict[str, list[bool]] = {name: [] for name in names}

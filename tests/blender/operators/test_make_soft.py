@@ -51,10 +51,31 @@ def test_a_text_without_characters_is_refused_and_stays_flat(bpy: ModuleType, em
 def test_what_the_artist_has_set_is_left_as_it_is(bpy: ModuleType, ball: Any) -> None:
     obj = ball(subdivisions=4)
     obj.active_material = bpy.data.materials.new("Own")
-    obj.active_material.dimple.K1 = 2.0
+    obj.active_material.dimple.K1, obj.active_material.dimple.spread_mm = 2.0, 20.0
     obj.dimple.enabled, obj.dimple.size_mm = True, 90.0
     bpy.ops.dimple.make_soft()
     assert obj.active_material.name == "Own" and obj.active_material.dimple.K1 == 2.0 and obj.dimple.size_mm == 90.0
+    assert obj.active_material.dimple.spread_mm == 20.0
+
+
+def test_the_first_dent_is_as_plain_on_a_small_body_as_on_a_large_one(bpy: ModuleType, ball: Any) -> None:
+    """Two fingertips from its centre, each sinks by a similar share of the depth."""
+    from bl_ext.user_default.dimple import Body
+
+    wide = []
+    for size_mm in (165.0, 30.0, 600.0):
+        obj = ball(subdivisions=4)
+        obj.dimple.size_mm = size_mm
+        bpy.ops.dimple.make_soft()
+        radius = bpy.context.scene.dimple.finger_radius_mm / 1e3
+        body = Body.from_object(obj)
+        rest = body.positions()
+        body.press(depth=1.5 * radius)
+        body.step(0.5)
+        far = body.link.scale * np.hypot(rest[:, 0], rest[:, 1]) / radius
+        sunk = body.link.scale * (rest - body.positions())[:, 2] / body.depth
+        wide.append(sunk[(far > 1.5) & (far < 2.5) & (rest[:, 2] > 0)].mean())
+    assert 0.05 < min(wide) and max(wide) < 0.4, wide
 
 
 def test_what_cannot_be_pressed_is_said(bpy: ModuleType, add: Any) -> None:
