@@ -106,10 +106,10 @@ def draw_lines(segments: Sequence[Segment], colour: Point, screen: Screen) -> No
         draw("LINES", points, colour=colour, screen=screen)
 
 
-def draw_filled(low: Point, high: Point, colour: Point) -> None:
-    """Fill a rectangle between two corners [px]."""
+def draw_filled(low: Point, high: Point) -> None:
+    """Fill a rectangle between two corners [px], as the background of numbers."""
     corners = [(low[0], low[1], 0), (high[0], low[1], 0), (high[0], high[1], 0), (low[0], high[1], 0)]
-    draw("TRIS", corners, colour=colour, indices=[(0, 1, 2), (0, 2, 3)])
+    draw("TRIS", corners, colour=paper(), indices=[(0, 1, 2), (0, 2, 3)])
 
 
 def write(text: str, at: Point, scale: float, colour: Point | None = None) -> float:

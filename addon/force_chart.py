@@ -134,7 +134,7 @@ def draw_key(curves: Curves, corner: Point, scale: float) -> float:
     words = [(word, colour, shown) for word, colour, shown in words if shown]
     wide = sum(canvas.width(word, scale) + MARGIN * scale for word, _, _ in words)
     left, top = corner[0], corner[1] + LINE_HEIGHT * scale
-    canvas.draw_filled(corner, (left + max(wide, SIZE[0] * scale), top), canvas.paper())
+    canvas.draw_filled(corner, (left + max(wide, SIZE[0] * scale), top))
     for word, colour, _ in words:
         left += canvas.write(word, (left, corner[1] + 5 * scale), scale, colour) + MARGIN * scale
     return top
@@ -148,7 +148,7 @@ def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:
     highest = max(force for _, force in [*law, *curves.here, *curves.seen])
     ends = (shapes.round_up(curves.deepest), shapes.round_up(highest))
     right, top = corner[0] + size[0], corner[1] + size[1]
-    canvas.draw_filled(corner, (right, top), canvas.paper())
+    canvas.draw_filled(corner, (right, top))
     canvas.draw_lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], canvas.faint(), screen)
     measured = shapes.into_box(curves.measured, ends, corner, size)
     canvas.draw_lines(shapes.crosses(measured, CROSS * scale), MEASURED, screen)

@@ -10,7 +10,7 @@ from bpy.props import EnumProperty
 from bpy.utils import previews
 
 from ..core.errors import DimpleError
-from ..operators.calibrate.apply_preset import give
+from ..operators.bridge.material_presets import give
 from .object_settings import FIXED
 from .readout import iface_
 

@@ -40,7 +40,7 @@ class ReductionSettings:
     proxy_vertices: IntProperty(
         name="Vertices", description="How fine the proxy is: its approximate number of vertices. More are slower and "
                                      "more accurate",
-        default=1000, min=60, max=16000, soft_min=100, **FIXED,
+        default=1000, min=60, soft_min=100, soft_max=16000, **FIXED,
     )  # fmt: skip
     plan_reason: kept_text("Plan", "What is simulated, and why")
 

@@ -85,7 +85,7 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float) -> f
     edge, height = 4 * scale, free.bottom
     wide = max(canvas.width(line, scale) for line, _ in lines)
     high = len(lines) * LINE_HEIGHT * scale
-    canvas.draw_filled((free.left - edge, height - edge), (free.left + wide + edge, height + high), canvas.paper())
+    canvas.draw_filled((free.left - edge, height - edge), (free.left + wide + edge, height + high))
     for line, colour in reversed(lines):
         canvas.write(line, (free.left, height), scale, colour)
         height += LINE_HEIGHT * scale

@@ -133,7 +133,7 @@ def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen)
         return
     edge = 4 * scale
     top = bottom + high + 2 * LINE_HEIGHT * scale
-    canvas.draw_filled((left - edge, bottom - edge), (free.right + edge, top), canvas.paper())
+    canvas.draw_filled((left - edge, bottom - edge), (free.right + edge, top))
     draw_bar((left, bottom + 5 * scale), (LEGEND[0] * scale, high), name in SIGNED)
     canvas.write(title, (left, bottom + high + LINE_HEIGHT * scale), scale)
     for share in (0.0, 0.5, 1.0):

@@ -82,7 +82,7 @@ def pressed(ball: bpy.types.Object, preset: str) -> Any:
     from bl_ext.user_default.dimple.core.session import Finger
 
     bpy.context.view_layer.objects.active = ball
-    bpy.ops.dimple.apply_preset(preset=preset)
+    bpy.context.object.dimple.material = preset
     ball.dimple.size_mm, ball.dimple.simulated = 2e3 * BALL, "MESH"
     body = Body.from_object(ball)
     body.session.set_fingers([Finger((0.0, 0.0, BALL + FINGERTIP), FINGERTIP, FORCE)])

@@ -52,7 +52,7 @@ def simulated(head: bpy.types.Object) -> list[tuple[Any, Any]]:
     from bl_ext.user_default.dimple.core.session import Finger
 
     bpy.context.view_layer.objects.active = head
-    bpy.ops.dimple.apply_preset(preset="marshmallow")
+    bpy.context.object.dimple.material = "marshmallow"
     head.dimple.size_mm, head.dimple.simulated = 1e3 * SIZE, "MESH"
     session = Body.from_object(head).session
     mesh = session.model.mesh

@@ -28,7 +28,7 @@ def three_objects() -> None:
     for number, (name, preset, edge, (x, y), colour, depth) in enumerate(objects, 1):
         body = soft_cube(name, edge, max(FEWEST, round(edge / CUT_MM * 1e3)), Vector((x, y, edge / 2)))
         body.data.materials.append(painted(name, colour))
-        bpy.ops.dimple.apply_preset(preset=preset)
+        bpy.context.object.dimple.material = preset
         body.dimple.enabled = True
         tip = press_ball(number, FINGERTIP_MM / 1e3)
         top = Vector((x + 0.1 * edge, y - 0.12 * edge, edge + FINGERTIP_MM / 1e3))
@@ -51,7 +51,7 @@ def suzanne() -> None:
     head.modifiers.new("Finer", "SUBSURF").levels = 1
     bpy.ops.object.modifier_apply(modifier="Finer")
     head.data.shade_smooth()
-    bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+    bpy.context.object.dimple.material = "object_2_vinyl_air"
     constants = head.data.materials[0].dimple
     constants.mass_from, constants.mass_kg = "MASS", 0.3
     head.dimple.size_mode = "REAL"

@@ -13,7 +13,6 @@ from typing import Any, TypeVar
 from .base import DimpleError
 
 Parts = Generator[tuple[float, Callable[[], Any]], Any, Any]
-LOOK_S = 0.01  # [s] between two looks at a part that runs in another thread
 
 _Result = TypeVar("_Result")
 
@@ -56,7 +55,7 @@ def at_once(parts: Parts) -> Any:
     return result_of(_driven(parts, called))
 
 
-def beside(parts: Parts, look_s: float = LOOK_S) -> Generator[float, None, Any]:
+def beside(parts: Parts, look_s: float) -> Generator[float, None, Any]:
     """Call each part in a thread and yield the fraction that is done; after `close` the running part is abandoned.
 
     Args:

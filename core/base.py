@@ -19,8 +19,6 @@ Shorts = npt.NDArray[np.uint16]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
-LEAST_VOLUME_OPEN = 1e-2  # of size times area: an open mesh below this is a sheet; a hemisphere has 0.17
-MASS_FLOOR = 1e-2  # of the mean mass: the smallest mass of a vertex
 STIFFEST = 4.0  # of the median stiffness over mass: a vertex above it (of a sliver) is made heavier
 TICK = 1e-3  # [s] the 1 kHz of haptics; fixed, so that the motion does not depend on the frame rate
 ROWS = 1 << 15  # rows of an array that are processed together, so that intermediate results stay in the cache

@@ -12,14 +12,14 @@ import bpy
 
 from . import bug_report
 from .animate import bake_operators, fingertips
-from .calibrate import apply_preset, apply_result, by_hand, from_file, material_file, measure, paint_softness
+from .calibrate import apply_result, by_hand, from_file, material_file, measure, paint_softness
 from .device import connect_device
 from .experiment import blind_trial
 from .export import command_line, export_dialog
 from .press import handlers, make_soft, play, poke, progress
 
 PARTS = (
-    bug_report, make_soft, progress, poke, play, bake_operators, export_dialog, apply_preset, fingertips, from_file,
+    bug_report, make_soft, progress, poke, play, bake_operators, export_dialog, fingertips, from_file,
     by_hand, apply_result, material_file, paint_softness, measure, connect_device, blind_trial, command_line, handlers,
 )  # fmt: skip
 

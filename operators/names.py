@@ -44,7 +44,6 @@ class Op(StrEnum):
     BAKE = "dimple.bake"
     UNBAKE = "dimple.unbake"
     EXPORT = "dimple.export_animation"
-    APPLY_PRESET = "dimple.apply_preset"
     ADD_FINGERTIP = "dimple.add_fingertip"
     KEY_PRESS = "dimple.key_press"
     CALIBRATE = "dimple.calibrate"

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import Floats, Ints, sums_at
-from ..mesh.surface import Mesh
+from ..mesh.surface import Mesh, cap_centres
 
 CELLS = 400  # approximate number of cells of a body: more change its first frequencies by only a few per cent
 SAMPLES = 4  # sample points along each side of a cell, to determine its share inside
@@ -36,16 +36,13 @@ class Lattice(NamedTuple):
     layers: Ints
 
 
-def fill(mesh: Mesh, positions: Floats, cells: int = CELLS) -> Lattice:
-    """Fill a body with about the given number of cells.
-
-    Args:
-        positions: (n, 3) positions of its vertices [m].
-    """
+def fill(mesh: Mesh) -> Lattice:
+    """Fill a body at rest with cells."""
+    positions = mesh.rest_positions
     low, extent = positions.min(axis=0), np.ptp(positions, axis=0)
-    count = np.maximum(np.round(extent / (mesh.volume / cells) ** (1 / 3)), 1).astype(int)
+    count = np.maximum(np.round(extent / (mesh.volume / CELLS) ** (1 / 3)), 1).astype(int)
     sides = extent / count
-    share = _inside(_capped(mesh, positions), low, sides / SAMPLES, SAMPLES * count)
+    share = _inside(_capped(mesh), low, sides / SAMPLES, SAMPLES * count)
     share = share.reshape(count[0], SAMPLES, count[1], SAMPLES, count[2], SAMPLES).mean(axis=(1, 3, 5))
     at = tuple(np.clip(_cell_of(positions, low, sides), 0, count - 1).T)
     share[at] = np.maximum(share[at], SAMPLES**-3)  # a cell with vertices is a part of the body
@@ -58,15 +55,14 @@ def fill(mesh: Mesh, positions: Floats, cells: int = CELLS) -> Lattice:
     return Lattice(nodes, inverse.reshape(-1, 8), share[tuple(kept.T)], sides, layers)
 
 
-def _capped(mesh: Mesh, positions: Floats) -> tuple[Floats, Ints]:
+def _capped(mesh: Mesh) -> tuple[Floats, Ints]:
     """Return positions and triangles with the holes closed by fans about the middle of each border."""
+    positions = mesh.rest_positions
     if not len(mesh.cap_edges):
         return positions, mesh.triangles
-    loops = int(mesh.cap_loop.max()) + 1
-    length = np.bincount(mesh.cap_loop, minlength=loops)
-    middles = np.stack([sums_at(mesh.cap_loop, positions[mesh.cap_edges[:, 0], c], loops) / length for c in range(3)])
+    middles, _ = cap_centres(positions, mesh.cap_edges, mesh.cap_loop)
     fans = np.column_stack([mesh.cap_edges, len(positions) + mesh.cap_loop])
-    return np.concatenate([positions, middles.T]), np.concatenate([mesh.triangles, fans])
+    return np.concatenate([positions, middles]), np.concatenate([mesh.triangles, fans])
 
 
 def _inside(surface: tuple[Floats, Ints], low: Floats, step: Floats, count: Ints) -> Floats:

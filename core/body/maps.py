@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import Floats
-
-LEAST = 0.05  # smallest factor, where 0 is painted: a law without a knee cannot be simulated
+from ..constants import ROUNDING
 
 
 class Maps(NamedTuple):
@@ -32,7 +31,8 @@ def stiffness_of(softness: float | Floats) -> Any:
 def painted(softness: Floats, knee: Floats, spread: Floats) -> Maps:
     """Return the factors (n,) for painted values (n,) from 0 to 1, where 0.5 means as measured.
 
-    A softness of 1 is four times softer, 0 four times stiffer. The other maps multiply by twice the painted value.
+    A softness of 1 is four times softer, 0 four times stiffer. The other maps multiply by twice the painted value, and
+    by almost 0 where that is 0: a law needs a knee.
     """
     stiffer = stiffness_of(np.clip(softness, 0, 1))
-    return Maps(stiffer, *(np.clip(2 * values, LEAST, 2) for values in (knee, spread)))
+    return Maps(stiffer, *(np.clip(2 * values, ROUNDING, 2) for values in (knee, spread)))

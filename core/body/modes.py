@@ -12,14 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import Floats, Ints, Shorts, Singles, sums_at
+from ..constants import ROUNDING, SLACK
 from ..mesh.surface import Mesh
 from .lattice import Lattice, cells_at, fill, gradients, shares, stiffness, weight
 
 MODES = 20  # number of modes: their sag is that of all modes within 1 %, along the stiffest axis of a block within 10 %
 HOLD = 30.0  # stiffness of pins: that of a layer of the body 1 / 30 of a cell thick
-RIGID = 1e-6  # eigenvalue over that of the stiffest mode: below it, a part that nothing holds moves as a rigid body
-ROUNDS = 8  # rounds of inverse iteration; each gains the ratio of the first eigenvalue left out to the wanted one
-BESIDE = 8  # iterated directions in addition to the modes, so that this ratio is large
+BESIDE = 8  # iterated directions in addition to the modes, so that those converge quickly
 
 
 class Modes(NamedTuple):
@@ -43,19 +42,15 @@ class Modes(NamedTuple):
     shares: Singles
 
 
-def modes_of(
-    mesh: Mesh, positions: Floats, held: Floats, *, bones: Floats | None = None, most: int = MODES
-) -> Modes:
+def modes_of(mesh: Mesh, held: Floats, *, bones: Floats | None = None) -> Modes:
     """Return the lowest modes of a body.
 
     Args:
-        positions: (n, 3) positions of its vertices [m].
         held: (n,) weight of the pin at each vertex, from 0 (free) to 1 (fixed).
         bones: (b, 2, 3) ends of bones [m], which hold the cells that they pass through.
-        most: largest number of modes.
     """
-    lattice = fill(mesh, positions)
-    nodes, share = shares(lattice, positions)
+    lattice = fill(mesh)
+    nodes, share = shares(lattice, mesh.rest_positions)
     volume, k = weight(lattice), stiffness(lattice)
     _hold(k, nodes, share, HOLD / lattice.sides.mean() * held * mesh.vertex_areas)
     if bones is not None and len(bones):
@@ -64,8 +59,8 @@ def modes_of(
         along = along[cells_at(lattice, along) >= 0]
         _hold(k, *shares(lattice, along), np.full(len(along), HOLD * step))
     scale = 1 / np.sqrt(np.repeat(volume, 3))
-    squares, vectors = _lowest(k * scale * scale[:, None], lattice.layers, most)
-    moving = squares > RIGID * squares[-1]
+    squares, vectors = _lowest(k * scale * scale[:, None], lattice.layers)
+    moving = squares > ROUNDING * squares[-1]  # a part that nothing holds also moves as a rigid body
     shapes = (scale[:, None] * vectors[:, moving]).T.reshape(-1, len(volume), 3)
     turns = _turns(lattice, shapes)
     free = (share * (1 - np.clip(held, 0, 1))[:, None]).astype(np.float32)
@@ -88,20 +83,22 @@ def _hold(k: Floats, nodes: Ints, share: Floats, springs: Floats) -> None:
         np.add.at(k, (freedom[:, :, None], freedom[:, None, :]), each)
 
 
-def _lowest(a: Floats, layers: Ints, most: int) -> tuple[Floats, Floats]:
+def _lowest(a: Floats, layers: Ints) -> tuple[Floats, Floats]:
     """Return the lowest eigenvalues of a symmetric matrix in ascending order, and their vectors in columns.
 
-    The method is inverse iteration of a subspace.
+    The method is inverse iteration of a subspace, until no eigenvalue changes visibly.
 
     Args:
         layers: index of the first unknown of each layer, and the end; each layer is coupled to adjacent layers only.
     """
     solve = _solver(a + 1e-9 * np.trace(a) / len(a) * np.eye(len(a)), layers)  # `a` is singular if a part is free
-    found = np.random.default_rng(0).normal(size=(len(a), min(most + BESIDE, len(a))))
-    for _ in range(ROUNDS):
-        found = np.linalg.qr(solve(found))[0]
-    squares, turn = np.linalg.eigh(found.T @ a @ found)
-    return squares[:most], (found @ turn)[:, :most]
+    found = np.random.default_rng(0).normal(size=(len(a), min(MODES + BESIDE, len(a))))
+    squares, before = np.zeros(1), np.full(1, np.inf)
+    while np.abs(squares - before).max() > SLACK * squares[-1]:
+        found, before = np.linalg.qr(solve(found))[0], squares
+        squares, turn = np.linalg.eigh(found.T @ a @ found)
+        squares = squares[:MODES]
+    return squares, (found @ turn)[:, :MODES]
 
 
 def _solver(a: Floats, layers: Ints) -> Callable[[Floats], Floats]:

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import MASS_FLOOR, Floats, mean_of_pairs, sums_at
+from ..base import Floats, mean_of_pairs, sums_at
+from ..constants import ROUNDING
 from ..material import Material
 from ..mesh.surface import Mesh
 from .estimate import SPRINGS, estimate, skin_compliance
@@ -46,8 +47,7 @@ def mass_on(mesh: Mesh, materials: Sequence[Material]) -> Floats:
     bulk = mesh.volume if mesh.pressurable else total_area * mesh.size / 20
     whole = np.array([m.mass if m.mass is not None else (m.density or 0.0) * bulk for m in materials])
     mass = _vertex_sum(mesh, whole[mesh.triangle_material] * mesh.triangle_areas / total_area / 3)
-    used = ~mesh.loose
-    return np.maximum(mass, MASS_FLOOR * mass[used].mean())
+    return np.maximum(mass, ROUNDING * mass[~mesh.loose].mean())
 
 
 def _row(material: Material, size: float) -> tuple[float, ...]:

@@ -13,24 +13,14 @@ from functools import cached_property
 import numpy as np
 from trimesh.triangles import area
 
-from ..base import (
-    LARGEST,
-    LEAST_VOLUME_OPEN,
-    Bools,
-    DimpleError,
-    Floats,
-    Ints,
-    mean_of_pairs,
-    row_parts,
-    sums_at,
-    sums_of_three,
-)
+from ..base import LARGEST, Bools, DimpleError, Floats, Ints, mean_of_pairs, row_parts, sums_at, sums_of_three
 from ..constants import ROUNDING
 from ..message import Message
 from .edges import Edges, edges_of
 from .repair import connected, consistent_winding, inward_parts, weld
 from .rings import Rings, ordered_rings
 
+LEAST_VOLUME_OPEN = 1e-2  # of size times area: an open mesh below this is a sheet; a hemisphere has 0.17
 # largest cotangent weight of an edge: a larger one, of slivers, would shorten the time step and add no accuracy. its
 # inverse is the smallest factor that compensates blunt triangles round a vertex
 STEEPEST = 4.0

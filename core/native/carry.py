@@ -14,7 +14,6 @@ from ..constants import LANES
 from .body import NativeError
 from .definition import Arrays, fields
 
-NODES = 8  # corners of a cell of the lattice
 _Values = TypeVar("_Values", Floats, Singles)
 
 
@@ -88,7 +87,7 @@ def carry(library: ctypes.CDLL, binding: Binding, positions: Floats) -> tuple[Si
 def carry_by_nodes(library: ctypes.CDLL, by: Shorts, shares: Singles, values: Floats) -> Singles:
     """Interpolate values (m, 3) of nodes to vertices (n, 3), each carried by eight nodes (n, 8) with shares (n, 8)."""
     carried, padded = np.empty((len(by), 3), np.float32), np.empty((len(values), 4), np.float32)
-    if by.shape != shares.shape or by.shape[1:] != (NODES,) or values.shape[1:] != (3,):
+    if by.shape != shares.shape or by.shape[1:] != (8,) or values.shape[1:] != (3,):
         raise NativeError("an array has the wrong size")
     padded[:, :3] = values
     with Arrays() as arrays:

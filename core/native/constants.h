@@ -7,7 +7,6 @@
 #define DM_ABI 32              /* changes with every change of dimple.h */
 #define DM_MAX_FINGERTIPS 3    /* thumb, index and middle finger, as on the paper's device */
 #define DM_MAX_STEPS 1000000   /* steps in one call, so that no call takes longer than minutes */
-#define DM_MAX_BODIES 4096     /* bodies in one call or scene, since all pairs of them are compared */
 #define DM_MAX_RING 12         /* neighbours in a ring; a vertex with more is treated as irregular */
 #define DM_PASSED 11           /* numbers that a call returns for each surface of a scene */
 #define DM_LANES 8             /* vertices processed together: single-precision lanes of an AVX2 register */
@@ -26,6 +25,7 @@
 #define DM_TINY 1e-30          /* keeps a quotient finite; its square is still a number in double precision */
 
 /* Memory. */
+#define DM_MAX_BODIES 4096     /* bodies in one call or scene, since all pairs of them are compared */
 #define DM_MAX_VERTICES (1 << FLT_MANT_DIG) /* exact in single precision, and 32-bit offsets reach all records */
 #define DM_BLOCK (2 * DM_LANES)             /* triangles in a box, and boxes in the next larger one */
 
@@ -37,7 +37,7 @@
 
 /* A fingertip and the skin; lengths in radii of the fingertip. */
 #define DM_TOO_NEAR (10 * DM_ROUNDING) /* of a size: closer to a point, the direction away from it is mere rounding */
-#define DM_SWEEPS 20         /* contact sweeps in a substep, at most; the remaining error waits for the next substep */
+#define DM_SWEEPS 20         /* sweeps of an iteration, at most; the remaining error waits for the next substep */
 #define DM_BACK 0.1          /* share of a contact's error that is corrected in a substep: with all of it facets rock, sticking
                               * contacts shake, and a ball at rest swings */
 #define DM_SEATED 1e-4       /* error of a sphere that lies on the surface; in sizes of a body, of a pin in its place */

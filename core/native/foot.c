@@ -49,7 +49,7 @@ static void dm_look_round(const dm_state *b, int64_t first, const double *x, dou
 static double dm_along_normals(const dm_round *r, const double *way, double *along, double *rest) {
     double push[DM_NORMALS] = {0}, most = sqrt(dm_inner3(way, way));
     memcpy(rest, way, 3 * sizeof *rest);
-    for (int sweep = 0; sweep < DM_CONE_SWEEPS; sweep++) {
+    for (int sweep = 0; sweep < DM_SWEEPS; sweep++) {
         double changed = 0;
         for (int k = 0; k < r->count; k++) {
             double more = dm_inner3(rest, r->normals[k]), least = -push[k];
@@ -65,7 +65,7 @@ static double dm_along_normals(const dm_round *r, const double *way, double *alo
 
 /* Move a sphere onto the surface, along the shortest way to the nearest facet. */
 static void dm_seat(const dm_state *b, const dm_tip *f, double *x, dm_round *r) {
-    for (int k = 0; k < DM_SETTLING; k++) {
+    for (int k = 0; k < DM_SWEEPS; k++) {
         dm_look_round(b, f->facet, x, f->radius, r);
         if (!r->facet || !(r->near > 0) || fabs(r->near - f->radius) <= DM_SEATED / 2 * f->radius) return;
         for (int c = 0; c < 3; c++) x[c] += (f->radius / r->near - 1) * r->offset[c];

@@ -3,7 +3,7 @@
 #define DM_FOOT_H
 #include "body.h"
 
-enum { DM_SETTLING = 24, DM_CONE_SWEEPS = 32, DM_FOOT_STEPS = 4 };
+enum { DM_FOOT_STEPS = 4 }; /* steps of a foot towards the place straight above its fingertip, at most */
 
 typedef struct { /* of a sphere: vector from the nearest facet to its centre; normals of the facets that it touches */
     const dm_facet *facet;

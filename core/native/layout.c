@@ -16,28 +16,14 @@ static uint64_t dm_spread_bits(uint64_t a) {
     return (a | a << 2) & 0x1249249249249249;
 }
 
-/* Radix sort by key; equal keys keep their order. */
-static int dm_sort_keys(dm_keyed *keys, int64_t n) {
-    enum { DM_DIGIT = 11, DM_DIGITS = 6 }; /* bits; an even number of passes ends in the original array */
-    dm_keyed *from = keys, *to = malloc((size_t)(n + 1) * sizeof *to), *other = to;
-    for (int digit = 0; to && digit < DM_DIGITS; digit++) {
-        int64_t start[1 << DM_DIGIT] = {0}, at = 0;
-        uint64_t shift = (uint64_t)(digit * DM_DIGIT), mask = (1 << DM_DIGIT) - 1;
-        for (int64_t i = 0; i < n; i++) start[from[i].key >> shift & mask]++;
-        for (uint64_t k = 0; k <= mask; k++) {
-            int64_t count = start[k];
-            start[k] = at, at += count;
-        }
-        for (int64_t i = 0; i < n; i++) other[start[from[i].key >> shift & mask]++] = from[i];
-        dm_keyed *before = from;
-        from = other, other = before;
-    }
-    free(to);
-    return to != NULL;
+static int dm_by_key(const void *a, const void *b) {
+    const dm_keyed *p = a, *q = b;
+    if (p->key != q->key) return p->key < q->key ? -1 : 1;
+    return (p->vertex > q->vertex) - (p->vertex < q->vertex);
 }
 
-/* Order points (3, n) along a Morton curve, so that runs are close in space. Return 0 if memory runs out. */
-static int dm_order_along_curve(const double *points, int64_t n, dm_keyed *keys) {
+/* Order points (3, n) along a Morton curve, so that runs are close in space. */
+static void dm_order_along_curve(const double *points, int64_t n, dm_keyed *keys) {
     double low[3], span = 0;
     for (int c = 0; c < 3; c++) {
         double high = low[c] = points[c * n];
@@ -56,7 +42,7 @@ static int dm_order_along_curve(const double *points, int64_t n, dm_keyed *keys)
         }
         keys[i] = (dm_keyed){key, (uint32_t)i};
     }
-    return dm_sort_keys(keys, n);
+    qsort(keys, (size_t)n, sizeof *keys, dm_by_key);
 }
 
 /* Order the vertices by breadth-first search: all neighbours then lie within two adjacent levels, so that a step
@@ -78,22 +64,22 @@ static void dm_order_by_wave(const dm_state *b, dm_keyed *keys, uint8_t *seen, i
     for (int64_t k = 0; k < n; k++) keys[k].vertex = queue[k];
 }
 
-/* Number the vertices by that order, then by valence within windows, so that the eight of a group have similar
- * numbers of neighbours and few slots stay empty. */
+/* Number the vertices by that order, then by valence within parts of the size of a slice, so that the eight of a group
+ * have similar numbers of neighbours and few slots stay empty. */
 static int32_t dm_lay_out(dm_state *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
-    enum { DM_WINDOW = 256 };
     int64_t n = b->n;
     dm_keyed *keys = dm_alloc(n, sizeof(dm_keyed));
     uint8_t *seen = dm_alloc(n, 1);
-    if (!keys || !seen || !dm_order_along_curve(b->rest, n, keys)) return dm_free(keys), dm_free(seen), DM_MEMORY;
+    if (!keys || !seen) return dm_free(keys), dm_free(seen), DM_MEMORY;
+    dm_order_along_curve(b->rest, n, keys);
     for (int64_t k = 0; k < n; k++) b->rank[keys[k].vertex] = (uint32_t)k;
     dm_order_by_wave(b, keys, seen, width, ring, ring_spring);
     for (int64_t k = 0; k < n; k++) {
         uint64_t valence = 0;
         for (int64_t s = 0; s < width; s++) valence += ring_spring[s * n + keys[k].vertex] >= 0;
-        keys[k].key = (uint64_t)(k / DM_WINDOW) << 40 | valence << 32 | (uint64_t)k;
+        keys[k].key = (uint64_t)(k / DM_SLICE) << 40 | valence << 32 | (uint64_t)k;
     }
-    if (!dm_sort_keys(keys, n)) return dm_free(keys), dm_free(seen), DM_MEMORY;
+    qsort(keys, (size_t)n, sizeof *keys, dm_by_key);
     for (int64_t k = 0; k < n; k++) b->place[keys[k].vertex] = (uint32_t)k;
     dm_free(keys), dm_free(seen);
     return DM_OK;

@@ -80,7 +80,7 @@ static int32_t dm_lay_surface(dm_state *b, const dm_body_def *d) {
             const double *x = d->surface_rest + c * n;
             middles[c * t + k] = (x[corner[0]] + x[corner[1]] + x[corner[2]]) / 3;
         }
-    whole = whole && (!t || dm_order_along_curve(middles, t, keys));
+    if (whole && t) dm_order_along_curve(middles, t, keys);
     for (int64_t k = 0; whole && k < t; k++) {
         int64_t index = keys[k].vertex;
         dm_facet *f = b->facets + k;

@@ -17,7 +17,8 @@ static int32_t dm_order_triangles(dm_scene_state *s, const dm_surface *f) {
     for (int64_t k = 0; whole && k < t; k++)
         for (int c = 0; c < 3; c++)
             middles[c * t + k] = s->rest[mine[k][0]][c] + s->rest[mine[k][1]][c] + s->rest[mine[k][2]][c];
-    if (whole && dm_order_along_curve(middles, t, keys)) {
+    if (whole) {
+        dm_order_along_curve(middles, t, keys);
         for (int64_t k = 0; k < t; k++) memcpy(sorted[k], mine[keys[k].vertex], sizeof *sorted);
         memcpy(mine, sorted, (size_t)t * sizeof *sorted);
     } else s->code = DM_MEMORY;

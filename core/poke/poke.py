@@ -16,9 +16,6 @@ from ..session import Finger
 from ..vectors import Vector, along, dot, length, scaled
 from .fingertip_motion import Aim, PokeTip, leaving, led, stepped, unit
 
-STEEP = 3.0  # motion along the view over that across it: more is a jump over a silhouette, not a drag over the surface
-OPPOSITE = -0.2  # cosine of the angle between two normals, below which two fingertips pinch
-
 
 class Kind(Enum):
     """The kind of an event; the meaning of its `amount`, if it has one, is in brackets."""
@@ -142,9 +139,10 @@ def _move(state: PokeState, event: PokeEvent) -> PokeState:
 
 
 def _leaps(way: Vector, view: Vector, radius: float) -> bool:
-    """Return whether a motion [m] jumps to a part of the surface behind or in front, rather than along the surface."""
-    deeper = abs(dot(way, view))
-    return deeper > radius and deeper > STEEP * length(along(way, view, -dot(way, view)))
+    """Return whether a motion [m] is longer along the view than across it by more than the fingertip is wide: that is
+    a jump over a silhouette, not a drag over the surface.
+    """
+    return abs(dot(way, view)) - length(along(way, view, -dot(way, view))) > 2 * radius
 
 
 def _press(state: PokeState, event: PokeEvent) -> PokeState:
@@ -165,7 +163,7 @@ def _pinched(state: PokeState) -> PokeState:
     across = [
         (i, other) for i, other in enumerate(state.tips)
         if other and i != state.active and other.body == tip.body and not other.leaving
-        and dot(other.goal.outward, tip.goal.outward) < OPPOSITE
+        and dot(other.goal.outward, tip.goal.outward) < 0
     ]  # fmt: skip
     if len(across) != 1:
         return state

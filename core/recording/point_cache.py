@@ -19,7 +19,6 @@ from ..base import DimpleError
 
 _HEADER = struct.Struct("<12siiffi")
 _MAGIC = b"POINTCACHE2\0"
-_SAMPLES_AT = _HEADER.size - 4
 
 
 class PointCache:
@@ -64,7 +63,7 @@ class PointCache:
                 "Sample {sample} has coordinates that are not numbers; it was not written.", sample=self.samples + 1
             )
         self._write(_HEADER.size + self.samples * sample.nbytes, sample.tobytes())
-        self._write(_SAMPLES_AT, struct.pack("<i", self.samples + 1))
+        self._write(_HEADER.size - 4, struct.pack("<i", self.samples + 1))
         self.samples += 1
 
     def close(self) -> None:

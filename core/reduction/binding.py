@@ -13,7 +13,7 @@ from ..mesh.surface import Mesh
 from ..native.carry import Binding, in_rows
 from .cells import vertex_normals
 
-WHOLE = int(np.iinfo(np.uint16).max)  # sum of the weights of a vertex
+WHOLE = int(np.iinfo(np.uint16).max)  # sum of the weights of a vertex, and most vertices of a proxy
 _Values = TypeVar("_Values", Floats, Singles)
 
 

@@ -12,10 +12,6 @@ from ..base import Bools, Floats, Ints, distinct, row_parts, sums_at, sums_of_th
 from ..constants import CREASE
 from ..mesh.surface import Mesh
 
-CREASED = 0.3  # share of the vertices: if more lie on creases, these are the roughness of a scan, and are ignored
-BESIDE = 0.75  # smallest distance between seeds on a crease, as a share of the spacing
-MANY = 40_000  # vertices that are candidates for seeds, at most: of finer meshes every second, third... is enough
-
 
 def vertex_normals(triangles: Ints, x: Floats) -> Floats:
     """Return unit normals (n, 3), 0 for a vertex without one.
@@ -47,11 +43,8 @@ def spread_seeds(mesh: Mesh, place: Floats, used: Ints, count: int, spacing: flo
         count: number of seeds.
         spacing: mean distance between seeds [m].
     """
-    creased = np.intersect1d(_creased(mesh), used)
-    if len(creased) > CREASED * len(used):
-        creased = creased[:0]
-    seeds, offered = np.zeros(0, np.int64), used[:: -(-len(used) // MANY)]
-    for pool, least in ((creased, BESIDE * spacing), (offered, 0.0)):
+    seeds = np.zeros(0, np.int64)
+    for pool, least in ((np.intersect1d(_creased(mesh), used), spacing), (used, 0.0)):
         points = place[pool]
         if len(pool) and not len(seeds):  # the first seed is the point farthest from the middle
             seeds = pool[[int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())]]
@@ -59,8 +52,6 @@ def spread_seeds(mesh: Mesh, place: Floats, used: Ints, count: int, spacing: flo
         chosen = native.farthest_first(native.library(), place[both], len(seeds), least**2, count - len(seeds))
         seeds = np.concatenate([seeds, both[chosen]])
     return seeds
-
-
 
 
 def _creased(mesh: Mesh) -> Ints:

@@ -17,18 +17,14 @@ from ..base import DimpleError, Floats, Ints, Singles, mean_of_pairs, sums_at
 from ..body.maps import stiffness_of
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
-from ..constants import OFFSET
+from ..constants import MAX_FINGERTIPS, OFFSET
 from ..mesh.surface import Mesh, mesh_from_triangles
 from ..native import Binding
-from .binding import bind
+from .binding import WHOLE, bind
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 
 SMALLEST = 60  # [vertices] fewer no longer have the shape of the body
-LARGEST = 16_000  # [vertices] choosing more takes over a second
-STIFFER = stiffness_of(0.0) / stiffness_of(1.0)  # ratio of stiffness that counts as one spacing of distance
 VOLUME_SLACK = 0.15  # share of the volume: a proxy that is off by more is another body
-NEAREST = 1 / 3  # smallest offset over that of a mesh with such edges: smaller, the planes slow fast bodies down
-KEPT = 4  # proxies kept for reuse, by identical bodies and while the constants of a body are tuned
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,11 +59,10 @@ class Proxy:
         """
         mesh, coarse = self.mesh, self.model.mesh
         out = (mesh.volume - coarse.volume) / float(coarse.triangle_areas.sum())
-        wanted = OFFSET * float(mesh.rest_lengths.mean()) + max(out, 0.0)
-        return float(np.clip(wanted, NEAREST * OFFSET * self.spacing, OFFSET * self.spacing))
+        return min(OFFSET * float(mesh.rest_lengths.mean()) + max(out, 0.0), OFFSET * self.spacing)
 
 
-_made: list[Proxy] = []  # the latest proxies, newest first
+_made: list[Proxy] = []  # the latest proxies, newest first: one for each body that is pressed at a time
 
 
 def proxy_of(model: Model, vertices: int) -> Proxy:
@@ -81,7 +76,7 @@ def proxy_of(model: Model, vertices: int) -> Proxy:
     for old in [*_made]:
         if old.spacing == spacing and np.array_equal(old.painted, stiffer) and _are_alike(old.mesh, mesh):
             return with_constants(old, model)
-    _made[KEPT - 1 :] = []
+    _made[MAX_FINGERTIPS - 1 :] = []
     _made.insert(0, build_proxy(model, vertices))
     return _made[0]
 
@@ -139,13 +134,14 @@ def _seeds_and_cells(mesh: Mesh, place: Floats, seeds: Ints) -> tuple[Ints, Ints
 
 
 def painted(model: Model) -> Singles:
-    """Return the stiffness per area of each vertex (n,) relative to the median, as a power of STIFFER from -1 to 1.
+    """Return the stiffness per area of each vertex (n,) relative to the median: 1 for the ratio of the extremes that
+    can be painted, which counts as one spacing of distance, and -1 for its inverse.
 
     Cells do not cross a change of it, so that even a soft spot the size of a fingertip keeps its own vertices.
     """
     known = ~model.mesh.loose
     stiffness = model.matching.k1[known] / np.maximum(model.mesh.vertex_areas[known], 1e-30)
-    powers = np.log(np.maximum(stiffness, 1e-30)) / math.log(STIFFER)
+    powers = np.log(np.maximum(stiffness, 1e-30)) / math.log(stiffness_of(0.0) / stiffness_of(1.0))
     found = np.zeros(len(known), np.float32)
     found[known] = np.clip(np.round(powers - np.median(powers), 2), -1, 1)  # equal to the bit if alike
     return found
@@ -167,8 +163,8 @@ def mean_spacing(mesh: Mesh, vertices: float) -> float:
 
 
 def most_of(model: Model) -> int:
-    """Return the largest number of vertices that a proxy may have."""
-    return min(int((~model.mesh.loose).sum()) // 2, LARGEST)
+    """Return the largest number of vertices that a proxy may have; a binding numbers them with 16 bits."""
+    return min(int((~model.mesh.loose).sum()) // 2, WHOLE)
 
 
 def _coarse_mesh(fine: Mesh, seeds: Ints, cells: Ints) -> Mesh:

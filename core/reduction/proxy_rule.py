@@ -15,9 +15,7 @@ from ..body.model import Model
 from ..message import Message
 from .proxy import SMALLEST, Proxy, most_of, proxy_of
 
-BUDGET = 0.6  # [s] of simulation per second of motion; Blender needs the rest for drawing
 COST = 1.4e-8  # [s] for a vertex and substep: measured once (tests/bench), then fixed
-ESTIMATED = 1.05  # largest estimated cost that counts as live, over the budget: estimates are no more accurate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +36,7 @@ class Plan:
     reason: str
 
 
-def plan(model: Model, *, radius: float = 0.01, budget: float = BUDGET) -> Plan:
+def plan(model: Model, *, radius: float, budget: float) -> Plan:
     """Choose between the full mesh and its proxies, and make the proxy.
 
     Args:
@@ -56,23 +54,23 @@ def plan(model: Model, *, radius: float = 0.01, budget: float = BUDGET) -> Plan:
         )
     except DimpleError:  # no step is short enough; a proxy has longer edges, so it may take longer steps
         cost = math.inf
-    if cost <= ESTIMATED * budget:
+    if runs_live(cost, budget):
         return _full_mesh(cost, Message("The full mesh runs live: {work}.", work=work_of(model)))
-    asked = most_of(model)
+    asked = min(most_of(model), int(budget * TICK / COST))  # those that the budget pays for at one step per tick
     if cost < math.inf:  # substeps grow at most as 1 / edge, so the work as vertices^1.5
         asked = min(asked, int(len(model.mass) * (budget / cost) ** (2 / 3)))
     make = partial(plan_proxy, model, radius=radius, budget=budget, because=because)
     try:
         chosen = make(max(asked, SMALLEST))
         fewer = int(chosen.asked * budget / chosen.cost)  # a smaller proxy needs no more substeps
-        return make(max(fewer, SMALLEST)) if chosen.cost > ESTIMATED * budget else chosen
+        return chosen if runs_live(chosen.cost, budget) else make(max(fewer, SMALLEST))
     except DimpleError as error:
         return _full_mesh(
             cost_of(model), Message("{because}. It is simulated anyway: {error}", because=because, error=error)
         )
 
 
-def plan_full_mesh(model: Model, *, budget: float = BUDGET, because: str = "As chosen") -> Plan:
+def plan_full_mesh(model: Model, *, budget: float, because: str = "As chosen") -> Plan:
     """Return the plan that simulates the full mesh at any cost.
 
     Args:
@@ -88,9 +86,7 @@ def plan_full_mesh(model: Model, *, budget: float = BUDGET, because: str = "As c
     ))  # fmt: skip
 
 
-def plan_proxy(
-    model: Model, vertices: int, *, radius: float, budget: float = BUDGET, because: str = "As chosen"
-) -> Plan:
+def plan_proxy(model: Model, vertices: int, *, radius: float, budget: float, because: str = "As chosen") -> Plan:
     """Return the plan that simulates a proxy of about the given number of vertices.
 
     If no proxy of that size can be made, somewhat larger ones are tried.
@@ -104,7 +100,7 @@ def plan_proxy(
     """
     proxy, asked = _first(model, vertices)
     cost, error = cost_of(proxy.model), surface_error(proxy.spacing, radius)
-    speed = "runs live" if cost <= ESTIMATED * budget else "runs at {speed} real time"
+    speed = "runs live" if runs_live(cost, budget) else "runs at {speed} real time"
     reason = Message(
         "{because}. A proxy of {vertices:,} vertices {speed}; its dents are within {error:.2g} mm of the mesh's.",
         because=Message(because), vertices=len(proxy.seeds), speed=Message(speed, speed=speed_of(cost, budget)),
@@ -153,6 +149,11 @@ def work_of(model: Model) -> str:
         "{vertices:,} vertices at {substeps} steps per millisecond",
         vertices=len(model.mass), substeps=model.substeps(TICK)
     )  # fmt: skip
+
+
+def runs_live(cost: float, budget: float) -> bool:
+    """Return whether the speed is that of real time to one decimal: estimates of cost are no more accurate."""
+    return round(budget / cost, 1) >= 1
 
 
 def speed_of(cost: float, budget: float) -> str:

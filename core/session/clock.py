@@ -14,8 +14,6 @@ from ..native import motion
 from ..native.motion import Motion
 from .frame import Frame
 
-TICKS_AT_ONCE = 8  # most ticks of 1 ms between two looks at the wall clock: half a frame at 60 Hz
-
 
 class Clock:
     """Time in whole ticks, whatever the duration of the steps; the remainder of a step is carried over to the next.
@@ -56,6 +54,11 @@ class Clock:
     def share_after(self, ticks: int) -> float:
         """Return the share of the current step that is over after some more ticks: 0 at its start, 1 at its end."""
         return self._share((self.ticks + ticks) * self.tick)
+
+    def share_of_remainder(self, ticks: int) -> float:
+        """Return the share of the rest of the current step that some more ticks take."""
+        share = self.share_after(ticks)
+        return 1.0 if share >= 1 else 1 - (1 - share) / (1 - max(self.share_after(0), 0.0))
 
     def stop(self, *, early: bool) -> float:
         """End the current step, if early after the ticks done; return the share of it that is over."""
@@ -140,4 +143,4 @@ def _ticks_that_fit(done: int, spent: float, budget: float | None) -> int:
     """
     if budget is None:
         return MAX_STEPS
-    return max(1, min(TICKS_AT_ONCE, int(done * (budget - spent) / max(spent, 1e-9))))
+    return max(1, int(done * (budget - spent) / max(spent, 1e-9)))

@@ -9,15 +9,13 @@ import numpy as np
 from ..base import Floats
 from ..mesh.surface import Mesh
 from ..native.motion import Touch
-from ..vectors import ZERO, Vector, dot
+from ..vectors import ZERO, dot
 
 
 class Frame(NamedTuple):
     """What a session shows after a step; its arrays are made when they are read.
 
     time: [s].
-    impulses: on the fingertips, in the last step that had a tick [N s], and
-    seconds: the time over which they acted [s].
     touches: one for each fingertip, None for a lifted one.
     mesh: the mesh shown.
     pressure: [Pa].
@@ -32,8 +30,6 @@ class Frame(NamedTuple):
     """
 
     time: float
-    impulses: tuple[Vector, ...]
-    seconds: float
     touches: tuple[Touch | None, ...]
     mesh: Mesh
     pressure: float

@@ -9,10 +9,10 @@ import numpy as np
 from ..base import Floats
 from ..body.model import Model
 from ..native import Body
+from ..native.motion import Touch
 from ..reduction.proxy import Proxy
-from .sway import Push, Sway, sway_of
-
-CLOSE = 1e-5  # share of the body's size: closer to its shape at rest than this it shows no dent
+from .fingertip import Finger
+from .sway import STILL, Push, Sway, push_of, sway_of
 
 
 class Rest:
@@ -86,6 +86,14 @@ class Rest:
         if self.sway:
             self.met = self.sway.met(impulses, seconds, self._seeds)
 
+    def pushes(self, fingers: Sequence[Finger | None], touches: Sequence[Touch | None]) -> list[Push]:
+        """Return the pushes of touching fingertips and of other surfaces; none if the body does not sway."""
+        if not self.sway:
+            return []
+        both = [(finger, touch) for finger, touch in zip(fingers, touches, strict=False) if finger and touch]
+        pushes = [push_of(touch, finger, self._model.mesh) for finger, touch in both if any(touch.force)]
+        return [*pushes, self.met] if self.met and len(self.met.vertices) else pushes
+
     def bend(self, body: Body, share: float, seconds: float, pushes: Sequence[Push]) -> None:
         """Move by a share of the remaining way to the target, sway for some seconds, and take the body along."""
         before = None if self.carries else self.of_body
@@ -103,7 +111,7 @@ class Rest:
         """Carry a swaying body, unstepped, if it shows no difference from its shape at rest."""
         if self.sway and not self.carries:
             off = body.positions() - self.of_body
-            self.carries = float(np.abs(off).max()) <= CLOSE * self._model.mesh.size
+            self.carries = float(np.abs(off).max()) <= STILL * self._model.mesh.size
 
     def let_go(self, body: Body) -> None:
         """Let a body that is carried be stepped again."""

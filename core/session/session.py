@@ -14,20 +14,18 @@ import numpy as np
 from ..base import TICK, DimpleError, Floats, Singles
 from ..body.model import Model
 from ..body.moved_rest import with_rest
-from ..constants import MAX_FINGERTIPS, MAX_STEPS
+from ..constants import MAX_STEPS
 from ..message import Message
-from ..native import Body, create, motion
+from ..native import create, motion
 from ..native.motion import Motion
 from ..other_tip import factors
 from ..reduction.proxy import Proxy
-from ..vectors import ZERO, Vector
 from .clock import Clock, step_all
 from .fingertip import Finger as Finger
-from .fingertip import FingerOnItsWay, is_possible, sent
+from .fingertip import FingertipMotions, Fingertips
 from .frame import Frame as Frame
 from .rest_shape import Rest
 from .skin import Pins, Skin
-from .sway import Push, push_of
 
 ANSWERED = 9  # ticks, those between two looks at a scene: after them a moving shape at rest answers what pushes it
 
@@ -41,6 +39,7 @@ class Session:
     backend: "native" (single precision) or "native64".
     contact_note: "" or what its self contact leaves out, for the artist.
     held_note: "" or which colliders were held back in the last step, for the artist.
+    rest_shape: its shape at rest, which a rig bends and which sways.
     frame: result of the last step.
     most: largest number of ticks in one motion of the current step.
     clock: time of the session, which the fingertips follow.
@@ -52,23 +51,23 @@ class Session:
         self.clock = Clock(tick)
         self.backend, self.contact_note, self.held_note = backend, "", ""
         self.substeps: int  # number in a tick
-        self.body = self._create(self._define(model, Rest(model, proxy), proxy), model)
+        self.body = create(self._define(model, Rest(model, proxy), proxy), surface=model, backend=backend)
         self.reset()
 
     def reset(self) -> None:
         """Put the body back to rest, in the shape of its model, and lift all fingertips."""
-        if self._rest.bent:  # rebuilt, so that the same motion gives the same bits again
-            self.body = self._create(self._moves, self.model)
-        self._rest.reset()
+        if self.rest_shape.bent:  # rebuilt, so that the same motion gives the same bits again
+            self.body = create(self._moves, surface=self.model, backend=self.backend)
+        self.rest_shape.reset()
         self.body.set_state(self._moves.matching.rest)
         self._work, self._total = 0.0, 0
         self.clock.reset()
-        self._tips: list[FingerOnItsWay | None] = []  # None for a lifted one
+        self._tips = Fingertips()
         self._pins.rest_at(self.model.matching.rest)
         self._skin.reset()
         self._last = motion.Frame((), self.body.model.mesh.volume, 0.0, 0, True)
         self._done, self._note, self.most, self._started = 0, "", MAX_STEPS, time.perf_counter()
-        self.frame = self._show((), self.clock.tick)
+        self.frame = self._show()
 
     def set_fingers(self, fingers: Sequence[Finger | None]) -> None:
         """Set up to three fingertips for the end of the next step; None lifts one off.
@@ -76,13 +75,8 @@ class Session:
         Raises:
             DimpleError: too many fingertips, a radius that is not positive, or a position that is not a number.
         """
-        if len(fingers) > MAX_FINGERTIPS:
-            raise DimpleError("There are at most {most} fingertips.", most=MAX_FINGERTIPS)
-        for finger in fingers:
-            if finger and not is_possible(finger):
-                raise DimpleError("A fingertip needs a location with finite coordinates and a radius greater than 0.")
-        self._tips = list(map(sent, [*self._tips, None, None, None], fingers))
-        if not any(self._tips):
+        self._tips.send(fingers)
+        if not self._tips.are_down:
             self.substeps = self._moves.substeps(self.clock.tick)
 
     def set_pins(self, positions: Floats) -> None:
@@ -91,7 +85,7 @@ class Session:
         Raises:
             DimpleError: another number of vertices, or positions that are not numbers.
         """
-        self._pins.target = self._of_mesh(positions).T
+        self._pins.target = self._skin.of_mesh(positions).T
 
     def set_rest(self, positions: Floats) -> None:
         """Set the shape at rest of the input vertices (N, 3) [m] at the end of the next step, as a rig bends it.
@@ -101,18 +95,7 @@ class Session:
         Raises:
             DimpleError: another number of vertices, or positions that are not numbers.
         """
-        self._rest.target = self._of_mesh(positions).T
-
-    def _of_mesh(self, positions: Floats) -> Floats:
-        """Return the positions of the mesh's vertices (n, 3) from those of the input vertices (N, 3)."""
-        positions = np.asarray(positions, np.float64)
-        if positions.shape != (len(self.model.mesh.source), 3):
-            raise DimpleError(
-                "The mesh has {vertices} vertices: give a position for each.", vertices=len(self.model.mesh.source)
-            )
-        if not np.isfinite(positions).all():
-            raise DimpleError("A vertex has a position that is not a number.")
-        return self._skin.of_mesh(positions)
+        self.rest_shape.target = self._skin.of_mesh(positions).T
 
     def step(self, dt: float, *, budget: float | None = None) -> Frame:
         """Advance by dt [s] in whole ticks; the remainder is carried over to the next call.
@@ -135,20 +118,15 @@ class Session:
             DimpleError: dt is negative or not a number.
         """
         self.clock.start(dt)
-        if alone and not any(self._tips):
-            self._rest.carry(self.body)
-        else:
-            self._rest.let_go(self.body)
+        meets = not alone or self._tips.are_down
+        (self.rest_shape.let_go if meets else self.rest_shape.carry)(self.body)
         if alone:
-            self._rest.met = None
+            self.rest_shape.met = None
         self._done, self._note, self._started = 0, "", time.perf_counter()
-        meets = not alone or any(self._tips)
-        self.most = ANSWERED if meets and (self._rest.sway or self._rest.moves) else MAX_STEPS // self.substeps - 1
-        for tip in self._tips:
-            if tip:
-                tip.impulse = ZERO
-                if tip.target.via:  # the path turns at each of them
-                    self.most = max(1, min(self.most, self.clock.due // (len(tip.target.via) + 1)))
+        answers = meets and (self.rest_shape.sway or self.rest_shape.moves)
+        self.most = ANSWERED if answers else MAX_STEPS // self.substeps - 1
+        if self._tips.legs > 1:  # a path turns after each
+            self.most = max(1, min(self.most, self.clock.due // self._tips.legs))
 
     @property
     def due(self) -> int:
@@ -162,11 +140,9 @@ class Session:
             substeps: number in each tick, 0 for as many as the model needs.
         """
         clock = self.clock
-        pushes = self._pushes() if self._rest.sway else []
-        if ticks and (self._rest.moves or pushes):
-            share, left = clock.share_after(ticks), 1 - max(clock.share_after(0), 0.0)
-            of_way = 1.0 if share >= 1 else 1 - (1 - share) / left
-            self._rest.bend(self.body, of_way, ticks * clock.tick, pushes)
+        pushes = self.rest_shape.pushes(self.fingers, self._last.touches)
+        if ticks and (self.rest_shape.moves or pushes):
+            self.rest_shape.bend(self.body, clock.share_of_remainder(ticks), ticks * clock.tick, pushes)
             if self.rides:
                 self._skin.reset()
         if self.rides:
@@ -186,9 +162,7 @@ class Session:
         if result.moved:
             self._skin.reset()
         self._pins.take()
-        for tip, touch in zip(self._tips, result.touches, strict=True):
-            if tip and touch:
-                self._work += tip.take(touch, result.ticks * self.clock.tick)
+        self._work += self._tips.take(result.touches, result.ticks * self.clock.tick)
         if not result.finite:
             at, done = self.clock.ticks * self.clock.tick, self._done
             self.reset()
@@ -202,60 +176,59 @@ class Session:
     def finish(self, *, early: bool = False) -> Frame:
         """End the current step, if early after the ticks done, and return its result."""
         if not self._note:
-            if not self._done:
-                self._last = self._measured()
-            self._move_origins(self.clock.stop(early=early))
-        impulses, seconds = self.frame.impulses, self.frame.seconds  # kept if no tick was due
-        if self._done or len(impulses) != len(self._tips):
-            impulses = tuple([tip.impulse if tip else ZERO for tip in self._tips])
-            seconds = max(self._done, 1) * self.clock.tick
-        self.frame = self._show(impulses, seconds)
+            if not self._done:  # evaluate fingertips that were put down or lifted
+                self._last = self.body.step(Motion(0, self.substeps, self.clock.tick, self._motions(0.0, 0.0)))
+            share = self.clock.stop(early=early)
+            self._tips.move(share)
+            if self._pins.move(share):
+                self._skin.reset()
+        self.frame = self._show()
         return self.frame
 
     @property
     def rides(self) -> bool:
         """Return whether the body sways untouched: it lies on its shape at rest, and is not stepped."""
-        return self._rest.carries
+        return self.rest_shape.carries
 
     @property
     def rest(self) -> Floats:
         """Return the shape at rest of the mesh (n, 3) [m], as its rig and its sway bend it."""
-        return self._rest.whole.T
+        return self.rest_shape.whole.T
 
     def bent_model(self) -> Model:
         """Return the simulated model with its current shape at rest."""
-        return with_rest(self._moves, self._rest.of_body) if self._rest.bent else self._moves
+        return with_rest(self._moves, self.rest_shape.of_body) if self.rest_shape.bent else self._moves
 
     @property
     def moved(self) -> bool:
         """Return whether anything moved in the last step; False if the body slept throughout."""
-        return self._last.moved or (self.rides and self._rest.moves)
+        return self._last.moved or (self.rides and self.rest_shape.moves)
 
     @property
     def sway_hz(self) -> float:
         """Return the frequency of the body's slowest sway mode [Hz], 0 if it does not sway."""
-        return self._rest.sway.frequency if self._rest.sway else 0.0
+        return self.rest_shape.sway.frequency if self.rest_shape.sway else 0.0
 
     def wake(self) -> None:
         """Let a sleeping body move again: what it rested on may be gone."""
-        self._rest.let_go(self.body)
+        self.rest_shape.let_go(self.body)
         self.body.wake()
 
     @property
     def placed(self) -> tuple[Finger | None, ...]:
         """Return the fingertips at their current positions, those that a force pushes included."""
-        return tuple([tip.finger() if tip else None for tip in self._tips])
+        return self._tips.placed
 
     @property
     def fingers(self) -> tuple[Finger | None, ...]:
         """Return the fingertips as they are to be at the end of the next step."""
-        return tuple([tip.target if tip else None for tip in self._tips])
+        return self._tips.targets
 
     def law(self, index: int, depths: Sequence[float]) -> list[float]:
         """Return the forces [N] of the law that a fingertip which is down would get at depths [m] at its place."""
-        tip = self._tips[index]
-        assert tip
-        table = factors(self.model.materials, tip.target.radius, self.model.mesh.size)
+        finger = self.fingers[index]
+        assert finger
+        table = factors(self.model.materials, finger.radius, self.model.mesh.size)
         return self.body.law(index, np.asarray(depths), table).tolist()
 
     def positions(self) -> Singles:
@@ -278,7 +251,7 @@ class Session:
         moves.substeps(self.clock.tick)
         if len(model.matching.rest.T) != len(surface.matching.rest.T):
             raise DimpleError("The vertices of the mesh have changed since the start. Reset it and start again.")
-        self._rest.let_go(self.body)
+        self.rest_shape.let_go(self.body)
         skin = scale * np.asarray(self._skin.surface(self.body), np.float64)
         led = self._pins.target
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
@@ -287,14 +260,13 @@ class Session:
             at, speed = skin, scale * self._skin.velocities(self.body)
             if proxy:
                 at, speed = at[proxy.seeds], speed[proxy.seeds]
-            self.body = self._create(moves, model)
+            self.body = create(moves, surface=model, backend=self.backend)
             self.body.set_state(at.T, speed.T)
-            for tip in filter(None, self._tips):
-                tip.scale(scale)
+            self._tips.scale(scale)
             led = None
-        self._define(model, Rest(model, proxy, self._rest), proxy)
-        if self._rest.bent and moves.mesh is not before.mesh:
-            self._rest.lay(self.body)
+        self._define(model, Rest(model, proxy, self.rest_shape), proxy)
+        if self.rest_shape.bent and moves.mesh is not before.mesh:
+            self.rest_shape.lay(self.body)
         self._pins.origin, self._pins.target = skin.T, led
 
     def _define(self, model: Model, rest: Rest, proxy: Proxy | None) -> Model:
@@ -303,53 +275,24 @@ class Session:
         self.substeps = moves.substeps(self.clock.tick)
         self.model, self.proxy, self._moves = model, proxy, moves
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
-        self._rest = rest
+        self.rest_shape = rest
         self._pins: Pins = Pins(model, proxy)
         self._skin: Skin = Skin(model, proxy, self._pins, rest)
         return moves
 
-    def _create(self, moves: Model, surface: Model) -> Body:
-        return create(moves, surface=surface, backend=self.backend)
-
-    def _move_origins(self, share: float) -> None:
-        for tip in self._tips:
-            if tip:
-                tip.origin, tip.target = tip.place(share), tip.target._replace(via=(), fresh_contact=False)
-        if self._pins.move(share):
-            self._skin.reset()
-
-    def _motions(self, first: float, last: float) -> tuple[motion.FingertipMotion | None, ...]:
+    def _motions(self, first: float, last: float) -> FingertipMotions:
         """Return the motion of each fingertip for some ticks."""
-        materials, size = self.model.materials, self.model.mesh.size
-        return tuple([
-            tip.motion(first, last, factors(materials, tip.target.radius, size)) if tip else None for tip in self._tips
-        ])  # fmt: skip
-
-    def _measured(self) -> motion.Frame:
-        """Evaluate fingertips that were put down or lifted without a tick."""
-        return self.body.step(Motion(0, self.substeps, self.clock.tick, self._motions(0.0, 0.0)))
-
-    def meet(self, impulses: Floats, seconds: float) -> None:
-        """Push a swaying body by the impulses that others gave its vertices (m, 3) in some seconds [N s]."""
-        self._rest.meet(impulses, seconds)
-
-    def _pushes(self) -> list[Push]:
-        """Return the pushes of touching fingertips and of other surfaces on a swaying body."""
-        tips, mesh = zip(self._tips, self._last.touches, strict=False), self.model.mesh
-        pushes = [push_of(touch, tip.target, mesh) for tip, touch in tips if tip and touch and any(touch.force)]
-        met = self._rest.met
-        return [*pushes, met] if met and len(met.vertices) else pushes
+        return self._tips.motions(first, last, self.model.materials, self.model.mesh.size)
 
     def skin(self) -> Floats:
         """Return the positions of the vertices (n, 3) [m] of the mesh."""
         return np.asarray(self._skin.on(self.placed, self._skin.surface(self.body)), np.float64)
 
-    def _show(self, impulses: tuple[Vector, ...], seconds: float) -> Frame:
+    def _show(self) -> Frame:
         last, scale, rest = self._last, self._volume_scale, self.model.mesh.volume
-        if self._rest.bent and not self.rides:  # the call takes time
+        if self.rest_shape.bent and not self.rides:  # the call takes time
             rest = self.body.rest_volume * scale
         return Frame(
-            self.clock.time, impulses, seconds, last.touches, self.model.mesh, last.pressure, last.volume * scale, rest,
-            self.substeps, self._done, time.perf_counter() - self._started, self._total, self._work,
-            self._note,
+            self.clock.time, last.touches, self.model.mesh, last.pressure, last.volume * scale, rest,
+            self.substeps, self._done, time.perf_counter() - self._started, self._total, self._work, self._note,
         )  # fmt: skip

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import Bools, Floats, Ints, Singles
+from ..base import Bools, DimpleError, Floats, Ints, Singles
 from ..body.model import Model
 from ..constants import ROUNDING
 from ..mesh.surface import input_vertices
@@ -71,22 +71,28 @@ class Pins:
 
 
 class Skin:
-    """The surface of a body; vertices that nothing carries follow the pins.
-
-    input_of: input vertex (n,) of each vertex of the mesh.
-    """
+    """The surface of a body; vertices that nothing carries follow the pins."""
 
     def __init__(self, model: Model, proxy: Proxy | None, pins: Pins, rest: Rest) -> None:
         self._proxy, self._pins, self._rest, self._source = proxy, pins, rest, model.mesh.source
-        self.input_of = input_vertices(model.mesh)
+        self._input_of = input_vertices(model.mesh)
         self._yields = model.compliance > 0
         self._yields_somewhere = bool(self._yields.any())
         self._unwelded = len(self._source) == len(model.mass) and bool((self._source[1:] > self._source[:-1]).all())
         self.reset()
 
-    def of_mesh(self, values: Floats) -> Floats:
-        """Return the values (n, 3) at the vertices of the mesh for values (N, 3) at the input vertices."""
-        return values if self._unwelded else values[self.input_of]
+    def of_mesh(self, positions: Floats) -> Floats:
+        """Return the positions of the mesh's vertices (n, 3) from those of the input vertices (N, 3).
+
+        Raises:
+            DimpleError: another number of vertices, or positions that are not numbers.
+        """
+        positions = np.asarray(positions, np.float64)
+        if positions.shape != (len(self._source), 3):
+            raise DimpleError("The mesh has {vertices} vertices: give a position for each.", vertices=len(self._source))
+        if not np.isfinite(positions).all():
+            raise DimpleError("A vertex has a position that is not a number.")
+        return positions if self._unwelded else positions[self._input_of]
 
     def reset(self) -> None:
         """Clear the cached positions, because something has moved."""

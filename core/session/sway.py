@@ -26,7 +26,7 @@ from ..native.motion import Touch
 from .fingertip import Finger
 
 After = Callable[[Floats], tuple[Floats, Floats]]
-STILL = 1e-6  # [m] a body whose vertices all sway by less than this is at rest
+STILL = 1e-5  # of the body's size: it shows no sway and no dent smaller than this
 
 
 class Push(NamedTuple):
@@ -102,7 +102,8 @@ class Sway:
     def moves(self) -> bool:
         """Return whether anything sways, or moves with object or rig."""
         far = np.abs(self._q) + np.abs(self._v) / self._rates
-        return self._speed is None or bool(self._speed.any()) or bool((far * self._reach).sum() > STILL)
+        sways = bool((far * self._reach).sum() > STILL * self.mesh.size)
+        return self._speed is None or bool(self._speed.any()) or sways
 
     @property
     def frequency(self) -> float:
@@ -223,7 +224,7 @@ def sway_of(model: Model, before: Sway | None = None) -> Sway | None:
         return None
     mesh = model.mesh
     goes_on = before is not None and before.mesh is mesh and np.array_equal(before.held, wanted.held)
-    modes = before.modes if before and goes_on else modes_of(mesh, mesh.rest_positions, wanted.held, bones=wanted.bones)
+    modes = before.modes if before and goes_on else modes_of(mesh, wanted.held, bones=wanted.bones)
     largest = int(np.bincount(mesh.triangle_material, mesh.triangle_areas, len(model.materials)).argmax())
     material, density = model.materials[largest], float(model.mass.sum()) / mesh.volume
     sway = Sway(

@@ -19,14 +19,11 @@ import numpy as np
 from ..base import Floats
 from ..body import rigid
 from ..body.rigid import RigidShape, RigidState
-from ..constants import OFFSET
+from ..constants import CREASE, OFFSET
 from ..native.scene import Collider, Fall, Falling
 from ..session import Session
 
 LEAST_SHARE = 0.1  # [mass of the lightest body] smallest mass with which a prop moves
-SETTLING = 0.05  # smallest damping ratio of a prop, so that it comes to rest
-THIN = 0.5  # [volume / area] largest distance by which faces are moved inwards
-FLAT = 0.02  # [largest eigenvalue] an eigenvalue below this belongs to a direction that a vertex's faces leave open
 
 
 @dataclass(slots=True, kw_only=True)
@@ -91,13 +88,15 @@ def shrunk(collider: Collider, by: float) -> tuple[Collider, float]:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas, volume = np.linalg.norm(normals, axis=1), float(np.linalg.det(corners).sum()) / 6
     normals /= np.copysign(np.maximum(areas, 1e-30), volume)[:, None]
-    by = min(by, THIN * abs(volume) / max(float(areas.sum()) / 2, 1e-30))
-    # displacement d of each vertex, the least-squares solution for its faces: normal . d = -by
+    by = min(by, abs(volume) / max(float(areas.sum()), 1e-30))  # a plate keeps half of its thickness
+    # displacement d of each vertex, the least-squares solution for its faces: normal . d = -by. Two normals with the
+    # cosine of a crease between them span eigenvalues of this ratio; what turns less counts as flat
     squares, sums = np.zeros((len(x), 3, 3)), np.zeros((len(x), 3))
     for k in range(3):
-        np.add.at(squares, triangles[:, k], areas[:, None, None] * normals[:, :, None] * normals[:, None, :])
-        np.add.at(sums, triangles[:, k], areas[:, None] * normals)
-    way = -by * np.einsum("mij,mj->mi", np.linalg.pinv(squares, rcond=FLAT, hermitian=True), sums)
+        np.add.at(squares, triangles[:, k], normals[:, :, None] * normals[:, None, :])
+        np.add.at(sums, triangles[:, k], normals)
+    flat = (1 - CREASE) / (1 + CREASE)
+    way = -by * np.einsum("mij,mj->mi", np.linalg.pinv(squares, rcond=flat, hermitian=True), sums)
     return collider._replace(positions=np.ascontiguousarray((x + way).T)), by
 
 
@@ -112,4 +111,4 @@ def _heavier(shape: RigidShape, sessions: Sequence[Session]) -> RigidShape:
 def _damping(mass: float, sessions: Sequence[Session]) -> float:
     """Return the damping [N s/m] of a prop in contact: as for bodies, a fraction of the critical damping."""
     materials = [material for session in sessions for material in session.model.materials]
-    return min(max(m.damping_ratio, SETTLING) * 2 * math.sqrt(min(m.K1, m.K2) * mass) for m in materials)
+    return min(m.damping_ratio * 2 * math.sqrt(min(m.K1, m.K2) * mass) for m in materials)

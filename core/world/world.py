@@ -22,27 +22,6 @@ from ..session.clock import step_all
 from .props import prop_of
 
 
-class Meeting(NamedTuple):
-    """The contact in a step.
-
-    touching: largest number of pairs in contact.
-    truncated: number of times that a vertex was stopped from passing through something.
-    taken: momentum that these stops changed [N s].
-    held_back: largest distance of a collider behind its prescribed motion at the end [m].
-    forces: mean force on each surface over the step (k, 3) [N]: bodies, then colliders; sleeping bodies exert none.
-    queries: number of proximity queries.
-    moments: moments of the forces about the origin (k, 3) [N m].
-    """
-
-    touching: int = 0
-    truncated: int = 0
-    taken: float = 0.0
-    held_back: float = 0.0
-    forces: Floats = np.zeros((0, 3))
-    queries: int = 0
-    moments: Floats = np.zeros((0, 3))
-
-
 class Held(NamedTuple):
     """A collider that could not follow its prescribed motion in a step.
 
@@ -59,6 +38,7 @@ class Held(NamedTuple):
 class World:
     """Sessions, colliders and props that are stepped together.
 
+    parts: results of the native calls in the last step.
     held: the colliders that could not follow their prescribed motion in the last step.
     notes: for each session, what is left out of its self contact, for the artist, or "".
     props: the colliders that fall, by their index.
@@ -98,7 +78,7 @@ class World:
             raise DimpleError("Bodies that collide must use the same backend and the same tick.")
         self._at = [np.array(collider.positions, np.float64) for collider in self.colliders]
         self._ends: list[Floats | None] = [None] * len(self.colliders)
-        self.meeting, self.held = Meeting(), list[Held]()
+        self.parts, self.held = list[SceneFrame](), list[Held]()
         self._make()
         self.check()
 
@@ -146,7 +126,7 @@ class World:
         """Return the position (m, 3) [m] of a collider: behind its prescribed motion if a body blocks it."""
         return self._scene.collider(index).T
 
-    def step(self, dt: float, *, budget: float | None = None) -> Meeting:
+    def step(self, dt: float, *, budget: float | None = None) -> None:
         """Advance all sessions by dt [s] in whole ticks; their frames hold the results.
 
         Args:
@@ -154,25 +134,23 @@ class World:
         """
         if any(session.body is not body for session, body in zip(self.sessions, self._bodies, strict=True)):
             self._make()
-        self._parts: list[SceneFrame] = []
+        self.parts = []
         step_all(self.sessions, [dt] * len(self.sessions), budget=budget, together=self._run)
-        done, left = sum(part.ticks for part in self._parts), min(session.due for session in self.sessions)
+        done, left = sum(part.ticks for part in self.parts), min(session.due for session in self.sessions)
         self._arrive(done / (done + left) if left else 1.0)
-        self.meeting = _sum(self._parts, max(done, 1) * self.sessions[0].clock.tick)
-        self.held = self._find_held() if self._parts else self.held
+        self.held = self._find_held() if self.parts else self.held
         note = in_a_row([held.said for held in self.held])
         for session in self.sessions:
             session.held_note = note
-        return self.meeting
 
     def _find_held(self) -> list[Held]:
         """Return the colliders that are visibly behind their prescribed motion, or were let go."""
         found, seen = [], SLACK * min(session.body.model.mesh.size for session in self.sessions)
         for i, name in enumerate(self._names):
-            torn, late = any(part.torn[i] for part in self._parts), float(self._parts[-1].late[i])
+            torn, late = any(part.torn[i] for part in self.parts), float(self.parts[-1].late[i])
             if not torn and late <= seen:
                 continue
-            where = _where(self._parts[-1].places[i])
+            where = _where(self.parts[-1].places[i])
             if torn:
                 said = Message(
                     'Collider "{name}" pulled the skin at ({where}) mm farther than the size of the body, so it was '
@@ -200,17 +178,17 @@ class World:
     def _run(self, sessions: Sequence[Session], at_once: int) -> tuple[Sequence[motion.Frame], int]:
         """Run all sessions for some ticks of the current step; return their frames and the number of ticks."""
         substeps = max(session.substeps for session in sessions)
-        done, left = sum(part.ticks for part in self._parts), min(session.due for session in sessions)
+        done, left = sum(part.ticks for part in self.parts), min(session.due for session in sessions)
         ticks = min([left, at_once, MAX_STEPS // substeps - 1, *(session.most for session in sessions)])
         ways = [self._way(i) for i in range(len(self._at))]
         motions = [session.next_motion(ticks, substeps=substeps) for session in sessions]
         whole = done + left
         part = self._scene.step(motions, ways, (done + 1) / whole, (done + ticks) / whole)
-        self._parts.append(part)
+        self.parts.append(part)
         ends = np.cumsum([len(session.body.model.mass) for session in sessions])
         for session, frame, given in zip(sessions, part.frames, np.split(part.given, ends), strict=False):
             if frame.moved:
-                session.meet(given, frame.ticks * session.clock.tick)
+                session.rest_shape.meet(given, frame.ticks * session.clock.tick)
         if not all(frame.finite for frame in part.frames):
             for i, at in enumerate(self._at):
                 self._scene.set_collider(i, at)
@@ -267,17 +245,4 @@ def _left_out(found: Crossings) -> str:
         "The mesh passes through itself at ({where}) mm: {pairs} pairs of faces and their neighbors are left out of "
         "Self Contact.",
         where=_where(found.place), pairs=found.pairs
-    )  # fmt: skip
-
-
-def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:
-    if not parts:
-        return Meeting()
-    impulses, moments = parts[0].impulses, parts[0].moments
-    for part in parts[1:]:
-        impulses, moments = impulses + part.impulses, moments + part.moments
-    return Meeting(
-        max(part.touching for part in parts), sum(part.truncated for part in parts),
-        sum(part.taken for part in parts), float(parts[-1].late.max(initial=0.0)),
-        impulses / seconds, sum(part.queries for part in parts), moments / seconds,
     )  # fmt: skip

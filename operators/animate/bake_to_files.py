@@ -23,7 +23,7 @@ from ...core.session import step_all
 from ..bridge import bake_files, final_mesh, scene_objects, timeline
 from ..press import colliders, follow_settings, live_step, props
 from ..press.object_body import ObjectBody
-from ..press.progress import READY
+from ..press.progress import READY, SLICE_S
 from .force_table import ForceTable
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def simulate(
         scene.frame_set(plan.first)
         bodies, each = [], READY / len(plan.objects)
         for done, obj in enumerate(plan.objects):
-            opening = beside(_opening(context, plan, obj, messages, files))
+            opening = beside(_opening(context, plan, obj, messages, files), SLICE_S)
             bodies.append((yield from as_share(opening, done * each, each)))
         together = {body.link.uid: (body.obj, body.session, body.link.scale) for body in bodies}
         worlds = colliders.worlds_of(context, together)

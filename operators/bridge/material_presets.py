@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from . import sizing
+
 if TYPE_CHECKING:
     from ...core.material import Preset
 
@@ -15,7 +17,15 @@ def material_of(obj: bpy.types.Object, name: str) -> bpy.types.Material:
     return obj.active_material
 
 
-def apply(settings: bpy.types.PropertyGroup, preset: "Preset") -> None:
+def give(obj: bpy.types.Object, preset: "Preset") -> None:
+    """Make a mesh a soft body with a preset's material, size and sway, and fit fingertip and depth to it."""
+    _apply(material_of(obj, preset.label).dimple, preset)
+    obj.dimple.enabled, obj.dimple.size_mode, obj.dimple.size_mm = True, "CUSTOM", preset.size * 1e3
+    obj.dimple.sway, obj.dimple.sway_hz = preset.sway, preset.sway_hz
+    sizing.fit(bpy.context.scene, obj)
+
+
+def _apply(settings: bpy.types.PropertyGroup, preset: "Preset") -> None:
     """Give a material's settings the constants of a preset."""
     constants = preset.material
     settings.K1, settings.K2, settings.k = constants.K1 / 1e3, constants.K2 / 1e3, constants.k / 1e3

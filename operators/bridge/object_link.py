@@ -14,9 +14,8 @@ import bpy
 import numpy as np
 import numpy.typing as npt
 
-from ...core.base import LARGEST, DimpleError
+from ...core.base import LARGEST, DimpleError, row_parts
 
-PART = 16384  # [vertices] processed at a time: their intermediate results fit into the cache
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
@@ -107,8 +106,7 @@ def offsets_of(link: ObjectLink, matrix: Floats, rest: Singles, physical: Single
     resting = link.resting if as_begun else to_physical(link.scale, matrix, rest)
     turn = (np.linalg.inv(matrix)[:3, :3].T / link.scale).astype(resting.dtype)
     offsets = np.empty(resting.shape, np.float32)
-    for begin in range(0, len(resting), PART):
-        part = slice(begin, begin + PART)
+    for part in row_parts(len(resting), 2):
         moved = physical[part] - resting[part]
         if as_begun:
             moved[(np.abs(moved) <= link.rounding).all(axis=1)] = 0.0

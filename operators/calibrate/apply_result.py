@@ -7,10 +7,10 @@ from bpy.props import BoolProperty
 
 from ...core.message import kept
 from ..bridge import sizing
+from ..bridge.material_presets import material_of
 from ..names import Op
 from ..press import polls
 from . import results
-from .apply_preset import material_of
 
 
 def _result(context: bpy.types.Context) -> dict:

@@ -91,20 +91,31 @@ class Tip:
         say(self, {"INFO"}, results.source(record, record["source_of_k"]))
 
 
-class DIMPLE_OT_calibrate(Tip, polls.Declared, bpy.types.Operator):
+def shown_files(pattern: str) -> StringProperty:
+    """Return the property by which a file browser shows only some files."""
+    return StringProperty(name="Filter", description="Files that are shown", options={"HIDDEN"}, default=pattern)
+
+
+class Opened:
+    """Give an operator a file to read, which it asks for unless the file is dropped, or named by a script."""
+
+    filepath: StringProperty(name="File", description="File to read", subtype="FILE_PATH", options={"SKIP_SAVE"})
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        if self.properties.is_property_set("filepath"):
+            return self.execute(context)
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+
+class DIMPLE_OT_calibrate(Tip, Opened, polls.Declared, bpy.types.Operator):
     """Fit a material to the force-depth file of an instrument: CSV or text, as the instrument wrote it"""
 
     bl_idname = Op.CALIBRATE
     bl_label = "Calibrate"
     bl_options = {"REGISTER", "UNDO"}
 
-    filepath: StringProperty(
-        name="File", description="Force-depth file: CSV or text", subtype="FILE_PATH", options={"SKIP_SAVE"}
-    )
-    filter_glob: StringProperty(
-        name="Filter", description="Files that are shown", options={"HIDDEN"},
-        default=results.FILTER,
-    )  # fmt: skip
+    filter_glob: shown_files(results.FILTER)
     asked: StringProperty(name="Question", description="Question that the file leaves open", options=HIDDEN)
     found: StringProperty(name="Found", description="Touch and tare that the fit found", options=HIDDEN)
     answer_0: _answer(0)
@@ -114,7 +125,7 @@ class DIMPLE_OT_calibrate(Tip, polls.Declared, bpy.types.Operator):
 
     needs = (polls.in_object_mode,)  # there the result is one undo step
 
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the file, or the questions that it leaves open; a dropped file is read at once."""
         self.take_size(context)
         if self.asked:
@@ -123,10 +134,7 @@ class DIMPLE_OT_calibrate(Tip, polls.Declared, bpy.types.Operator):
                 if question["default"] in values:  # the likeliest answer is preselected
                     setattr(self, f"answer_{number}", str(values.index(question["default"])))
             return context.window_manager.invoke_props_dialog(self, width=WIDTH, title=translated("Which is right?"))
-        if self.properties.is_property_set("filepath"):
-            return self.execute(context)
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+        return Opened.invoke(self, context, event)
 
     def run(self, context: bpy.types.Context) -> set[str] | None:
         """Read the file and fit the law; if that fails, the last result stays."""

@@ -9,11 +9,11 @@ from bpy.props import StringProperty
 
 from ...core.errors import DimpleError
 from ...core.message import from_json, to_json
+from ..bridge.material_presets import material_of
 from ..names import Op
 from ..press import polls
 from . import results
-from .apply_preset import material_of
-from .from_file import Dropped, Saved
+from .from_file import Dropped, Opened, Saved, shown_files
 
 ENDING = ".dimple"
 LARGEST = 2**20  # [bytes] read at most; a material has some 20 kB
@@ -31,9 +31,7 @@ class DIMPLE_OT_save_material(polls.Declared, Saved, bpy.types.Operator):
     bl_label = "Save Material to File"
     filename_ext = ENDING
 
-    filter_glob: StringProperty(
-        name="Filter", description="Files that are shown", options={"HIDDEN"}, default=f"*{ENDING}"
-    )
+    filter_glob: shown_files(f"*{ENDING}")
     license: StringProperty(name="License", description="What others may do with the constants", default="CC0-1.0")
 
     needs = (polls.need(lambda context: context.object and context.object.active_material, "Apply a material first"),)
@@ -55,26 +53,16 @@ class DIMPLE_OT_save_material(polls.Declared, Saved, bpy.types.Operator):
             raise DimpleError("{path} cannot be written: {error}.", path=path, error=error.strerror) from None
 
 
-class DIMPLE_OT_open_material(polls.Declared, bpy.types.Operator):
+class DIMPLE_OT_open_material(Opened, polls.Declared, bpy.types.Operator):
     """Give the active object the material of a Dimple material file"""
 
     bl_idname = Op.OPEN_MATERIAL
     bl_label = "Open Material File"
     bl_options = {"REGISTER", "UNDO"}
 
-    filepath: StringProperty(name="File", description="A saved material", subtype="FILE_PATH", options={"SKIP_SAVE"})
-    filter_glob: StringProperty(
-        name="Filter", description="Files that are shown", options={"HIDDEN"}, default=f"*{ENDING}"
-    )
+    filter_glob: shown_files(f"*{ENDING}")
 
     needs = polls.in_object_mode, polls.needs_mesh, polls.is_own
-
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Ask for the file, unless it was dropped."""
-        if self.properties.is_property_set("filepath"):
-            return self.execute(context)
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
 
     def run(self, context: bpy.types.Context) -> None:
         from ...core.material import Material

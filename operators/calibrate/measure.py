@@ -1,7 +1,7 @@
 """The virtual press: press the active body with a round tip and write the file that an instrument would write."""
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ...core.message import Message, about
 from ..names import PLACES, Op
@@ -9,10 +9,9 @@ from ..press import modal_runs, polls, sessions
 from ..press.progress import Working
 from ..reporting import say
 from . import results
-from .from_file import Saved
+from .from_file import Saved, shown_files
 
 BEYOND = 1.5  # [knee depths] depth of the press if that of the measurement is unknown
-_ASKED = ("tip_radius_mm", "place", "depth_mm", "rows")
 
 
 class DIMPLE_OT_measure(Working, Saved, bpy.types.Operator):
@@ -22,8 +21,9 @@ class DIMPLE_OT_measure(Working, Saved, bpy.types.Operator):
     bl_label = "Measure"
     filename_ext = ".csv"
     verb, stopped = "Measuring", "The measurement was stopped; nothing was written"
+    asked = "filepath", "tip_radius_mm", "place", "depth_mm", "rows"
 
-    filter_glob: StringProperty(name="Filter", description="Files that are shown", options={"HIDDEN"}, default="*.csv")
+    filter_glob: shown_files("*.csv")
     tip_radius_mm: FloatProperty(
         name="Tip Radius (mm)", description="Radius of the tip; 0 uses the tip that measured the material",
         default=0.0, min=0.0, soft_max=50.0,
@@ -45,23 +45,14 @@ class DIMPLE_OT_measure(Working, Saved, bpy.types.Operator):
         if self.properties.is_property_set("filepath"):
             return Working.invoke(self, context, event)
         self.filepath = bpy.path.clean_name(context.object.name) + self.filename_ext
-        self._browsing = True
+        self.browsing = True
         return Saved.invoke(self, context, event)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Measure in one go; after the file browser, start a new call, because this one cannot become modal."""
-        if getattr(self, "_browsing", False):
-            given = self.properties.is_property_set
-            settings = {name: getattr(self, name) for name in _ASKED if given(name)}
-            bpy.ops.dimple.measure("INVOKE_DEFAULT", filepath=self.filepath, **settings)
-            return {"CANCELLED"}
-        return Working.execute(self, context)
 
     def draw(self, _context: bpy.types.Context) -> None:
         """Draw tip, place, depth and number of rows."""
         layout = self.layout
         layout.use_property_split = True
-        for name in _ASKED:
+        for name in self.asked[1:]:
             layout.prop(self, name)
 
     def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:

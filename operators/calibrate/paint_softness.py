@@ -1,37 +1,27 @@
 """Paint softness from a table of pokes, as a vertex group with a weight for every vertex."""
 
 import bpy
-from bpy.props import StringProperty
 
 from ...core.message import Message
 from ..names import Op
 from ..press import polls, sessions
 from ..reporting import say
+from .from_file import Opened, shown_files
 
 GROUP = "Softness from Pokes"
 PAINTED = 0.02  # fraction of the vertices that may lie outside the range of a map before a warning
 
 
-class DIMPLE_OT_softness_from_pokes(polls.Declared, bpy.types.Operator):
+class DIMPLE_OT_softness_from_pokes(Opened, polls.Declared, bpy.types.Operator):
     """Paint softness from a table of pokes: x, y, z, depth and force, at positions on the object as it stands"""
 
     bl_idname = Op.SOFTNESS_FROM_POKES
     bl_label = "Softness from Pokes"
     bl_options = {"REGISTER", "UNDO"}
 
-    filepath: StringProperty(
-        name="File", description="Table of pokes: CSV or text", subtype="FILE_PATH", options={"SKIP_SAVE"}
-    )
-    filter_glob: StringProperty(
-        name="Filter", description="Files that are shown", options={"HIDDEN"}, default="*.csv;*.txt;*.tsv"
-    )
+    filter_glob: shown_files("*.csv;*.txt;*.tsv")
 
     needs = polls.in_object_mode, polls.needs_mesh, polls.is_own, polls.is_free
-
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Ask for the file."""
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
 
     def run(self, context: bpy.types.Context) -> None:
         from ...core.calibration.pokes import map_pokes, read_pokes

@@ -13,6 +13,7 @@ from bpy.props import IntProperty, StringProperty
 from ...core.errors import DimpleError
 from ...core.message import Message
 from ..bridge import in_trial
+from ..calibrate.from_file import Opened, shown_files
 from ..device.connect_device import is_ready
 from ..names import Op
 from ..press import fingertip_objects, haptic_fingertips, modal_runs, polls, sessions
@@ -94,21 +95,16 @@ def check_levels(scene: bpy.types.Scene, plan: "Plan", materials: dict[str, "Mat
             )  # fmt: skip
 
 
-class DIMPLE_OT_open_experiment(polls.Declared, bpy.types.Operator):
+class DIMPLE_OT_open_experiment(Opened, polls.Declared, bpy.types.Operator):
     """Start or resume an experiment on the active object. Answers are saved beside its file"""
 
     bl_idname = Op.OPEN_EXPERIMENT
     bl_label = "Open Experiment"
 
-    filepath: StringProperty(name="File", description="JSON file with the trials", subtype="FILE_PATH")
-    filter_glob: StringProperty(name="Filter", description="Files that are shown", options={"HIDDEN"}, default="*.json")
+    filter_glob: shown_files("*.json")
     participant: StringProperty(name="Participant", description="Participant code from the file", options={"SKIP_SAVE"})
 
     needs = polls.needs_mesh, polls.is_own, polls.is_free, is_ready
-
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
 
     def run(self, context: bpy.types.Context) -> None:
         from ...core.experiment.plan_file import read_plan

@@ -14,7 +14,6 @@ from ..reporting import megabytes, wrapped
 from ..translation import translated
 
 CHARACTER = 8.5  # [px] width of a character in the dialog, with a share of icon and borders
-_ASKED = ("formats", "frame_start", "frame_end", "modifiers", "key_error", "overwrite")
 _MODIFIERS = (
     ("VIEWPORT", "Viewport", "As in the viewport"),
     ("RENDER", "Render", "As in a render, often with more subdivision"),
@@ -38,6 +37,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
     running = "Exporting: Esc cancels"
     verb, stopped = "Exporting", "The export was cancelled; the files that were finished are kept"
     ready = READY
+    asked = "directory", "formats", "frame_start", "frame_end", "modifiers", "key_error", "overwrite"
 
     directory: StringProperty(
         name="Folder", description="Folder for the files, which are named after the objects", subtype="DIR_PATH",
@@ -65,17 +65,9 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
         if self.properties.is_property_set("directory"):
             return Working.invoke(self, context, event)
         self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
-        self._browsing = True
+        self.browsing = True
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Export at once; after the file browser start a new operator: this one cannot continue between events."""
-        if getattr(self, "_browsing", False):
-            settings = {name: getattr(self, name) for name in _ASKED}
-            bpy.ops.dimple.export_animation("INVOKE_DEFAULT", directory=self.directory, **settings)
-            return {"CANCELLED"}
-        return Working.execute(self, context)
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
@@ -84,7 +76,7 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
         column.use_property_split = False  # next to a label their names would be cut off
         column.label(text="Formats")
         column.prop(self, "formats")
-        for name in _ASKED[1:]:
+        for name in self.asked[2:]:
             layout.prop(self, name)
         sentence, icon = self._estimate(context)
         column = layout.box().column(align=True)

@@ -54,13 +54,21 @@ class Working(polls.Declared):
     running: text shown while the task runs.
     stopped: message after Esc.
     ready: fraction done after which the remaining time can be estimated.
+    asked: names of the properties that a file browser asks for, if it sets `browsing`.
     """
 
-    ready = 0.0
+    ready, asked, browsing = 0.0, (), False
     _run = None  # still None while the operator asks for a file
 
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Do all the work in one go; after a file browser start a new call, because this one cannot become modal."""
+        if self.browsing:
+            settings = {name: getattr(self, name) for name in self.asked if self.properties.is_property_set(name)}
+            getattr(bpy.ops.dimple, type(self).__name__.removeprefix("DIMPLE_OT_"))("INVOKE_DEFAULT", **settings)
+            return {"CANCELLED"}
+        return super().execute(context)
+
     def run(self, context: bpy.types.Context) -> set[str]:
-        """Do all the work in one go."""
         manager = context.window_manager
         manager.progress_begin(0, 1)
         try:
@@ -154,7 +162,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
         from ...core.background_work import beside
         from . import live_step
 
-        self._came = yield from beside(live_step.starting_all(context))
+        self._came = yield from beside(live_step.starting_all(context), SLICE_S)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         _, messages, wrong = self._came

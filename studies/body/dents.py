@@ -79,7 +79,7 @@ def ball(subdivisions: int) -> Mesh:
 
 def planned(mesh: Mesh, material: Material) -> int:
     """Return how many vertices a session's proxy is requested with, 0 where the full mesh runs live."""
-    return plan(build_model(mesh, [material], pinned=base_vertices(mesh)), radius=TIP).asked
+    return plan(build_model(mesh, [material], pinned=base_vertices(mesh)), radius=TIP, budget=0.6).asked
 
 
 def roughness(mesh: Mesh, one: Settled) -> float:

@@ -95,7 +95,7 @@ def by_lattice(body: Body, most: int = 3) -> tuple[Floats, Floats]:
     mesh = mesh_from_triangles(*halved(body.solid.p[:, used].T, corners.reshape(outer.shape).T))
     at = mesh.rest_positions
     held = body.pinned(at.T).astype(float) if body.pinned else np.zeros(len(at))
-    modes = modes_of(mesh, at, held)
+    modes = modes_of(mesh, held)
     return modes.rates[:most], np.array([sag(modes, axis) for axis in range(3)])
 
 

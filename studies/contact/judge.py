@@ -21,6 +21,7 @@ import numpy as np
 from core.base import Floats, Ints
 from core.session import Session
 from studies.contact.cost import measure_cost
+from studies.contact.meeting import meeting_of
 from studies.contact.scenes import SCENES, Played
 from studies.files import write_json
 from studies.reference.facets import nearest_on_triangles
@@ -132,8 +133,9 @@ def judge(name: str, starts: int) -> dict[str, Any]:
                 if lead:
                     session.set_pins(lead(at))
             began = time.process_time()
-            meeting = world.step(session.clock.tick if (session := world.sessions[0]) else 0.0)
+            world.step(world.sessions[0].clock.tick)
             spent.append(time.process_time() - began)
+            meeting = meeting_of(world)
             taken, truncated = taken + meeting.taken, truncated + meeting.truncated
             held_back, touching = max(held_back, meeting.held_back), max(touching, meeting.touching)
             finite = finite and all(session.frame.finite for session in world.sessions)

@@ -23,6 +23,7 @@ from core.session import Session
 from core.world import Collider, World
 from core.world.props import touching_gap
 from studies.contact.judge import winding
+from studies.contact.meeting import met
 from studies.files import write_json
 from studies.meshes.simple import Shape, cube, icosphere
 from studies.reference.crossing import find_crossings
@@ -148,7 +149,7 @@ def lead(name: str, cuts: int, speed: float, body: str, friction: float = FRICTI
         late = max(late, float(np.abs(world.collider(0) - end).max()))
     for _ in range(20):
         world.step(1e-2)
-    force = np.mean([world.step(1e-3).forces[1, 2] for _ in range(20)])
+    force = np.mean([met(world, 1e-3).forces[1, 2] for _ in range(20)])
     whole, whole_faces = shape(name, 0)  # the same surface
     whole = whole - [0, 0, DEEP + ABOVE]
     skin, skin_faces = session.body.positions().T, session.body.model.mesh.triangles

@@ -187,7 +187,7 @@ def ready(points: Floats, faces: Ints, material: Material) -> tuple[Session, flo
     began = time.perf_counter()
     mesh = mesh_from_triangles(points * (SIZE / np.ptp(points[np.unique(faces)], axis=0).max()), faces)
     model = build_model(mesh, [material], pinned=base_vertices(mesh))
-    chosen = plan(model, radius=material.indenter.radius)
+    chosen = plan(model, radius=material.indenter.radius, budget=0.6)
     session = Session(model, proxy=chosen.proxy)
     return session, time.perf_counter() - began
 

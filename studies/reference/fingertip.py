@@ -21,10 +21,10 @@ from core.material import law_force
 from core.mesh.surface import Mesh
 from core.native.motion import FingertipMotion
 
-from .constants import EXACT, HELD, LARGEST_GROWTH, PUSH_TIME, REST_TIME, SAME_WAY, SEATED, SLACK, STICK, TRAVEL
+from .constants import EXACT, HELD, LARGEST_GROWTH, PUSH_TIME, REST_TIME, SAME_WAY, SEATED, SLACK, STICK, SWEEPS, TRAVEL
 from .facets import nearest_on_triangles
 
-SETTLING, CONE_SWEEPS, FOOT_STEPS = 24, 32, 4
+FOOT_STEPS = 4
 NORMALS = 8  # that hold a sphere: more walls than a fingertip touches at once
 FRICTION, DAMPING, LAYER = 4, 5, 6  # of a material's law, behind K1, K2, x0 and the power
 
@@ -165,7 +165,7 @@ def look_round(s: RestSurface, first: int, x: Floats, radius: float) -> Round:
 def along_normals(found: Round, way: Floats) -> tuple[Floats, Floats]:
     """Split a way (3,) into what the normals push along and the rest: the projection on the cone that they span."""
     push, rest, most = np.zeros(len(found.normals)), way.copy(), math.sqrt(way @ way)
-    for _ in range(CONE_SWEEPS):
+    for _ in range(SWEEPS):
         changed = 0.0
         for k, normal in enumerate(found.normals):  # Gauss and Seidel
             more = max(rest @ normal, -push[k])
@@ -179,7 +179,7 @@ def along_normals(found: Round, way: Floats) -> tuple[Floats, Floats]:
 
 def seat(s: RestSurface, tip: Tip, x: Floats) -> Round:
     """Lay a sphere at x (3,) on the surface, in place, by the shortest way to or from what is nearest."""
-    for _ in range(SETTLING):
+    for _ in range(SWEEPS):
         found = look_round(s, tip.facet, x, tip.radius)
         if not found.near > 0 or abs(found.near - tip.radius) <= SEATED / 2 * tip.radius:
             break

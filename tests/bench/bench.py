@@ -28,7 +28,6 @@ from core.mesh.surface import Mesh, base_vertices
 from core.native import Body
 from core.native.motion import FingertipMotion, Motion
 from core.session import Finger, Session
-from core.session.clock import TICKS_AT_ONCE
 from studies.reference.twin import Twin
 from studies.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube
 from tests.bench.chart import draw
@@ -36,6 +35,7 @@ from tests.bench.chart import draw
 TICK = 1e-3  # [s]
 DEPTH = 0.010  # [m] of the press that is measured
 PRESS_TICKS = 8  # from the skin to there
+TICKS_AT_ONCE = 8  # of a call: half a frame at 60 Hz
 BALL_SIZES, CUBE_SIZES = (3, 4, 5, 6, 7), (10, 20, 41, 82, 165)  # 642 or 602 vertices to 164 thousand
 SUBSTEPS = 10  # in a tick, for "N vertices in real time"
 CALLS_MS = (1.0, 1000 / 60)  # of a session: a servo's, or another solver's user's; and a viewport's

@@ -25,7 +25,7 @@ def press() -> bpy.types.Object:
     assert len(obj.data.vertices) == VERTICES
     bpy.ops.object.shade_smooth()
     obj.name, obj.dimple.size_mode, obj.dimple.simulated = "Ball", "CUSTOM", "PROXY"
-    bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+    bpy.context.object.dimple.material = "object_2_vinyl_air"
     bpy.ops.dimple.add_fingertip()
     tip = scene.dimple.finger_1
     top = tip.location.z

@@ -15,6 +15,7 @@ from core.native.motion import Motion
 from core.native.scene import Collider, ColliderMotion
 from core.session import Session
 from core.world import World
+from studies.contact.meeting import met
 from studies.reference.twin import Twin
 from studies.reference.twin_scene import TwinScene
 from tests.bodies import ball, block, sheet
@@ -141,7 +142,7 @@ def test_props_fall_alike_on_each_other_on_a_table_and_on_the_ground() -> None:
             state.velocity = np.array([0.1, 0.0, -0.3])
     most = 0
     for _ in range(8):
-        found = [world.step(0.005) for world in worlds]
+        found = [met(world, 0.005) for world in worlds]
         most = max(most, found[0].touching)
         assert found[0].touching == found[1].touching and found[0].truncated == found[1].truncated
         assert np.abs(found[0].forces - found[1].forces).max() < 1e-8
@@ -159,7 +160,7 @@ def test_a_prop_falls_alike_on_a_soft_body() -> None:
     for world in worlds:
         world.props[0].state.velocity = np.array([0.0, 0.0, -0.2])
     for _ in range(4):
-        found = [world.step(0.005) for world in worlds]
+        found = [met(world, 0.005) for world in worlds]
         assert np.abs(found[0].forces - found[1].forces).max() < 1e-7
         assert np.abs(worlds[0].props[0].state.centre - worlds[1].props[0].state.centre).max() < 1e-10
         assert np.abs(worlds[0].sessions[0].body.positions() - worlds[1].sessions[0].body.positions()).max() < 1e-9

@@ -9,6 +9,7 @@ from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from core.world import Collider, World
 from studies.contact.led import MATERIAL, SHAPES, SIDE, lead, shape, soft_cube
+from studies.contact.meeting import meeting_of
 from tests.bodies import ball, block
 
 BRIDGED = 1.3e-3  # [m] skin touches at 0.7 mm at most, and its edges of 7 mm bridge the 4 mm of the blade
@@ -61,7 +62,7 @@ def test_a_led_shape_that_tore_the_skin_is_said_to_pass_through_until_it_is_apar
     for tick in range(-40, 21):
         world.set_colliders([start - [0, 0, tick * 1e-3]])
         world.step(1e-3)
-    assert world.meeting.touching and (session.body.positions()[2] < -0.02).sum() > 50, "and then they meet again"
+    assert meeting_of(world).touching and (session.body.positions()[2] < -0.02).sum() > 50, "and then they meet again"
 
 
 TEN_SPEEDS = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0)  # [m/s]

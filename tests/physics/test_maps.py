@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError, Floats
-from core.body.maps import LEAST
 from core.body.model import Model, build_model
 from core.material import FINGERTIP, PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
@@ -46,11 +45,10 @@ def test_each_map_multiplies_its_own_constants_and_half_changes_nothing() -> Non
             np.testing.assert_allclose(factor, wanted.get(constant, 1.0), rtol=1e-9, err_msg=f"{name}: {constant}")
 
 
-def test_a_place_painted_0_keeps_a_little_of_its_constants_and_runs() -> None:
+def test_where_the_knee_is_painted_0_the_skin_is_hard_from_the_start() -> None:
     n = len(small().mesh.source)
     model = small(knee=np.zeros(n), spread=np.zeros(n))
-    assert model.matching.d0.min() == pytest.approx(LEAST * small().matching.d0.min())
-    assert depth(model, 3.0) > 0
+    assert depth(model, 3.0) == pytest.approx(3.0 / VINYL.K2, rel=0.02)
 
 
 def test_a_map_of_another_length_or_with_a_nan_is_refused_by_its_name() -> None:

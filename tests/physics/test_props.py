@@ -14,6 +14,7 @@ from core.native.scene import Collider
 from core.session import Session
 from core.world import World
 from core.world.props import shrunk, touching_gap
+from studies.contact.meeting import met
 from studies.reference import rigid as turning
 from studies.reference.energy import stored
 from studies.scenes import cube
@@ -52,7 +53,7 @@ def led(model: Model, depth: float) -> float:
     world.set_colliders([None])
     world.step(0.6)
     session.wake()
-    return float(world.step(0.1).forces[1, 2])
+    return float(met(world, 0.1).forces[1, 2])
 
 
 @pytest.mark.parametrize(
@@ -64,7 +65,7 @@ def test_it_rests_at_the_depth_at_which_the_body_answers_its_weight(mass: float)
     world = falling(session, start, faces, mass)
     world.step(2.0)
     session.wake()  # a sleeping body exerts no force
-    carried = [world.step(0.002).forces[1, 2] for _ in range(100)]
+    carried = [met(world, 0.002).forces[1, 2] for _ in range(100)]
     assert np.mean(carried) == pytest.approx(mass * G, rel=0.01), "the body carries its weight"
     depth = SIDE / 2 - float(world.props[0].state.centre[2] - THICK / 2)
     assert led(model, depth) == pytest.approx(mass * G, rel=0.05), "as much as if it were held there"

@@ -12,6 +12,7 @@ from core.mesh.surface import base_vertices
 from core.native.scene import Collider
 from core.session import Session
 from core.world import World
+from studies.contact.meeting import meeting_of, met
 from studies.reference import rigid as turning
 from studies.scenes import cube
 from tests.bodies import block, sheet
@@ -69,11 +70,11 @@ def test_a_weight_dropped_on_a_table_lands_flat_stands_on_it_and_drifts_nowhere_
     for step in range(100):
         world.gravity = np.array([0.0, 0.0, -G * (1 + 1e-9 * (1 - step % 2))])  # another gravity wakes it
         world.step(0.1)
-        assert world.meeting.touching, "it sleeps, which would hide a drift"
+        assert meeting_of(world).touching, "it sleeps, which would hide a drift"
     assert np.abs(seen(world, 1, start) - before).max() < 1e-9
     world.step(1.0)
     world.step(0.1)
-    assert world.meeting.queries == world.meeting.touching == 0, "it sleeps and costs nothing"
+    assert meeting_of(world).queries == meeting_of(world).touching == 0, "it sleeps and costs nothing"
 
 
 @pytest.mark.parametrize("frames", [24, 60, 120])
@@ -117,14 +118,14 @@ def test_a_weight_that_falls_into_a_bowl_stays_there_and_its_energy_never_grows(
     assert (left - np.minimum.accumulate(left)).max() < 1e-8 * left[0]
     assert np.linalg.norm(world.props[1].state.velocity) < 1e-6 and abs(world.props[1].state.centre[2] - 0.02) < 0.005
     world.step(0.5)
-    assert world.meeting.queries == 0, "it sleeps"
+    assert meeting_of(world).queries == 0, "it sleeps"
 
 
 def test_two_weights_stacked_on_a_soft_body_rest_and_press_it_with_both_weights() -> None:
     stack = [block((0.08, 0.07, 0.03), (0.002 * k, 0.001, SIDE / 2 + 0.016 + 0.031 * k)) for k in range(2)]
     world = meeting([], stack, [0.6, 0.4], cells=6)
     world.step(1.5)
-    forces = np.mean([world.step(0.002).forces[:, 2] for _ in range(20)], axis=0)
+    forces = np.mean([met(world, 0.002).forces[:, 2] for _ in range(20)], axis=0)
     assert forces == pytest.approx([-G, 0.6 * G, 0.4 * G], rel=0.005)
     top, bottom = (seen(world, k, stack[k])[np.argsort(stack[k][0][:, 2])] for k in (1, 0))
     assert np.abs(top[:4, 2].mean() - bottom[4:, 2].mean()) < 2e-5, "one stands on the other as they are seen"
@@ -138,7 +139,7 @@ def test_bars_that_lie_crosswise_hold_each_other() -> None:
     world = meeting([table()], bars, [0.2, 0.2])
     world.step(1.0)
     assert world.props[2].state.centre == pytest.approx([1.0, 0.0, 0.03], abs=1e-5)
-    assert world.meeting.truncated == 0
+    assert meeting_of(world).truncated == 0
 
 
 def test_what_two_props_give_each_other_is_equal_and_opposite() -> None:
@@ -151,7 +152,7 @@ def test_what_two_props_give_each_other_is_equal_and_opposite() -> None:
 
     before = momentum()
     for _ in range(20):
-        meet = world.step(0.01)
+        meet = met(world, 0.01)
         np.testing.assert_allclose(meet.forces[1], -meet.forces[2], rtol=0, atol=1e-12)
         np.testing.assert_allclose(meet.moments[1], -meet.moments[2], rtol=0, atol=1e-12)
         world.check()

@@ -320,7 +320,7 @@ def test_under_a_fingertip_that_rests_it_sleeps_and_presses_on_it_as_before(back
         slept.step(0.1)
         other.wake()
         awake.step(0.1)
-        force, goal = (np.array(each.frame.impulses[0]) / each.frame.seconds for each in (body, other))
+        force, goal = (np.array(each.frame.touches[0].impulse) / 0.1 for each in (body, other))
         assert not body.moved and np.array_equal(before, (body.body.positions(), body.body.velocities()))
         assert force == pytest.approx(goal, abs=1e-4 * np.linalg.norm(goal)) and force[2] > 1.0
         assert body.frame.depths[0] == pytest.approx(other.frame.depths[0], rel=1e-6)

@@ -18,6 +18,7 @@ from core.mesh.surface import mesh_from_triangles
 from core.native.motion import Frame
 from core.session import Session
 from core.world import Collider, World
+from studies.contact.meeting import meeting_of, met
 from studies.reference.proximity import find_pairs, join_surfaces
 from studies.scenes import cube
 from tests.bodies import ball, sheet
@@ -49,7 +50,7 @@ def test_a_fast_ball_meets_a_resting_table_alike_at_any_height() -> None:
         positions = body.body.positions()
         body.body.set_state(positions, np.tile([[0.0], [0.0], [-8.0]], positions.shape[1]))
         world = World([body], [top._replace(positions=top.positions + [[0.0], [0.0], [height]])])
-        taken.append(sum(world.step(1e-3).taken for _ in range(20)))
+        taken.append(sum(met(world, 1e-3).taken for _ in range(20)))
     assert taken[1] == pytest.approx(taken[0], rel=0.1, abs=1e-3)
 
 
@@ -66,7 +67,7 @@ def test_an_open_bowl_stops_a_ball_from_within_and_from_without(at: float, gravi
     before = body.body.positions()[2].mean()
     world.step(0.5)
     far = np.linalg.norm(body.body.positions(), axis=0)
-    assert world.meeting.touching and abs(body.body.positions()[2].mean() - before) > 0.005
+    assert meeting_of(world).touching and abs(body.body.positions()[2].mean() - before) > 0.005
     assert far.max() < 0.1 if at > -0.1 else far.min() > 0.1 * np.cos(0.1)  # the bowl is of flat faces
 
 
@@ -79,8 +80,8 @@ def test_two_bodies_that_collide_keep_their_momentum() -> None:
     before = sum(momentum(each) for each in sessions)
     world, most = World(sessions), 0
     for _ in range(60):
-        most = max(most, world.step(1e-3).touching)
-        assert world.meeting.taken == 0
+        most = max(most, met(world, 1e-3).touching)
+        assert meeting_of(world).taken == 0
     assert most > 5
     assert np.abs(sum(momentum(each) for each in sessions) - before).max() < 1e-13
     assert abs(momentum(sessions[0])[2]) > 0.05
@@ -105,7 +106,7 @@ def test_a_plate_that_would_press_a_body_to_nothing_waits_and_passes_neither_bod
     world, most = World([body], [table(), Collider(start.T.copy(), sheet(2, 0.5)[1])]), 0.0
     for tick in range(1, 201):
         world.set_colliders([None, start - (0, 0, min(speed * tick * 1e-3, 2 * RADIUS + 4e-3))])
-        most = max(most, world.step(1e-3).held_back)
+        most = max(most, met(world, 1e-3).held_back)
         world.check()
     assert body.frame.finite and most > 0
     assert body.positions()[:, 2].min() > 0 and world.collider(1)[:, 2].min() > 0
@@ -189,7 +190,7 @@ def test_bodies_pressed_together_keep_the_distance_at_which_they_touch_and_are_s
     gaps = pairs.gap[faces_of] / touch  # of 4,000 pairs in 14 such presses, 14 are nearer than 0.9, the nearest 0.7
     assert np.percentile(gaps, 1) > 0.9 and gaps.min() > 0.65
     assert np.abs(x - before).max() < 5e-5
-    assert world.meeting.truncated == 0 and world.meeting.queries == 0
+    assert meeting_of(world).truncated == 0 and meeting_of(world).queries == 0
 
 
 class Slow(World):

@@ -9,6 +9,7 @@ from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.reduction.proxy import Proxy, build_proxy
 from core.session import Session
 from core.world import Collider, World, drop_proxies
+from studies.contact.meeting import meeting_of
 from tests.bodies import ball, block, sheet
 
 GEL = Material(K1=200, K2=900, x0=0.010, k=300, density=1000, damping_ratio=0.4, fill="liquid")
@@ -34,8 +35,8 @@ def pressed_by_a_plate(model: Model, proxy: Proxy | None) -> tuple[float, float,
         world.step(1 / 60)
         world.check()
         overlaps.append(float(body.positions()[:, 2].max() - world.collider(0)[0, 2]))
-    assert world.meeting.touching
-    return max(overlaps), overlaps[-1], -float(world.meeting.forces[0, 2])
+    assert meeting_of(world).touching
+    return max(overlaps), overlaps[-1], -float(meeting_of(world).forces[0, 2])
 
 
 def test_a_smooth_mesh_meets_a_plate_where_and_as_hard_as_it_does_without_the_proxy_that_moves_it() -> None:

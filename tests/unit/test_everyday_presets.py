@@ -1,13 +1,14 @@
 """The presets of everyday objects say where they come from, lie within their own limits, and can be pressed."""
 
+import math
 import re
 
 import numpy as np
 import pytest
 
 from core.body.model import build_model
-from core.everyday_presets import EVERYDAY, MADE_UP, OBJECTS, found
-from core.material import DEFAULT_MATERIAL, PRESETS, Material, Preset
+from core.everyday_presets import EVERYDAY, OBJECTS, found
+from core.material import DEFAULT_MATERIAL, HERTZ, POUND, PRESETS, STANDARD_GRAVITY, Material, Preset
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.other_tip import as_soft, softness
 from core.session import Finger, Session
@@ -20,7 +21,7 @@ def test_there_are_a_dozen_and_no_two_are_called_the_same() -> None:
     assert len({preset.label for preset in EVERYDAY}) == len(EVERYDAY)
 
 
-SOURCED = [preset for preset in EVERYDAY if not preset.provenance.startswith(MADE_UP)]
+SOURCED = [preset for preset in EVERYDAY if not preset.provenance.startswith("Made up")]
 
 
 @pytest.mark.parametrize("preset", SOURCED, ids=lambda each: each.name)
@@ -30,6 +31,41 @@ def test_a_preset_with_a_source_lies_within_the_limits_it_states(preset: Preset)
     low, high = map(float, limits.groups())
     assert low < preset.material.K1 / 1e3 < high
     assert high < 2 * low or "±" in preset.provenance  # people differ
+
+
+POUND_FORCE = POUND * STANDARD_GRAVITY  # [N]
+PSI = POUND_FORCE / 0.0254**2  # [Pa]
+KGF_PER_CM2 = 1e4 * STANDARD_GRAVITY  # [Pa]
+
+
+def middle(low: float, high: float) -> float:
+    return (low + high) / 2
+
+
+def hertz(modulus: float, radius: float, knee: float) -> float:
+    """Return K1 [N/m] of the law that a ball measures on an elastic solid."""
+    return math.sqrt(radius * (1 + 1 / HERTZ) * knee) / HERTZ * 4 / 3 / 0.75 * modulus
+
+
+@pytest.mark.parametrize(
+    ("name", "stiffness"),
+    [
+        ("volleyball", 2 * math.pi * 0.105 * middle(0.30, 0.325) * KGF_PER_CM2),
+        ("beach_volleyball", 2 * math.pi * 0.1066 * middle(0.175, 0.225) * KGF_PER_CM2),
+        ("football", 2 * math.pi * 0.11 * middle(0.6, 1.1) * 101_325),
+        ("ecoflex_00_10", 2 * 0.005 * 8 * PSI / 0.75),
+        ("ecoflex_00_30", 2 * 0.005 * 10 * PSI / 0.75),
+        ("dragon_skin_10", 2 * 0.005 * 22 * PSI / 0.75),
+        ("sofa_foam", middle(25, 30) * POUND_FORCE / 0.025),
+        ("chair_foam", middle(35, 45) * POUND_FORCE / 0.025),
+        ("skin", hertz(26.1e3, 0.010, 0.015)),
+        ("flesh", hertz(62.2e3, 0.010, 0.015)),
+        ("jelly", middle(0.175, 0.225) * STANDARD_GRAVITY / 0.004),
+    ],
+)
+def test_a_stiffness_follows_from_the_numbers_of_its_source(name: str, stiffness: float) -> None:
+    preset = next(each for each in EVERYDAY if each.name == name)
+    assert preset.material.K1 == pytest.approx(stiffness, rel=5e-4), "four digits, as in the panel"
 
 
 @pytest.mark.parametrize("preset", EVERYDAY, ids=lambda each: each.name)

@@ -28,7 +28,7 @@ UNSEEN = (
     "core/native/carry.py", "core/native/scene.py", "operators/export/clips.py", "operators/export/command_line.py",
     "operators/bridge/keyframes.py",
     "operators/export/formats.py", "operators/export/sidecar.py",
-    "core/everyday_presets.py", "operators/names.py",  # labels and texts, which a test in Blender looks at
+    "operators/names.py",  # labels and texts, which a test in Blender looks at
 )  # fmt: skip
 UNSEEN_TEXTS = {
     "import sys, mmap, select, tomllib; print('python', *sys.version_info[:2])", "real time", "force units?",

@@ -15,7 +15,7 @@ from tools.environment import BLENDERS, DEV_PINS, PEER_PINS, READER_PINS, ROOT, 
 
 # what is read at run time beside Python
 DATA = {
-    "LICENSE", "blender_manifest.toml", "core/native/sources.tar.bz2",
+    "LICENSE", "blender_manifest.toml", "core/everyday_presets.json", "core/native/sources.tar.bz2",
     "addon/locale/ja_JP.json", "addon/poke_tool.dat",
 }  # fmt: skip
 # said here and not read from the manifest or the folders, so that a change of either has to be meant

@@ -280,7 +280,7 @@ def in_japanese() -> robot.Waits:
     ]
     other = [english for english, text in words if bpy.app.translations.pgettext(english, ours.CONTEXT) != text]
     check("every word of ours is ours in Japanese", len(words) > 500 and not other, ", ".join(other[:9]))
-    context = bpy.ops.dimple.apply_preset.get_rna_type().translation_context
+    context = bpy.ops.dimple.make_soft.get_rna_type().translation_context
     shown = bpy.app.translations.pgettext("Tennis ball", context)
     depth = bpy.types.UILayout.enum_item_name(bpy.context.scene.dimple, "press_by", "DEPTH")
     check("an item of a menu is ours in Japanese", depth == dict(words)["Depth"], depth)

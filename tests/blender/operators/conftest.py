@@ -86,7 +86,7 @@ def cube(add: Callable[..., Any]) -> Any:
 @pytest.fixture
 def vinyl(bpy: ModuleType, cube: Any) -> Any:
     """The settings of the cube's material."""
-    bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+    bpy.context.object.dimple.material = "object_2_vinyl_air"
     return cube.active_material.dimple
 
 

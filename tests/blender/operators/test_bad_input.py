@@ -281,11 +281,11 @@ def test_a_preset_for_what_is_linked_is_refused_for_it_would_be_lost(
     bpy.context.collection.objects.link(linked)
     bpy.context.view_layer.objects.active = linked
     with pytest.raises(RuntimeError, match="The object is linked from another file"):
-        bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+        bpy.ops.dimple.open_material(filepath="soft.dimple")
     own = add(name="Own")
     own.active_material = bpy.data.materials["Linked"]
     with pytest.raises(RuntimeError, match="The material is linked from another file"):
-        bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+        bpy.ops.dimple.open_material(filepath="soft.dimple")
 
 
 def test_a_library_override_is_called_so(bpy: ModuleType, add: Any, tmp_path: Path) -> None:

@@ -197,10 +197,10 @@ def test_a_preset_sets_constants_size_and_source(bpy: ModuleType, ball: Add) -> 
 
     for preset in PRESETS:
         obj = ball()
-        assert bpy.ops.dimple.apply_preset(preset=preset.name) == {"FINISHED"}
+        obj.dimple.material = preset.name
         settings = obj.active_material.dimple
         assert Material(**settings.to_params()) == preset.material
         assert settings.provenance == preset.provenance
         assert math.isclose(obj.dimple.to_params()["size"], preset.size)
-    with pytest.raises(RuntimeError, match="object_1_nylon_air"):
-        bpy.ops.dimple.apply_preset(preset="marble")
+    with pytest.raises(TypeError, match="object_1_nylon_air"):
+        obj.dimple.material = "marble"

@@ -104,6 +104,6 @@ def test_a_measured_object_of_the_paper_takes_the_place_of_a_calibration(
     bpy.ops.dimple.apply_calibration()
     settings = bpy.context.object.active_material.dimple
     assert settings.calibration and settings.tip == "PUNCH"
-    bpy.ops.dimple.apply_preset(preset="object_1_nylon_air")
+    bpy.context.object.dimple.material = "object_1_nylon_air"
     settings = bpy.context.object.active_material.dimple
     assert (settings.calibration, settings.tip, settings.tip_radius_mm) == ("", "SPHERE", 10)

@@ -79,7 +79,7 @@ def test_a_liquid_keeps_its_volume_in_a_primitive_of_few_vertices(
 ) -> None:
     """A cone of 34 vertices pressed as it is cannot: 30 percent of its volume lie under the one that is pressed."""
     assert len(bare("cone").data.vertices) < 200
-    bpy.ops.dimple.apply_preset(preset="object_3_vinyl_water")
+    bpy.context.object.dimple.material = "object_3_vinyl_water"
     assert bpy.ops.dimple.poke(**(PRESS | {"location": (0.0, 0.0, 1.0), "direction": (0.0, 0.0, -1.0)})) == {"FINISHED"}
     assert frames[0].session.model.pressure.fill == "liquid"
     assert frames[0].frame.volume == pytest.approx(frames[0].frame.rest_volume, rel=0.005)

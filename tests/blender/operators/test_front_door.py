@@ -15,7 +15,7 @@ def vinyl_ball(bpy: ModuleType, ball: Callable[..., Any]) -> Any:
     """A ball of the paper's second object, fine enough for its fingertip."""
     obj = ball(subdivisions=4)
     obj.dimple.simulated = "MESH"
-    bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+    bpy.context.object.dimple.material = "object_2_vinyl_air"
     return obj
 
 

@@ -60,7 +60,7 @@ def test_a_file_with_one_bad_value_changes_no_material(
     bpy: ModuleType, add: Callable[..., Any], tmp_path: Path
 ) -> None:
     body, path = add(), tmp_path / "cushion.dimple"
-    bpy.ops.dimple.apply_preset(preset="flesh")
+    bpy.context.object.dimple.material = "flesh"
     bpy.ops.dimple.save_material(filepath=str(path))
     path.write_text(json.dumps(json.loads(path.read_text("utf-8")) | {"K1": 5.0, "fill": "lead"}), "utf-8")
     before, materials = values(body.active_material.dimple), set(bpy.data.materials.keys())

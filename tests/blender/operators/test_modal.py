@@ -222,7 +222,7 @@ def test_the_tool_selects_the_soft_body_that_it_presses(bpy: ModuleType, hand: A
 def test_fingertip_and_depth_follow_the_size_of_the_body_until_they_are_typed(bpy: ModuleType, hand: Any) -> None:
     settings, ball = bpy.context.scene.dimple, ball_of(bpy)
     assert settings.radius_follows and settings.depth_follows
-    bpy.ops.dimple.apply_preset(preset="pillow")
+    bpy.context.object.dimple.material = "pillow"
     assert (settings.finger_radius_mm, settings.press_depth_mm) == pytest.approx((36.36, 54.55), rel=1e-3)
     settings.press_depth_mm = 20.0
     assert settings.radius_follows and not settings.depth_follows
@@ -237,7 +237,7 @@ def test_fingertip_and_depth_follow_the_size_of_the_body_until_they_are_typed(bp
     settings.depth_follows = True
     assert settings.press_depth_mm == pytest.approx(7.5)
     settings.finger_1 = bpy.data.objects.new("Fingertip", None)
-    bpy.ops.dimple.apply_preset(preset="pillow")
+    bpy.context.object.dimple.material = "pillow"
     assert settings.finger_radius_mm == pytest.approx(5.0), "what is keyframed stays as large"
 
 

@@ -48,7 +48,7 @@ def test_a_ball_that_is_jerked_swings_at_the_frequency_of_its_first_mode(
     """Ecoflex of 165 mm, moved 40 mm in four frames."""
     obj = ball(subdivisions=3)
     bpy.context.view_layer.objects.active = obj
-    bpy.ops.dimple.apply_preset(preset="ecoflex_00_10")
+    bpy.context.object.dimple.material = "ecoflex_00_10"
     obj.dimple.size_mm, obj.dimple.sway_damping, size = 165.0, 0.05, 165.0 / max(obj.dimensions)
     hertz = sessions.start(obj, bpy.context)[0].session.sway_hz
     sessions.stop_all()
