@@ -50,6 +50,6 @@ def test_the_warning_names_the_objects_and_the_way_out(
     bpy.ops.dimple.bake(frame_start=1, frame_end=2)
     browser = SimpleNamespace(active_operator=SimpleNamespace(**GLTF))
     drawn = " ".join(" ".join(draw(bpy, bpy.types.DIMPLE_PT_still_warning, space_data=browser)).split())
-    assert "exported as stills: Ball File > Export > Dimple Animation writes them" in drawn
+    assert "without their motion: Ball File > Export > Dimple Animation exports them" in drawn
     browser = SimpleNamespace(active_operator=None)
     assert draw(bpy, bpy.types.DIMPLE_PT_still_warning, space_data=browser) == []

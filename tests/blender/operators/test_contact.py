@@ -324,7 +324,7 @@ def test_no_face_of_a_baked_body_passes_through_a_led_edge_as_both_are_seen(
     away = np.abs(soft[0] - (0, 0, 0.4 + size[2])) - size
     assert (away.max(axis=1) > 0).all(), "no vertex is inside"
     below = [trees[0].find_nearest((0, y, 0.4))[3] for y in np.linspace(-0.9, 0.9, 40)]
-    assert np.median(below) < 0.03, "skin keeps a tenth of its edges, 0.14, and bridges what is narrower than they are"
+    assert np.median(below) < 0.05, "skin keeps a tenth of its edges, 0.14, and bridges what is narrower than they are"
 
 
 @pytest.mark.parametrize("size", [(0.3, 0.3, 0.3), (0.6, 0.6, 0.1)], ids=["box", "plate"])
