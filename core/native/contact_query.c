@@ -146,16 +146,18 @@ static int dm_by_surfaces(const void *a, const void *b) {
  * displacement after which unknown pairs may touch; return whether they are kept. */
 static int dm_keep_run(dm_scene_state *s, dm_run *run, uint32_t start) {
     const dm_surface *f = s->surfaces + run->first, *g = s->surfaces + run->second;
-    double apart[3], count = run->end - run->start;
+    uint32_t count = run->end - run->start;
+    double apart[3];
     dm_minus(f->moved, g->moved, apart);
     double way = f->bent + g->bent + sqrt(dm_inner3(apart, apart));
     run->used += way;
     if (f->placed || g->placed || !dm_may_touch(s, f, g) || run->reach < dm_reach_of(s, f, g)) return 0;
     if (!(run->used < DM_STALE * (run->reach - s->touch) / 2)) return 0;
-    memmove(s->pairs + start, s->pairs + run->start, (size_t)count * sizeof *s->pairs);
-    memmove(s->planes + start, s->planes + run->start, (size_t)count * sizeof *s->planes);
-    memmove(s->next + start, s->next + run->start, (size_t)count * sizeof *s->next);
-    run->start = start, run->end = start + (uint32_t)count;
+    for (uint32_t k = 0; k < count; k++) {
+        s->pairs[start + k] = s->pairs[run->start + k], s->planes[start + k] = s->planes[run->start + k];
+        s->next[start + k] = s->next[run->start + k];
+    }
+    run->start = start, run->end = start + count;
     for (dm_pair *p = s->pairs + start; p < s->pairs + run->end; p++) {
         p->gap -= way;
         for (int k = 0; k < 4; k++) p->at[k] = s->near[p->at[k]].vertex, s->place[p->at[k]] = 0;
