@@ -58,13 +58,13 @@ def draw_fingers(entry: Any, screen: Screen) -> None:
     import gpu
 
     view = gpu.matrix.get_model_view_matrix()
-    for finger, force in zip_longest(entry.fingers, entry.frame.finger_forces, fillvalue=(0.0, 0.0, 0.0)):
+    for finger, force in zip_longest(entry.fingers, entry.frame.finger_forces):
         if not finger:
             continue
         centre, radius = entry.to_world(finger.position), finger.radius / entry.link.scale
         canvas.draw_lines(shapes.outline(centre, radius, view), FINGERTIP, screen)
         if not is_blind():
-            canvas.draw_lines(shapes.arrow(centre, force, radius), FORCE, screen)
+            canvas.draw_lines(shapes.arrow(centre, force or (0.0, 0.0, 0.0), radius), FORCE, screen)
 
 
 def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float) -> float:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import Floats, Ints, Shorts, Singles, sums_at
-from ..constants import ROUNDING, SLACK
+from ..constants import EXACT, ROUNDING, SLACK
 from ..mesh.surface import Mesh
 from .lattice import Lattice, cells_at, fill, gradients, shares, stiffness, weight
 
@@ -42,8 +42,8 @@ class Modes(NamedTuple):
     shares: Singles
 
 
-def modes_of(mesh: Mesh, held: Floats, *, bones: Floats | None = None) -> Modes:
-    """Return the lowest modes of a body.
+def modes_of(mesh: Mesh, held: Floats, *, bones: Floats | None = None) -> Modes | None:
+    """Return the lowest modes of a body; None if all are rigid motions, of four or more parts that nothing holds.
 
     Args:
         held: (n,) weight of the pin at each vertex, from 0 (free) to 1 (fixed).
@@ -59,8 +59,11 @@ def modes_of(mesh: Mesh, held: Floats, *, bones: Floats | None = None) -> Modes:
         along = along[cells_at(lattice, along) >= 0]
         _hold(k, *shares(lattice, along), np.full(len(along), HOLD * step))
     scale = 1 / np.sqrt(np.repeat(volume, 3))
-    squares, vectors = _lowest(k * scale * scale[:, None], lattice.layers)
-    moving = squares > ROUNDING * squares[-1]  # a part that nothing holds also moves as a rigid body
+    a = k * scale * scale[:, None]
+    squares, vectors = _lowest(a, lattice.layers)
+    moving = squares > max(ROUNDING * squares[-1], _noise(a))  # a part that nothing holds also moves as a rigid body
+    if not moving.any():
+        return None
     shapes = (scale[:, None] * vectors[:, moving]).T.reshape(-1, len(volume), 3)
     turns = _turns(lattice, shapes)
     free = (share * (1 - np.clip(held, 0, 1))[:, None]).astype(np.float32)
@@ -91,14 +94,19 @@ def _lowest(a: Floats, layers: Ints) -> tuple[Floats, Floats]:
     Args:
         layers: index of the first unknown of each layer, and the end; each layer is coupled to adjacent layers only.
     """
-    solve = _solver(a + 1e-9 * np.trace(a) / len(a) * np.eye(len(a)), layers)  # `a` is singular if a part is free
+    solve = _solver(a + _noise(a) * np.eye(len(a)), layers)  # `a` is singular if a part is free
     found = np.random.default_rng(0).normal(size=(len(a), min(MODES + BESIDE, len(a))))
     squares, before = np.zeros(1), np.full(1, np.inf)
-    while np.abs(squares - before).max() > SLACK * squares[-1]:
+    while np.abs(squares - before).max() > max(SLACK * squares[-1], _noise(a)):
         found, before = np.linalg.qr(solve(found))[0], squares
         squares, turn = np.linalg.eigh(found.T @ a @ found)
         squares = squares[:MODES]
     return squares, (found @ turn)[:, :MODES]
+
+
+def _noise(a: Floats) -> float:
+    """Return the size of an eigenvalue that may be rounding of 0."""
+    return EXACT * float(np.trace(a)) / len(a)
 
 
 def _solver(a: Floats, layers: Ints) -> Callable[[Floats], Floats]:

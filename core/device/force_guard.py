@@ -130,11 +130,11 @@ class Guard:
         """Skip a position: the next one is not compared with the last."""
         self.at, self.speed = None, ZERO
 
-    def output(self, wanted: Vector, gain: float, dt: float, depth: float = math.inf) -> Vector:
-        """Return the force [N] that may act for one wanted at a depth [m]; none if that is not a number."""
+    def output(self, wanted: Vector, gain: float, dt: float, held: float = math.inf) -> Vector:
+        """Return the force [N] that may act for one wanted over a dent with an energy [J]; none if it is no number."""
         if not is_finite(wanted):
             return self.zero()
-        left = self.passivity.want(wanted, dt, depth)
+        left = self.passivity.want(wanted, dt, held)
         if gain <= 0:
             return self.zero()
         force = along(scaled(left, gain), self.speed, -limits.RAMP_DAMPING * (1 - gain))

@@ -136,7 +136,7 @@ def open_haply(path: str) -> HaplyLine:
     number = path.removeprefix(PREFIX)
     if not number.isdecimal() or not 0 < int(number) < 0x10000:
         raise DimpleError("{path} is not a port of a Haply service. Write it as {example}.", path=path, example=EXAMPLE)
-    claim = Path(tempfile.gettempdir()) / f"dimple-haply-{number}-{getattr(os, 'getuid', int)()}.lock"
+    claim = Path(tempfile.gettempdir()) / f"dimple-haply-{int(number)}-{getattr(os, 'getuid', int)()}.lock"
     try:
         held = claim.open("ab")
         lock(held)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from ..vectors import ZERO, Vector, along, dot, length, scaled
+from ..vectors import ZERO, Vector, along, dot, scaled
 from . import limits
 from .spec import Spec
 from .wire import FINGERS, MODE, RAMP, DeviceState
@@ -47,15 +47,17 @@ class Passivity:
             self.share *= math.exp((self.stored - self.floor) / limits.YIELD_ENERGY)
             self.floor = self.stored
 
-    def want(self, force: Vector, dt: float, depth: float = math.inf) -> Vector:
-        """Return what is left of a force [N] wanted at a depth [m] for a time [s]; the touch ends a while after it.
+    def want(self, force: Vector, dt: float, held: float = math.inf) -> Vector:
+        """Return what is left of a force [N] wanted for a time [s], where the dent holds an energy [J].
+
+        The touch ends a while after the force.
 
         A reduced force recovers as slowly as the force after arming; a sudden recovery would push the hand. Energy that
         was dissipated, such as by friction, is no credit: neither for a fingertip that sinks in nor for the next touch.
         """
         self.unwanted = 0.0 if force != ZERO else self.unwanted + dt
         if self.left < 1:  # a fingertip that sinks in gets back no more than the hand gave to what acts like a spring
-            self.stored = min(self.stored, max(depth, 0.0) * length(force) / 2)
+            self.stored = min(self.stored, held)
             self.owed = max(self.owed, min(self.stored - limits.ALLOWED, limits.ALLOWED))
             self.floor = max(self.floor, self.owed)
         if self.unwanted > limits.QUIET_TIME:

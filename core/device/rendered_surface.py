@@ -16,6 +16,7 @@ from ..material import law_force
 from ..vectors import ZERO, Vector, along, capped, dot, is_finite, scaled
 from .limits import FARTHEST, LEVEL, LOST_TIME, PASSIVE_SHARE, SIDEWAYS, SLOWEST_FRAME, STATE_GAP, STIFFEST
 
+STEPS = 16  # of an integral over depth: for two pieces it is 1 % too large, 2 % if the second is 100 times stiffer
 FINE = 1e-4  # [m] between two depths at which the slope of a law is evaluated: 0.1 N at 1 N/mm
 
 
@@ -57,6 +58,11 @@ class Law(NamedTuple):
             depth, min(self.K1, steepest / self.power**2), min(self.K2, steepest), self.x0, self.power
         )
 
+
+    def energy(self, depth: float, cap: float) -> float:
+        """Return the energy [J] that a press to a depth [m] stores, by the trapezoid rule: little more than it is."""
+        step = max(depth, 0.0) / STEPS
+        return step * (sum(self.force(k * step, cap) for k in range(1, STEPS)) + self.force(depth, cap) / 2)
 
     def steepest(self, force: float) -> float:
         """Return the stiffness [N/m] that a device must be able to render for an unchanged law up to a force [N]."""
@@ -169,9 +175,9 @@ class Contact:
         # the remainder of the previous force must not pull inwards
         return along(whole, self.surface.normal, -min(dot(whole, self.surface.normal), 0.0))
 
-    def depth(self, x: Vector) -> float:
-        """Return the depth [m] of the fingertip at x [m], negative if it does not touch, 0 without a surface."""
-        return self.surface.depth(x) if self.surface else 0.0
+    def energy(self, x: Vector) -> float:
+        """Return the energy [J] stored under the fingertip at x [m]: what it may give back."""
+        return self.surface.law.energy(self.surface.depth(x), self.cap) if self.surface else 0.0
 
     def _press(self, surface: Surface, x: Vector) -> Vector:
         """Evaluate law and friction at x [m]; drag the anchor along."""

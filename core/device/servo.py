@@ -219,7 +219,8 @@ class Servo:
             if finger.bad:
                 finger.guard.zero()
             else:
-                finger.guard.output(force, gain, dt, finger.contact.depth(finger.at))
+                stored = finger.contact.energy(finger.at) if finger.guard.passivity.left < 1 else math.inf
+                finger.guard.output(force, gain, dt, stored)
         new = self._switch.arming is Arming.ASKED and not asked
         return wire.encode(wire.Arm(self._session)) if new else b""
 

@@ -136,11 +136,12 @@ def _side_by_side(sessions: Sequence[Stepped], at_once: int) -> _Results:
 
 
 def _ticks_that_fit(done: int, spent: float, budget: float | None) -> int:
-    """Return the number of ticks to run before the next look at the clock: those that the budget still allows, or one.
+    """Return the number of ticks to run before the next look at the clock: those that the budget still allows, at least
+    one. They are no more than were run so far, since the next ones may touch something and cost more.
 
     Args:
         done: ticks so far, which took `spent` [s] of wall time.
     """
     if budget is None:
         return MAX_STEPS
-    return max(1, int(done * (budget - spent) / max(spent, 1e-9)))
+    return max(1, min(done, int(done * (budget - spent) / max(spent, 1e-9))))

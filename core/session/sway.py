@@ -225,6 +225,8 @@ def sway_of(model: Model, before: Sway | None = None) -> Sway | None:
     mesh = model.mesh
     goes_on = before is not None and before.mesh is mesh and np.array_equal(before.held, wanted.held)
     modes = before.modes if before and goes_on else modes_of(mesh, wanted.held, bones=wanted.bones)
+    if modes is None:
+        return None
     largest = int(np.bincount(mesh.triangle_material, mesh.triangle_areas, len(model.materials)).argmax())
     material, density = model.materials[largest], float(model.mass.sum()) / mesh.volume
     sway = Sway(

@@ -77,7 +77,8 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, l
     fit(context.scene, obj)
     size = size_of(context.scene, obj)
     for given in {slot.material for slot in obj.material_slots if slot.material}:
-        if not (given.library or given.dimple.is_property_set("spread_mm")):
+        own = given.users == 1 and not (given.library or given.override_library)
+        if own and size > 0 and not given.dimple.is_property_set("spread_mm"):
             given.dimple.spread_mm = SPREAD * size
     if not obj.dimple.pin_group and PIN in obj.vertex_groups:
         obj.dimple.pin_group = PIN

@@ -96,6 +96,7 @@ def by_lattice(body: Body, most: int = 3) -> tuple[Floats, Floats]:
     at = mesh.rest_positions
     held = body.pinned(at.T).astype(float) if body.pinned else np.zeros(len(at))
     modes = modes_of(mesh, held)
+    assert modes
     return modes.rates[:most], np.array([sag(modes, axis) for axis in range(3)])
 
 

@@ -39,6 +39,17 @@ def swaying(mesh: Mesh, held: Any, **options: Any) -> Sway:
     return Sway(mesh, held, modes, **{"frequency": 3.0, "density": 1040.0, "damping": 0.1, **options})
 
 
+@pytest.mark.parametrize(("parts", "sways"), [(3, True), (5, False)])
+def test_parts_that_nothing_holds_do_not_sway(parts: int, sways: bool) -> None:
+    """Their rigid motions take the places of modes; where they take all, the body does not sway."""
+    balls = [trimesh.creation.icosphere(2, 0.03).apply_translation((0.1 * k, 0, 0)) for k in range(parts)]
+    made = trimesh.util.concatenate(balls)
+    modes = modes_of(mesh_from_triangles(made.vertices, made.faces), (made.vertices[:, 0] < 0.03).astype(float))
+    assert (modes is not None) == sways
+    assert modes is None or modes.rates[0] == pytest.approx(modes.rates[1], rel=0.01), "of the held ball alone"
+
+
+
 def energy(sway: Sway) -> float:
     """Return kinetic and elastic energy of the modes, over the density."""
     return float((sway._v**2 + (sway._rates * sway._q) ** 2).sum() / 2)
