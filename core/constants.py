@@ -1,6 +1,6 @@
 """What C and Python both must know, written by `dev.py native` from native/constants.h."""
 
-ABI = 32
+ABI = 33
 MAX_FINGERTIPS = 3
 MAX_STEPS = 1000000
 MAX_RING = 12

@@ -98,8 +98,10 @@ static void dm_set_matter(dm_state *b, const dm_constants *c) {
     dm_set_places(b);
 }
 
-/* Set the pose in the form that steps use: about the centre of the shape at rest, relative to the origin. */
+/* Set the pose in the form that steps use: about the centre of the shape at rest, relative to the origin. A free body's
+ * pose is fitted to its vertices. */
 static void dm_place_pose(dm_state *b) {
+    if (b->free) dm_fit_whole(b, b->pose);
     memcpy(b->rotation, b->pose, sizeof b->rotation);
     for (int c = 0; c < 3; c++) {
         const double *row = b->pose + 3 * c, *rate = b->pose_rate + 3 * c, *q = b->rest_centre;

@@ -4,7 +4,7 @@
 #include <float.h>
 
 /* Numbers that Python needs too: `dev.py native` writes them into core/constants.py. */
-#define DM_ABI 32              /* changes with every change of dimple.h */
+#define DM_ABI 33              /* changes with every change of dimple.h */
 #define DM_MAX_FINGERTIPS 3    /* thumb, index and middle finger, as on the paper's device */
 #define DM_MAX_STEPS 1000000   /* steps in one call, so that no call takes longer than minutes */
 #define DM_MAX_RING 12         /* neighbours in a ring; a vertex with more is treated as irregular */

@@ -48,7 +48,6 @@ static void dm_note_pair(dm_scene_state *s, const dm_pair *pair, double gap, con
                                           gap, dm_closest_of(s->both[0], s->both[1]));
     s->pair_count++;
     for (uint32_t k = 0; k < 4; k++) s->place[at[k]] = 0;
-    s->gap = gap < s->gap ? gap : s->gap;
     made->gap = gap, made->weight = 0;
     if (inside) dm_set_touch(s, made, w, between);
 }

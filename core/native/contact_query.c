@@ -109,7 +109,9 @@ static void dm_release(dm_scene_state *s) {
     for (uint32_t k = 0; k < s->released_count; k++) {
         const dm_surface *f = s->surfaces + s->released[k][0], *g = s->surfaces + s->released[k][1];
         if (!(dm_boxes_apart(f->low, f->high, g->low, g->high) > s->reach)) continue;
-        memcpy(s->released[k--], s->released[--s->released_count], sizeof *s->released);
+        s->released_count--;
+        for (int c = 0; c < 2; c++) s->released[k][c] = s->released[s->released_count][c];
+        k--;
     }
     for (uint32_t k = 0; k < s->pair_count; k++) {
         const dm_pair *p = s->pairs + k;
@@ -150,9 +152,10 @@ static int dm_keep_run(dm_scene_state *s, dm_run *run, uint32_t start) {
     double apart[3];
     dm_minus(f->moved, g->moved, apart);
     double way = f->bent + g->bent + sqrt(dm_inner3(apart, apart));
-    run->used += way;
+    run->used += way, run->gone += way; /* pins may have moved after the last substep */
     if (f->placed || g->placed || !dm_may_touch(s, f, g) || run->reach < dm_reach_of(s, f, g)) return 0;
     if (!(run->used < DM_STALE * (run->reach - s->touch) / 2)) return 0;
+    if (DM_BOUND * (run->reach - run->used) / 2 < dm_next_way(s)) return 0;
     for (uint32_t k = 0; k < count; k++) {
         s->pairs[start + k] = s->pairs[run->start + k], s->planes[start + k] = s->planes[run->start + k];
         s->next[start + k] = s->next[run->start + k];
@@ -224,7 +227,7 @@ static void dm_query(dm_scene_state *s) {
     dm_release(s);
     for (int64_t i = 0; i < s->vertex_count; i++) s->place[i] = DM_NO_VERTEX;
     dm_keep_runs(s);
-    s->near_count = s->candidate_count = 0, s->due = 0, s->gap = INFINITY;
+    s->near_count = s->candidate_count = 0, s->due = 0;
     dm_search(s);
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->placed = 0;
     if (dm_has_room(s)) dm_number_near(s);
@@ -235,6 +238,5 @@ static void dm_query(dm_scene_state *s) {
     s->met = dm_roomy(s, s->met, s->near_count, &s->met_room, sizeof *s->met);
     s->looks = 1;
     if (!dm_has_room(s)) s->near_count = s->pair_count = s->candidate_count = s->run_count = 0, s->due = 1;
-    s->out->queries++, s->out->pairs = s->pair_count > s->out->pairs ? s->pair_count : s->out->pairs;
-    s->out->gap = s->gap < s->out->gap ? s->gap : s->out->gap;
+    s->out->queries++;
 }

@@ -271,11 +271,9 @@ typedef struct { /* the path of a collider; null: it rests */
 typedef struct {
     int64_t ticks;      /* number of ticks done */
     int64_t queries;    /* number of proximity queries */
-    int64_t pairs;      /* most pairs near each other */
     int64_t touching;   /* most pairs that touched */
     int64_t truncated;  /* times that a vertex or a prop was held back from an intersection */
     double taken;       /* momentum that this changed [N s] */
-    double gap;         /* least distance at a query [m], infinite if nothing was near */
 } dm_scene_frame;
 
 typedef struct { /* surfaces that intersect */

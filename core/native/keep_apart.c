@@ -194,7 +194,8 @@ static void dm_go(dm_scene_state *s, dm_surface *f) {
     f->way = sqrt(f->way), f->gone = sqrt(f->gone);
 }
 
-/* Bring back vertices that have moved too far since the query, and note whether the next one is due. */
+/* Bring back vertices that have moved too far since the query, and note whether the next one is due: because of how far
+ * they have moved, or because they may move too far in the next substep. */
 static void dm_watch_way(dm_scene_state *s, dm_surface *f) {
     const dm_state *b = f->body;
     const dm_vec3 *noted = s->noted + f->first / DM_LANES;
@@ -209,7 +210,7 @@ static void dm_watch_way(dm_scene_state *s, dm_surface *f) {
         }
         f->gone = dm_greatest_way(b, noted);
     }
-    s->due |= f->gone > f->stale;
+    s->due |= f->gone > f->stale || f->gone + dm_next_way(s) > f->slack;
 }
 
 /* Find how far the skin that is near something has moved in this substep, after contact has brought it back. */
@@ -258,7 +259,7 @@ static void dm_keep_apart(dm_scene_state *s) {
         s->held_count = 0, again = dm_hold_back(s);
         for (dm_surface *f = s->surfaces; again && f < s->surfaces + s->surface_count; f++) dm_watch_way(s, f);
     }
-    for (uint32_t k = 0; k < s->spent_count && !s->due; k++) dm_renew_plane(s, s->spent[k]);
+    for (uint32_t k = 0; k < s->spent_count; k++) dm_renew_plane(s, s->spent[k]);
     s->spent_count = 0;
     for (dm_neighbour *n = s->near; n < s->near + s->near_count; n++)
         if (n->body) n->last = n->body->x;

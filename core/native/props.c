@@ -35,7 +35,7 @@ static void dm_take_prop(dm_scene_state *s, dm_surface *f, const dm_prop *to) {
     dm_find_places(p, pose, s->here + f->first);
     memset(p->answer, 0, sizeof p->answer), memset(p->spin, 0, sizeof p->spin);
     memset(s->rate[f->first], 0, f->count * sizeof *s->rate);
-    f->placed = 1, s->due = 1;
+    f->placed = 1, f->fitted = 0, s->due = 1;
 }
 
 /* List a pair of which neither side is a soft body. */

@@ -243,7 +243,6 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
                              double first, double last, dm_frame *frames, dm_scene_frame *out, double *passed, double *given) {
     int64_t bodies = 0, substeps = motions->substeps, ticks = motions->ticks;
     memset(out, 0, sizeof *out), memset(s->given, 0, (size_t)s->vertex_count * sizeof *s->given);
-    out->gap = INFINITY;
     s->out = out, s->code = DM_OK, s->tick = motions->tick, s->substeps = (double)substeps, s->dt = s->tick / (double)substeps;
     for (; bodies < s->surface_count && s->surfaces[bodies].body; bodies++)
         dm_begin_motion(s->surfaces[bodies].body, motions + bodies, frames + bodies), s->surfaces[bodies].body->meets = 1;

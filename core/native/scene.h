@@ -1,9 +1,10 @@
 /* Bodies and colliders in contact: the data that a scene keeps between two proximity queries.
  *
- * The guarantee. A query finds every pair of a vertex and a face, and of two edges, nearer than `reach`. Between their
- * nearest points stands a plane; until the next query each of the two stays on its own side of it. Pairs that are not
- * found are farther apart than `reach`, and no vertex moves farther than half of that. So nothing passes through
- * anything, whatever the forces. The plane of a collider or a prop moves with it: a rigid surface moves as a whole,
+ * The guarantee. A search of two surfaces finds every pair of a vertex and a face, and of two edges, nearer than `reach`.
+ * Between their nearest points stands a plane; each of the two stays on its own side of it. Pairs that are not found are
+ * farther apart than `reach`. A query keeps them while the surfaces have hardly moved relative to each other, and until
+ * the next query no vertex moves farther than half of what is left of `reach`. So nothing passes through anything,
+ * whatever the forces. The plane of a collider or a prop moves with it: a rigid surface moves as a whole,
  * and the skin is kept ahead of it. If the skin cannot get away, the rigid surface moves only as far as it can.
  * Source: the displacement bounds of offset geometric contact (Chen et al. 2025), with planes in place of spheres,
  * so that surfaces that slide or separate are not stopped.
@@ -142,7 +143,7 @@ typedef struct dm_scene_state {
     dm_tally *tally;  /* of `near` */
     double (*there)[3]; /* places of `near` at the last update */
     uint32_t tally_room, plane_room, next_room, there_room;
-    double touch, edge, tick, dt, substeps, reach, least_reach, gap, approach, fastest, fastest_rigid;
+    double touch, edge, tick, dt, substeps, reach, least_reach, approach, fastest, fastest_rigid;
     int32_t code;
     dm_scene_frame *out;
     dm_crossings *found;
@@ -159,6 +160,9 @@ static void *dm_grown(dm_scene_state *s, void *array, uint32_t count, uint32_t *
     dm_free(array), *size = wanted;
     return made;
 }
+
+/* Return how far anything may move in the next substep [m]; speeds were measured as the tick began. */
+DM_INLINE double dm_next_way(const dm_scene_state *s) { return s->fastest * s->dt / DM_BOUND; }
 
 DM_INLINE int dm_has_room(const dm_scene_state *s) { return s->code == DM_OK; }
 

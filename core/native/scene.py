@@ -76,11 +76,9 @@ class SceneFrame(NamedTuple):
     frames: the frame of each body.
     ticks: number of ticks done.
     queries: number of proximity queries.
-    pairs: largest number of pairs near each other.
     touching: largest number of pairs in contact.
     truncated: number of times that a vertex was stopped from passing through something.
     taken: momentum that these stops changed [N s].
-    gap: smallest distance found by a query [m], infinite if nothing was near.
     impulses: impulse on each surface from the others [N s], (k, 3): bodies, then colliders.
     moments: moments of these impulses about the origin [N m s], (k, 3).
     given: contact impulse on each vertex of all bodies [N s], (n, 3).
@@ -92,11 +90,9 @@ class SceneFrame(NamedTuple):
     frames: tuple[Frame, ...]
     ticks: int
     queries: int
-    pairs: int
     touching: int
     truncated: int
     taken: float
-    gap: float
     impulses: Floats
     moments: Floats
     given: Floats
@@ -138,7 +134,7 @@ class CSceneFrame(Structure):
     """The result of a call: dm_scene_frame."""
 
     _fields_ = fields(
-        ticks="n", queries="n", pairs="n", touching="n", truncated="n", taken="d", gap="d"
+        ticks="n", queries="n", touching="n", truncated="n", taken="d"
     )
 
 
@@ -229,7 +225,7 @@ class Scene:
         frames = [b.unpack(m, f) for b, m, f in zip(self.bodies, motions, self._frames, strict=True)]
         passed = self._passed.copy()
         return SceneFrame(
-            tuple(frames), out.ticks, out.queries, out.pairs, out.touching, out.truncated, out.taken, out.gap,
+            tuple(frames), out.ticks, out.queries, out.touching, out.truncated, out.taken,
             passed[:, :3], passed[:, 3:6], given, passed[:, 6], passed[:, 7] > 0, passed[:, 8:],
         )  # fmt: skip
 

@@ -114,9 +114,9 @@ class TwinScene:
                 self._placed.add(i)
             if changed and turning:
                 turning.kept, turning.moment = np.zeros(3), np.zeros(3)
-        self._queries = self._most_pairs = self._most_touching = self._truncated = 0
+        self._queries = self._most_touching = self._truncated = 0
         self._taken = 0.0
-        self._gap, self._impulses = np.inf, np.zeros((len(self._part), 6))
+        self._impulses = np.zeros((len(self._part), 6))
         self._given = np.zeros((len(self._surfaces.of_vertex), 3))
         if self._props.take(ways, self._here, self._rates):
             self._due, self._runs = True, []
@@ -132,8 +132,8 @@ class TwinScene:
         self._known = [(body.model, body.positions()) for body in self._bodies]
         frames = tuple(body.end(call) for body, call in zip(self._bodies, calls, strict=True))
         return SceneFrame(
-            frames, done, self._queries, self._most_pairs, self._most_touching, self._truncated, self._taken,
-            self._gap, self._impulses[:, :3], self._impulses[:, 3:],
+            frames, done, self._queries, self._most_touching, self._truncated, self._taken,
+            self._impulses[:, :3], self._impulses[:, 3:],
             self._given[: self._part[len(self._bodies) - 1].stop], self._late, np.zeros(len(self._part), bool),
             np.zeros((len(self._part), 3)),
         )  # fmt: skip
@@ -262,14 +262,16 @@ class TwinScene:
         self._candidates, self._touches = _picked(pairs, order), self._touches[order]
         self._near, self._looks = np.unique(pairs.at), True
         self._due, self._queries = False, self._queries + 1
-        self._most_pairs = max(self._most_pairs, len(pairs.gap))
-        self._gap = min(self._gap, float(pairs.gap.min(initial=np.inf)))
 
     def _reach_of(self, i: int, j: int) -> float:
         """Return how far pairs of two surfaces are searched [m]: so far that rigid surfaces need not stop."""
         least = QUERY_REACH * max(self._touch, 2 * OFFSET * self._edge)
         soft = max(i, j) < len(self._bodies)
         return least if soft else max(least, self._touch + 3 * self._fastest_rigid * self._dt)
+
+    def _next_way(self) -> float:
+        """Return how far anything may move in the next substep [m]; speeds were measured as the tick began."""
+        return self._fastest * self._dt / BOUND
 
     def _searched(self, i: int, j: int, x: Floats, reach: float) -> Pairs:
         """Return the pairs of two surfaces at x (n, 3) [m] that are nearer than the reach."""
@@ -291,7 +293,8 @@ class TwinScene:
             pairs, start = _picked(self._bounds.pairs, np.arange(start, stop)), stop
             if self._placed & {i, j} or run.reach < self._reach_of(i, j):
                 continue
-            if run.used + way < STALE * (run.reach - self._touch) / 2:
+            left = run.reach - run.used - way
+            if run.used + way < STALE * (run.reach - self._touch) / 2 and BOUND * left / 2 >= self._next_way():
                 kept[i, j] = Run((i, j), replace(pairs, gap=pairs.gap - way), run.reach, run.used + way)
         return kept
 
@@ -398,7 +401,7 @@ class TwinScene:
             leave(prop, float(self._share[i]), self._dt)
         x = self._positions()
         spent = np.flatnonzero(left_of(self._bounds, x).min(axis=1, initial=np.inf) < self._bounds.pairs.keep)
-        if len(spent) and not self._due:
+        if len(spent):
             self._bounds = renewed(self._bounds, spent, x, self._sizes[self._surfaces.of_vertex])
 
     def _is_moving(self, i: int) -> bool:
@@ -413,7 +416,9 @@ class TwinScene:
             for vertex in (part.start + np.flatnonzero(~(ways <= b.slack[part]))).tolist():
                 stuck |= self._settle(vertex) if i < len(self._bodies) else {i}
         gone = np.linalg.norm(self._positions() - b.before, axis=1)
-        self._due |= any(gone[part].max() > stale for part, stale in zip(self._part, self._stale, strict=True))
+        for part, stale in zip(self._part, self._stale, strict=True):
+            farthest, least = float(gone[part].max()), float(b.slack[part].min())
+            self._due |= farthest > stale or farthest + self._next_way() > least
         return stuck
 
     def _settle(self, vertex: int) -> set[int]:
