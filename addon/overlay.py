@@ -64,7 +64,7 @@ def draw_fingers(entry: Any, screen: Screen) -> None:
         centre, radius = entry.to_world(finger.position), finger.radius / entry.link.scale
         canvas.draw_lines(shapes.outline(centre, radius, view), FINGERTIP, screen)
         if not is_blind():
-            canvas.draw_lines(shapes.arrow(centre, force or (0.0, 0.0, 0.0), radius), FORCE, screen)
+            canvas.draw_lines(shapes.arrow(centre, (0.0, 0.0, 0.0) if force is None else force, radius), FORCE, screen)
 
 
 def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float) -> float:
