@@ -56,7 +56,8 @@ def entry(bpy: ModuleType) -> Any:
     material = PRESETS[1].material
     frame = SimpleNamespace(
         finger_forces=np.array([(0.0, 0.0, 7.4)]), pushes=np.array([7.4]), depths=np.array([0.012]),
-        materials=(0,), pressure=812.0, time=1.25, volume=0.0044, rest_volume=0.0045, substeps=12, steps=33, cost=0.011, note="",
+        materials=(0,), pressure=812.0, time=1.25, volume=0.0044, rest_volume=0.0045,
+        substeps=12, steps=33, cost=0.011, note="",
     )  # fmt: skip
     return SimpleNamespace(
         link=SimpleNamespace(slots=(0,), scale=1 / 12), frame=frame, refused="",
