@@ -144,7 +144,7 @@ class Guard:
             most = min(most, self.continuous)
         self.full = length(force) > most or self.passivity.share < 1
         force = capped(force, most)
-        before = capped(self.sent, length(force))  # a force falls at once: what falls late pushes the hand
+        before = capped(self.sent, length(force))  # a force decreases at once: one that lags goes on pushing the hand
         self.sent = along(before, capped(along(force, before, -1.0), limits.SLEW * max(dt, 0.0)), 1.0)
         return self.sent
 

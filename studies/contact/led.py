@@ -1,7 +1,7 @@
 """`dev.py core led`: lead rigid shapes, whole and cut, into soft bodies, and measure whether the skin gives way.
 
-A shape is led 30 mm down into a body that is pinned below. It should be where it is led, with the skin under it and
-nothing inside it, and its force should not depend on how its faces are cut.
+A shape moves 30 mm down along a prescribed path into a body that is pinned below. It should follow the path exactly,
+with the skin under it and nothing inside it, and its force should not depend on how its faces are cut.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Led:
     """What came of leading one shape into a body.
 
     shape, cuts, speed, body: its name, its subdivisions, its speed [m/s], and the name of the body.
-    late: farthest distance of a vertex behind where it is led, at any tick [m].
+    late: largest distance of a vertex behind its path, at any tick [m].
     gap: from its underside to the skin, in the middle of all its places [m], and
     gap_of_nine: what nine of ten places keep to; surfaces touch at a distance of `touch`.
     inside: vertices of the skin inside it, and

@@ -98,7 +98,7 @@ def test_the_root_mean_square_over_10_s_stays_at_the_continuous_force() -> None:
 
 
 def test_a_force_that_yields_falls_at_once_and_rises_slowly_again() -> None:
-    """What falls late goes on pushing: 10 N that fall by 1 N/ms give a hand of 0.5 m/s 25 mJ."""
+    """A force that lags goes on pushing: 10 N that decrease by 1 N/ms give a hand of 0.5 m/s 25 mJ."""
     guard = Guard(*LIMITS)
     pushes = [guard.output((0.0, 0.0, wanted), 1.0, MS)[2] for wanted in (*(9.0,) * 20, 1.0, 9.0, -9.0)]
     assert pushes[19] == pytest.approx(9.0) and pushes[20:] == pytest.approx([1.0, 2.0, 1.0])
