@@ -16,7 +16,7 @@ from ..material import law_force
 from ..vectors import ZERO, Vector, along, capped, dot, is_finite, scaled
 from .limits import FARTHEST, LEVEL, LOST_TIME, PASSIVE_SHARE, SIDEWAYS, SLOWEST_FRAME, STATE_GAP, STIFFEST
 
-STEPS = 16  # of an integral over depth: for two pieces it is 1 % too large, 2 % if the second is 100 times stiffer
+STEPS = 16  # of an integral over depth: at most 1 % too large if K2 is 12 K1, as of vinyl, and 9 % if it is 100 K1
 FINE = 1e-4  # [m] between two depths at which the slope of a law is evaluated: 0.1 N at 1 N/mm
 
 
@@ -57,7 +57,6 @@ class Law(NamedTuple):
         return factor * law_force(
             depth, min(self.K1, steepest / self.power**2), min(self.K2, steepest), self.x0, self.power
         )
-
 
     def energy(self, depth: float, cap: float) -> float:
         """Return the energy [J] that a press to a depth [m] stores, by the trapezoid rule: little more than it is."""

@@ -13,15 +13,12 @@ static void dm_find_moved(const dm_scene_state *s, dm_surface *f) {
     double way[3], most = 0;
     uint32_t count = f->body ? (uint32_t)f->body->n : f->count;
     memset(f->moved, 0, sizeof f->moved);
-    for (int difference = 0; difference < 2; difference++)
-        for (uint32_t i = f->first; i < f->first + count; i++) {
-            dm_world_of(s, f, i, way), dm_minus(way, s->before[i], way);
-            if (!difference) {
-                dm_add3(f->moved, 1.0 / count, way);
-                continue;
-            }
-            dm_minus(way, f->moved, way), most = fmax(most, dm_inner3(way, way));
-        }
+    for (uint32_t i = f->first; i < f->first + count; i++)
+        dm_world_of(s, f, i, way), dm_minus(way, s->before[i], way), dm_add3(f->moved, 1.0 / count, way);
+    for (uint32_t i = f->first; i < f->first + count; i++) {
+        dm_world_of(s, f, i, way), dm_minus(way, s->before[i], way), dm_minus(way, f->moved, way);
+        most = fmax(most, dm_inner3(way, way));
+    }
     f->bent = sqrt(most);
 }
 

@@ -107,10 +107,9 @@ def simulate(
         _show_props(worlds, plan.first, poses)
         for frame in range(plan.first + 1, plan.last + 1):
             for each in _step(context, bodies, worlds, frame):
-                late = 0.0 if each.torn else each.late  # it is let go once, and held back the farthest at one frame
-                if late > held.get((each.name, each.torn), (-1.0,))[0]:
-                    said = Message("Frame {frame}: {said}", frame=frame, said=each.said)
-                    held[each.name, each.torn] = late, said
+                key = each.name, each.torn  # the first frame where it is let go, or that where it is held back most
+                if key not in held or (not each.torn and each.late > held[key][0]):
+                    held[key] = each.late, Message("Frame {frame}: {said}", frame=frame, said=each.said)
             _show_props(worlds, frame, poses)
             _write(bodies, frame)
             share = (frame - plan.first) / (plan.last - plan.first)

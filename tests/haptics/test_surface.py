@@ -85,6 +85,21 @@ def test_the_slope_of_a_law_is_its_derivative() -> None:
             assert law_slope(depth, *law) == pytest.approx(rise / 2e-7, rel=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("law", "over"),
+    [
+        (Law(610, 610, 0.016, 1), 0.0), (Law(610, 7230, 0.0163, 1), 0.012), (Law(50, 5000, 0.01, 1), 0.09),
+        (Law(600, 4000, 0.02, 1.5), 0.012),
+    ],
+)  # fmt: skip
+def test_the_energy_of_a_press_is_the_integral_of_its_force_or_a_little_more(law: Law, over: float) -> None:
+    for depth in np.linspace(0.1, 3.0, 30) * law.x0:
+        x = np.linspace(0, depth, 4001)
+        forces = np.array([law.force(each, math.inf) for each in x])
+        exact = float(((forces[1:] + forces[:-1]) / 2).sum() * x[1])
+        assert (1 - 1e-6) * exact <= law.energy(depth, math.inf) <= (1 + over + 1e-6) * exact
+
+
 @LAWS
 @pytest.mark.parametrize("cap", [CAP, 800.0])
 def test_a_surface_at_rest_gives_exactly_what_it_took(law: Law, cap: float) -> None:

@@ -148,7 +148,8 @@ def test_a_grip_holds_as_well_on_a_finer_mesh(cells: int) -> None:
     session, height = grasped(cells)
     assert height == pytest.approx(0.1, abs=0.002)
     weight = session.model.mass.sum() * GRAVITY
-    assert session.frame.finger_forces.sum(axis=0) == pytest.approx([0, 0, -weight], abs=0.03 * weight)
+    carried = session.frame.finger_forces.sum(axis=0)  # at one instant
+    assert carried == pytest.approx([0, 0, -weight], abs=0.03 * weight)
     session.step(1.0)
     assert height - height_of(session) < 1.2e-4
     across, along = session.frame.finger_forces[:, 1:], session.frame.finger_forces[:, 0]
