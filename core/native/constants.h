@@ -67,6 +67,5 @@
 /* Touching bodies. */
 #define DM_SHARP 0.05        /* slope of the faces at an edge above which the edge is sharp */
 #define DM_FLAT (DM_SHARP / 5) /* slope below which it is flat, and its faces take the contact */
-#define DM_PART 0.6          /* share of an overlap that is removed in a substep, since several contacts share a vertex */
 #define DM_ROLL_ARM 0.005    /* arm of the rolling resistance in sizes: a hundredth of a ball's radius */
 #endif

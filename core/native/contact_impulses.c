@@ -4,8 +4,8 @@
  *
  * For a pair at distance d (r: distance of touch), with relative speed u along its normal, and g = 1 / mass of both:
  *     j = max(0, (w - u) / g)   with   w = -(d - r) / h if d > r, otherwise 0
- * so that after the substep h it is not nearer than r, or no nearer than before. Its nearest points and its normal are
- * kept until a nearby vertex has moved by half of the greatest r. The pairs are resolved one after the other, twice, in
+ * so that after the substep h it is not nearer than r, or no nearer than before. Each substep measures its nearest points
+ * anew: a normal that is kept while a vertex slides round an edge pumps energy into it. The pairs are resolved one after the other, twice, in
  * an order that does not depend on the layout in memory; the second time, those still too near are separated. A pair
  * that sticks returns to an anchor, the displacement at which it began to stick, so that it does not creep; if the pair
  * slides, the anchor follows.
@@ -45,7 +45,7 @@ static void dm_add_meeting(dm_scene_state *s, const dm_meeting *m) {
     uint32_t k = 0;
     for (int j = 0; j < 4; j++)
         if (s->moving[m->at[j]].v[3] > 0 && s->near[m->at[j]].batch > k) k = s->near[m->at[j]].batch;
-    while (k < s->batch_count && s->sides[k].count == DM_LANES) k++;
+    while (k < s->batch_count && (s->sides[k].count == DM_LANES || s->sides[k].ones != m->ones)) k++;
     for (int j = 0; j < 4; j++) s->near[m->at[j]].batch = k + 1;
     if (k == s->batch_count) {
         s->batches = dm_grown(s, s->batches, k, &s->batch_room, sizeof *s->batches);
@@ -53,6 +53,7 @@ static void dm_add_meeting(dm_scene_state *s, const dm_meeting *m) {
         if (!dm_has_room(s)) return;
         dm_batch *made = s->batches + s->batch_count++;
         memset(made, 0, sizeof *made), memset(s->sides + k, 0, sizeof *s->sides);
+        s->sides[k].ones = m->ones;
         for (int i = 0; i < 4 * DM_LANES; i++) made->at[i / DM_LANES][i % DM_LANES] = s->near_count * (uint32_t)sizeof(dm_record);
     }
     dm_batch *b = s->batches + k;
@@ -60,12 +61,9 @@ static void dm_add_meeting(dm_scene_state *s, const dm_meeting *m) {
     uint32_t l = of->count++;
     for (int j = 0; j < 4; j++) {
         b->at[j][l] = m->at[j] * (uint32_t)sizeof(dm_record);
-        b->weight[j][l] = (dm_real)m->weight[j];
+        of->near[l][j] = m->at[j];
     }
-    dm_set_lane3(&b->normal, l, dm_quad_of(m->normal));
-    b->gap[l] = (dm_real)m->gap, b->touch[l] = (dm_real)m->touch, b->friction[l] = (dm_real)m->friction;
-    b->by[l] = (dm_real)(m->share / m->give), b->give[l] = (dm_real)m->give;
-    for (int c = 0; c < 3; c++) of->point[c][l] = m->point[c];
+    b->touch[l] = (dm_real)m->touch, b->friction[l] = (dm_real)m->friction, b->share[l] = (dm_real)m->share;
     memcpy(of->surface[l], m->surface, sizeof m->surface);
 }
 
@@ -77,9 +75,9 @@ static void dm_sum_meetings(dm_scene_state *s) {
         uint32_t l = i % DM_LANES;
         if (l >= of->count) continue;
         double j[3] = {(double)b->sum.x[l], (double)b->sum.y[l], (double)b->sum.z[l]}, moment[3];
-        dm_cross3((double[]){of->point[0][l], of->point[1][l], of->point[2][l]}, j, moment);
+        dm_cross3((double[]){of->point.x[l], of->point.y[l], of->point.z[l]}, j, moment);
         for (int k = 0; k < 4; k++)
-            dm_add3(s->given[s->near[b->at[k][l] / sizeof(dm_record)].vertex], (double)b->weight[k][l], j);
+            dm_add3(s->given[s->near[of->near[l][k]].vertex], (double)b->weight[k][l], j);
         for (int k = 0; k < 2; k++) {
             dm_surface *f = s->surfaces + of->surface[l][k];
             dm_add3(f->impulse, k ? -1 : 1, j), dm_add3(f->moment, k ? -1 : 1, moment);
@@ -136,21 +134,39 @@ DM_INLINE dm_vec3 dm_resolve_batch(const dm_scene_state *s, dm_batch *b, dm_movi
     return dm_plus(u, b->give, more);
 }
 
+/* Measure the nearest points of a batch, and its distances as the substep began. */
+static void dm_measure_batch(const dm_scene_state *s, dm_batch *b, dm_batch_sides *of) {
+    const uint32_t *at[DM_LANES];
+    dm_wide w[4];
+    dm_wide_mask inside;
+    for (uint32_t l = 0; l < DM_LANES; l++) at[l] = of->near[l < of->count ? l : 0];
+    dm_wide3 way = dm_wide_measure((const double(*)[3])s->now, at, of->ones, w, &inside);
+    dm_wide gap = dm_wide_root(dm_wide_dot(way, way)), by = dm_wide_of(1) / (gap + dm_wide_of(DM_TINY));
+    b->normal = (dm_vec3){dm_narrow(by * way.x), dm_narrow(by * way.y), dm_narrow(by * way.z)}, b->begin = dm_narrow(gap);
+    of->point = (dm_wide3){dm_wide_of(0), dm_wide_of(0), dm_wide_of(0)};
+    for (uint32_t j = 0; j < 4; j++) {
+        b->weight[j] = dm_narrow(w[j]);
+        if (j < of->ones) of->point = dm_wide_plus(of->point, w[j], dm_wide_corner((const double(*)[3])s->now, at, (int)j));
+    }
+}
+
 /* Begin the substep of a batch: activate and resolve the meetings that would come nearer than they touch; return
  * whether there are any. awake: the meetings that may be active. */
 DM_INLINE int dm_begin_batch(const dm_scene_state *s, dm_batch *b, dm_mask awake) {
     dm_moving v[4], gone[4];
     dm_lanes h = dm_splat((dm_real)s->dt), none = dm_splat(0), back = dm_splat((dm_real)DM_BACK) / h;
     dm_vec3 way = dm_gather_batch(b, &s->moving->x, gone), u = dm_gather_batch(b, &s->moving->v, v);
-    dm_lanes towards = dm_dot(way, b->normal);
-    way = dm_plus(way, -towards, b->normal), b->begin = b->gap + towards;
+    b->give = none;
+    for (int j = 0; j < 4; j++) b->give += b->weight[j] * b->weight[j] * v[j].give;
+    b->by = dm_where((dm_mask)(b->give > none), b->share / b->give);
     b->active = awake & (dm_mask)(b->begin + h * dm_dot(u, b->normal) < b->touch);
     dm_mask moves = awake & ~b->active;
     b->anchor.x = dm_blend(moves, way.x, b->anchor.x), b->anchor.y = dm_blend(moves, way.y, b->anchor.y);
     b->anchor.z = dm_blend(moves, way.z, b->anchor.z);
     b->push = none, b->drag = (dm_vec3){none, none, none};
     if (!dm_any_of(b->active)) return 0;
-    way = dm_sub(way, b->anchor), b->back = (dm_vec3){back * way.x, back * way.y, back * way.z};
+    way = dm_sub(way, b->anchor), way = dm_plus(way, -dm_dot(way, b->normal), b->normal);
+    b->back = (dm_vec3){back * way.x, back * way.y, back * way.z};
     b->least = -dm_vmax((b->begin - b->touch) / h, none);
     dm_resolve_batch(s, b, v, u);
     return 1;
@@ -164,7 +180,7 @@ DM_INLINE void dm_part_batch(const dm_scene_state *s, dm_batch *b, const dm_movi
     dm_vec3 way = dm_gather_batch(b, &s->moving->x, out);
     dm_lanes short_of = b->touch - b->begin - dm_dot(dm_plus(way, h, u), b->normal);
     dm_mask near = b->active & (dm_mask)(short_of > dm_splat(0));
-    dm_lanes by = dm_where(near, b->by * dm_splat((dm_real)DM_PART) * short_of);
+    dm_lanes by = dm_where(near, b->by * dm_splat((dm_real)DM_BACK) * short_of);
     dm_scatter_batch(b, out, (dm_lanes[]){v[0].give, v[1].give, v[2].give, v[3].give},
                      (dm_vec3){by * b->normal.x, by * b->normal.y, by * b->normal.z}, &s->moving->x);
     b->sum = dm_plus(dm_plus(b->sum, b->push, b->normal), dm_splat(1), b->drag);
@@ -182,6 +198,7 @@ static int64_t dm_resolve_meetings(dm_scene_state *s) {
             const uint32_t *of = s->sides[k].surface[l];
             awake[l] = dm_sleeps(s->surfaces + of[0]) || dm_sleeps(s->surfaces + of[1]) ? 0 : -1;
         }
+        dm_measure_batch(s, s->batches + k, s->sides + k);
         any |= dm_begin_batch(s, s->batches + k, awake);
     }
     if (!any) return 0;

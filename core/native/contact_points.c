@@ -60,20 +60,18 @@ static double dm_share_of_border(const dm_scene_state *s, const dm_pair *p, cons
 static void dm_note_meeting(dm_scene_state *s, const dm_pair *p, double gap, const double *w, const double *between) {
     if (!(gap < p->touch + s->approach) || !(gap > 0)) return;
     if (p->ones == 1 ? !dm_is_nearest(s, p, w, between) : !(w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0)) return;
-    dm_meeting m = {.gap = gap, .touch = p->touch, .share = p->weight};
+    dm_meeting m = {.ones = p->ones, .touch = p->touch, .share = p->weight};
+    double give = 0;
     if (p->ones == 1 && !(w[1] < -DM_EXACT && w[2] < -DM_EXACT && w[3] < -DM_EXACT))
         m.share = dm_share_of_border(s, p, between, gap);
     if (!(m.share > 0)) return;
     for (int j = 0; j < 4; j++)
-        m.at[j] = p->at[j], m.weight[j] = w[j], m.give += w[j] * w[j] * (double)s->moving[p->at[j]].v[3];
+        m.at[j] = p->at[j], m.weight[j] = w[j], give += (double)s->moving[p->at[j]].v[3];
     m.surface[0] = s->near[p->at[0]].surface, m.surface[1] = s->near[p->at[3]].surface;
     int soft = s->surfaces[m.surface[0]].body || s->surfaces[m.surface[1]].body;
-    if (soft && !(m.give > 0)) return;
+    if (soft && !(give > 0)) return;
     m.friction = sqrt(dm_friction_of(s, p, 0, p->ones, w) * dm_friction_of(s, p, p->ones, 4, w));
-    for (int c = 0; c < 3; c++) {
-        m.normal[c] = between[c] / gap;
-        for (uint32_t j = 0; j < p->ones; j++) m.point[c] += w[j] * s->there[p->at[j]][c];
-    }
+    for (int c = 0; c < 3; c++) m.normal[c] = between[c] / gap;
     if (soft) dm_add_meeting(s, &m);
     else dm_add_support(s, &m);
 }
@@ -101,7 +99,6 @@ static void dm_look(dm_scene_state *s) {
         double way[3], *there = s->there[n - s->near];
         s->moving[n - s->near].v[3] = (dm_real)dm_give_of(s, n);
         dm_world_of(s, s->surfaces + n->surface, n->vertex, there);
-        if (n->body) n->from = n->body->x;
         n->batch = 0;
         dm_minus(there, s->before[n->vertex], way);
         double square = dm_inner3(way, way);
@@ -130,8 +127,8 @@ static void dm_begin_contact(dm_scene_state *s) {
         dm_neighbour *n = s->near + k;
         dm_quad *to = &s->moving[k].x;
         double way[3];
-        if (n->body) *to = n->body->x - n->from;
-        else dm_minus(s->here[n->vertex], s->there[k], way), *to = dm_quad_of(way);
+        dm_world_of(s, s->surfaces + n->surface, n->vertex, s->now[k]);
+        dm_minus(s->now[k], s->there[k], way), *to = dm_quad_of(way);
         dm_real square = dm_dot3(*to, *to);
         far = square > far ? square : far;
     }

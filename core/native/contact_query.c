@@ -232,6 +232,7 @@ static void dm_query(dm_scene_state *s) {
     if (dm_has_room(s)) dm_order_candidates(s);
     s->moving = dm_roomy(s, s->moving, s->near_count + 1, &s->moving_room, sizeof *s->moving); /* last: empty lanes */
     s->there = dm_roomy(s, s->there, s->near_count, &s->there_room, sizeof *s->there);
+    s->now = dm_roomy(s, s->now, s->near_count, &s->now_room, sizeof *s->now);
     s->met = dm_roomy(s, s->met, s->near_count, &s->met_room, sizeof *s->met);
     s->looks = 1;
     if (!dm_has_room(s)) s->near_count = s->pair_count = s->candidate_count = s->run_count = 0, s->due = 1;

@@ -174,7 +174,7 @@ static void dm_part_support(dm_support *c, double h) {
         dm_cross3(c->of[j]->apart + 3, c->arms[j], turn), dm_add3(turn, 1, c->of[j]->apart);
         gap += (j ? -1 : 1) * dm_inner3(turn, c->normal);
     }
-    double by = c->push > 0 && gap < c->touch ? c->share * DM_PART * (c->touch - gap) / c->give[0] : 0;
+    double by = c->push > 0 && gap < c->touch ? c->share * DM_BACK * (c->touch - gap) / c->give[0] : 0;
     for (int j = 0; j < 2 && by > 0; j++) {
         if (!c->of[j]) continue;
         dm_cross3(c->arms[j], c->normal, about), dm_times(c->of[j]->turned, about, turn);

@@ -10,10 +10,6 @@ DM_INLINE double dm_share_of(double a) { return a < 0 ? 0 : a > 1 ? 1 : a; }
 
 typedef int64_t dm_wide_mask __attribute__((vector_size(DM_LANES * sizeof(double))));
 
-typedef struct { /* a vector in each lane */
-    dm_wide x, y, z;
-} dm_wide3;
-
 DM_INLINE dm_wide dm_wide_of(double a) { return (dm_wide){a, a, a, a, a, a, a, a}; }
 
 DM_INLINE dm_wide dm_pick(dm_wide_mask which, dm_wide yes, dm_wide no) {

@@ -45,6 +45,10 @@ typedef struct { /* a vector in each lane */
     dm_lanes x, y, z;
 } dm_vec3;
 
+typedef struct {
+    dm_wide x, y, z;
+} dm_wide3;
+
 DM_INLINE dm_lanes dm_splat(dm_real a) { return (dm_lanes){a, a, a, a, a, a, a, a}; }
 
 DM_INLINE dm_lanes dm_blend(dm_mask which, dm_lanes yes, dm_lanes no) {
@@ -74,6 +78,8 @@ DM_INLINE int dm_any_of(dm_mask a) {
 }
 
 DM_INLINE dm_wide dm_widen(dm_lanes a) { return __builtin_convertvector(a, dm_wide); }
+
+DM_INLINE dm_lanes dm_narrow(dm_wide a) { return __builtin_convertvector(a, dm_lanes); }
 
 /* Return the sum of the lanes, always in the same order, so that it is the same on every machine. */
 DM_INLINE double dm_sum_of(dm_wide a) { return ((a[0] + a[1]) + (a[2] + a[3])) + ((a[4] + a[5]) + (a[6] + a[7])); }

@@ -137,7 +137,7 @@ static void dm_note_answers(dm_scene_state *s) {
         if (!(push > 0)) continue;
         double j[3] = {push * (double)b->normal.x[l] + (double)b->drag.x[l], push * (double)b->normal.y[l] + (double)b->drag.y[l],
                        push * (double)b->normal.z[l] + (double)b->drag.z[l]};
-        double at[3] = {of->point[0][l], of->point[1][l], of->point[2][l]};
+        double at[3] = {of->point.x[l], of->point.y[l], of->point.z[l]};
         for (int side = 0; side < 2; side++) {
             dm_falling *p = s->surfaces[of->surface[l][side]].prop;
             if (p && !p->asleep) dm_answer_prop(p, at, j, side ? -1 : 1);

@@ -11,7 +11,7 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
     for (int c = 0; c < 3; c++)
         dm_free(s->boxes.low[c]), dm_free(s->boxes.high[c]), dm_free(s->edge_boxes.low[c]), dm_free(s->edge_boxes.high[c]);
     void *const lists[] = {s->near, s->pairs, s->pairs_of, s->batches, s->moving, s->candidates, s->sorted, s->held,
-                           s->spent, s->runs, s->planes, s->next, s->tally, s->sides, s->there, s->met, s->supports,
+                           s->spent, s->runs, s->planes, s->next, s->tally, s->sides, s->there, s->now, s->met, s->supports,
                            s->released};
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) dm_free(lists[k]);
     dm_free(s);

@@ -74,28 +74,27 @@ typedef struct { /* the pairs of a vertex that is near something: their number, 
 } dm_tally;
 
 typedef struct { /* a pair that may touch, with its nearest points at the last update */
-    uint32_t at[4], surface[2];
-    double weight[4], normal[3], point[3];           /* point: of contact [m] */
-    double gap, touch, give, friction, share;        /* distances at the last update, of touch [m]; give: 1 / mass */
+    uint32_t at[4], surface[2], ones;
+    double weight[4], normal[3], touch, friction, share; /* touch: distance of touch [m] */
 } dm_meeting;
 
-typedef struct { /* eight meetings that share no movable vertex, and their impulses */
+typedef struct { /* eight meetings that share no movable vertex, all with a face or all of edges, and their impulses */
     uint32_t at[4][DM_LANES]; /* byte offsets into `moving`; an empty lane has no weight */
     dm_lanes weight[4];
     dm_vec3 normal, drag, sum;               /* sum: of the impulses since the last update [N s] */
     dm_vec3 anchor, back;                    /* displacement where it stuck last [m]; velocity back to it [m/s] */
-    dm_lanes gap, begin, touch;              /* distances [m]: at the last update, as the substep began, of touch */
-    dm_lanes least, push, friction, give, by; /* least separating speed [m/s]; give: 1 / mass; by: share / give */
+    dm_lanes begin, touch, share, friction;  /* distances [m]: as the substep began, of touch; share of the impulse */
+    dm_lanes least, push, give, by;          /* least separating speed [m/s]; give: 1 / mass; by: share / give */
     dm_mask active;                          /* in this substep */
 } dm_batch;
 
-typedef struct { /* the part of a batch that a substep does not use: points of contact [m], surfaces, number of lanes */
-    dm_wide point[3];
-    uint32_t surface[DM_LANES][2], count;
+typedef struct { /* of a batch: points of contact [m], vertices in `near`, surfaces, number of lanes; ones: of its pairs */
+    dm_wide3 point;
+    uint32_t near[DM_LANES][4], surface[DM_LANES][2], count, ones;
 } dm_batch_sides;
 
-typedef struct { /* a vertex that is near something: one cache line */
-    dm_quad from, last; /* its places at the last update and after the last substep, relative to its body's origin */
+typedef struct { /* a vertex that is near something */
+    dm_quad last; /* its place after the last substep, relative to its body's origin */
     dm_record *body;    /* null: of a collider */
     uint32_t vertex, surface, held, batch; /* held: it is in that list; batch: 1 + the last one that it is in */
 } dm_neighbour;
@@ -141,8 +140,8 @@ typedef struct dm_scene_state {
     dm_plane *planes; /* of the pairs; */
     double *next;     /* when `gone` of the run reaches this [m], the pair is checked again */
     dm_tally *tally;  /* of `near` */
-    double (*there)[3]; /* places of `near` at the last update */
-    uint32_t tally_room, plane_room, next_room, there_room;
+    double (*there)[3], (*now)[3]; /* places of `near` at the last update; as this substep began */
+    uint32_t tally_room, plane_room, next_room, there_room, now_room;
     double touch, edge, tick, dt, substeps, reach, least_reach, approach, fastest, fastest_rigid;
     int32_t code;
     dm_scene_frame *out;

@@ -3,7 +3,7 @@
 The referee is the PyPI package ipctk (development only), which looks for intersections after every tick; a winding
 number tells whether something has been swallowed. What touches of a prop is its surface moved inwards by the distance
 that is kept, and that is what the referee sees; how deep the prop as it is seen reaches into others, or they into it,
-is measured at the end of each start.
+is measured at the end of each start. What is led then rests, and how far the skin still moves in a tick is measured.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import numpy as np
 
 from core.base import Floats, Ints
 from core.session import Session
+from core.world import World
 from studies.contact.cost import measure_cost
 from studies.contact.meeting import meeting_of
 from studies.contact.scenes import SCENES, Played
@@ -27,6 +28,7 @@ from studies.files import write_json
 from studies.reference.facets import nearest_on_triangles
 
 STARTS, QUICK_STARTS = 10, 1
+RESTS, WATCHED = 100, 50  # ticks in which nothing is led any more, and the last of them, which are measured
 PROBE = "import ipctk, numpy; f = numpy.array([[0, 1, 2]]); ipctk.CollisionMesh(numpy.eye(3), ipctk.edges(f), f)"
 MISSING = (
     "The referee, ipctk, does not run. python3 dev.py installs it; if its build for one Python asks for another "
@@ -122,6 +124,7 @@ def judge(name: str, starts: int) -> dict[str, Any]:
     found = dict.fromkeys(("intersections", "swallowed"), 0)
     spent, alone, overlap = list[float](), list[float](), 0.0
     finite, taken, truncated, ticks, held_back, touching = True, 0.0, 0, 0, 0.0, 0
+    trembling = list[float]()
     for start in range(starts):
         played = SCENES[name](np.random.default_rng(start))
         referee, world = Referee(played), played.world
@@ -142,14 +145,28 @@ def judge(name: str, starts: int) -> dict[str, Any]:
             found["intersections"] += referee.intersects()
         found["swallowed"] += referee.swallowed()
         overlap = max(overlap, referee.overlap())
+        trembling.append(trembling_of(world))
         ticks += count
         alone += _alone(world.sessions, count)
     return {
         "name": name, "starts": starts, "ticks": ticks, **found, "finite": finite,
         "cost_ratio": round(median(spent) / median(alone), 2), "median_ms": round(1e3 * median(spent), 3),
         "momentum_taken": taken, "truncated": truncated,
-        "held_back_mm": 1e3 * held_back, "touching": touching, "overlap_mm": 1e3 * overlap,
+        "trembling_mm": round(1e3 * median(trembling), 4), "held_back_mm": 1e3 * held_back,
+        "touching": touching, "overlap_mm": 1e3 * overlap,
     }  # fmt: skip
+
+
+def trembling_of(world: World) -> float:
+    """Return how far [m] the vertex that moves most moves in a tick, by the median, once nothing is led any more."""
+    before, most = list[Floats](), list[float]()
+    for _ in range(RESTS):
+        world.step(world.sessions[0].clock.tick)
+        now = [session.body.positions().copy() for session in world.sessions]
+        ways = (np.linalg.norm(a - b, axis=0).max() for a, b in zip(now, before or now, strict=True))
+        most.append(float(max(ways)))
+        before = now
+    return median(most[-WATCHED:])
 
 
 def _alone(sessions: list[Session], ticks: int) -> list[float]:
@@ -186,7 +203,7 @@ def run_contact(options: argparse.Namespace) -> int:
     rows = []
     print(
         "scene                 starts  ticks  intersections  swallowed  finite  cost  tick [ms]"
-        "  taken [N s]  held back [mm]  props overlap [mm]"
+        "  taken [N s]  held back [mm]  trembling [mm]  props overlap [mm]"
     )
     for name in options.scenes or SCENES:
         row = judge(name, QUICK_STARTS if options.quick else STARTS)
@@ -194,7 +211,8 @@ def run_contact(options: argparse.Namespace) -> int:
         print(
             f"{name:21} {row['starts']:6} {row['ticks']:6} {row['intersections']:14} {row['swallowed']:10}"
             f"  {'yes' if row['finite'] else 'NO':6} {row['cost_ratio']:5.1f} {row['median_ms']:10.3f}"
-            f" {row['momentum_taken']:12.3g} {row['held_back_mm']:14.2f} {row['overlap_mm']:20.3f}",
+            f" {row['momentum_taken']:12.3g} {row['held_back_mm']:14.2f} {row['trembling_mm']:15.4f}"
+            f" {row['overlap_mm']:20.3f}",
             flush=True,
         )
     found: dict[str, Any] = {"scenes": rows}

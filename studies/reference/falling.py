@@ -19,7 +19,7 @@ from core.base import Floats, Ints
 from core.body.rigid import RigidState
 from core.native.scene import Fall, Falling
 
-from .constants import BACK, EXACT, HELD, PART, REST_SPEED, REST_TIME, ROLL_ARM, ROUNDING, SWEEPS
+from .constants import BACK, EXACT, HELD, REST_SPEED, REST_TIME, ROLL_ARM, ROUNDING, SWEEPS
 from .rigid import rotation
 
 SIDES = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]])  # of the ground
@@ -221,7 +221,7 @@ class Support:
             if prop is not None:
                 gap += sign * float((prop.apart[:3] + _cross(prop.apart[3:], arm)) @ self.normal)
         if self.push > 0 and gap < self.touch:
-            by = self.share * PART * (self.touch - gap) / self.give[0]
+            by = self.share * BACK * (self.touch - gap) / self.give[0]
             for prop, arm, sign in zip(self.props, self.arms, (1, -1), strict=True):
                 if prop is not None:
                     turn = prop.inverse @ _cross(arm, self.normal)

@@ -5,8 +5,8 @@ For a pair at distance d (r: where it touches), with relative speed u along its 
 
     j = max(0, (w - u) / g)   with   w = -(d - r) / h where d > r, and 0 where it is nearer
 
-so that after the substep h it is not nearer than r, or no nearer than before. Its nearest points and its normal are
-kept until what is near has moved by a part of r. The pairs are taken one after the other, ordered by their vertices,
+so that after the substep h it is not nearer than r, or no nearer than before. Each substep measures its nearest points
+anew. The pairs are taken one after the other, ordered by their vertices,
 twice, and what is still too near is brought apart the second time.
 What sticks goes back to where it stuck first, so that it does not creep: an anchor, which follows where it slides.
 """
@@ -18,16 +18,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.base import Bools, Floats, Ints
+from core.constants import TINY
 
-from .constants import BACK, EXACT, FLAT, PART, ROUNDING
+from .constants import BACK, EXACT, FLAT, ROUNDING
 from .proximity import Pairs, Surfaces, measure
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Meetings:
-    """Pairs that may touch, as they were at the last look.
+    """Pairs that may touch, listed at the last look and measured as the substep began.
 
     at: (m, 4) their vertices.
+    ones: (m,) how many of them lie on the side of the normal: 1 or 2.
     weights: (m, 4) signed, of their nearest points.
     normal: (m, 3) unit, towards the first.
     point: (m, 3) where they meet [m].
@@ -40,6 +42,7 @@ class Meetings:
     """
 
     at: Ints
+    ones: Ints
     weights: Floats
     normal: Floats
     point: Floats
@@ -78,8 +81,7 @@ def look(
         approach: how much farther than they touch they are looked at [m].
     """
     w, between, gap = measure(x[pairs.at], pairs.ones)
-    give = (w * w * inverse_mass[pairs.at]).sum(axis=1)
-    may = (gap < touch + approach) & (gap > 0) & (give > 0)
+    may = (gap < touch + approach) & (gap > 0) & inverse_mass[pairs.at].any(axis=1)
     may &= np.where(pairs.ones == 1, True, (np.abs(w) > 0).all(axis=1))
     share = pairs.weight.copy()
     for row in np.flatnonzero(may & (pairs.ones == 1) & (w[:, 1:] > -EXACT).any(axis=1)):
@@ -89,13 +91,28 @@ def look(
         else:
             share[row] = 0.0
     may &= share > 0
-    at, w, gap = pairs.at[may], w[may], gap[may]
-    side = np.arange(4) < pairs.ones[may][:, None]
-    mu = np.abs(w) * friction[at]
+    at, ones, anchor = pairs.at[may], pairs.ones[may], np.zeros((int(may.sum()), 3))
+    side = np.arange(4) < ones[:, None]
+    mu = np.abs(w[may]) * friction[at]
+    return _measured(
+        at, ones, x, inverse_mass, touch=touch[may], share=share[may], anchor=anchor,
+        friction=np.sqrt((mu * side).sum(axis=1) * (mu * ~side).sum(axis=1)),
+    )  # fmt: skip
+
+
+def measured(m: Meetings, x: Floats, inverse_mass: Floats) -> Meetings:
+    """Return meetings with the nearest points, the normals and the distances that they have at x (n, 3) [m]."""
+    return _measured(
+        m.at, m.ones, x, inverse_mass, touch=m.touch, share=m.share, anchor=m.anchor, friction=m.friction
+    )
+
+
+def _measured(at: Ints, ones: Ints, x: Floats, inverse_mass: Floats, **others: Floats) -> Meetings:
+    w, between, gap = measure(x[at], ones)
     return Meetings(
-        at=at, weights=w, normal=between[may] / gap[:, None], point=np.einsum("mk,mkc->mc", w * side, x[at]), gap=gap,
-        touch=touch[may], friction=np.sqrt((mu * side).sum(axis=1) * (mu * ~side).sum(axis=1)), give=give[may],
-        share=share[may], anchor=np.zeros_like(at, np.float64)[:, :3],
+        at=at, ones=ones, weights=w, normal=between / (gap[:, None] + TINY), gap=gap,
+        point=np.einsum("mk,mkc->mc", w * (np.arange(4) < ones[:, None]), x[at]),
+        give=(w * w * inverse_mass[at]).sum(axis=1), **others,
     )  # fmt: skip
 
 
@@ -120,16 +137,17 @@ def resolve(
     active: dict[int, tuple[float, float, Floats]] = {}
     for k in np.flatnonzero(~sleeps).tolist():
         along = m.weights[k] @ way[m.at[k]]
-        begin, along = float(m.gap[k] + m.normal[k] @ along), along - (m.normal[k] @ along) * m.normal[k]
+        begin, slid = float(m.gap[k]), along - m.anchor[k]
         if begin + dt * float(m.normal[k] @ (m.weights[k] @ v[m.at[k]])) < m.touch[k]:
-            active[k] = begin, min(0.0, (float(m.touch[k]) - begin) / dt), BACK / dt * (along - m.anchor[k])
+            back = BACK / dt * (slid - (m.normal[k] @ slid) * m.normal[k])
+            active[k] = begin, min(0.0, (float(m.touch[k]) - begin) / dt), back
             _push(m, k, *active[k][1:], passed, v, inverse_mass)
         else:
             m.anchor[k] = along
     for k, (begin, least, back) in active.items():
         _push(m, k, least, back, passed, v, inverse_mass)
         gap = begin + float(m.normal[k] @ (m.weights[k] @ (dt * v[m.at[k]] + out[m.at[k]])))
-        by = float(m.share[k]) * PART * max(float(m.touch[k]) - gap, 0.0) / float(m.give[k])
+        by = BACK * max(float(m.touch[k]) - gap, 0.0) * _share_over_give(m, k)
         out[m.at[k]] += (by * m.weights[k] * inverse_mass[m.at[k]])[:, None] * m.normal[k]
         push = float(passed[k] @ m.normal[k])
         if np.linalg.norm(passed[k] - push * m.normal[k]) >= float(m.friction[k]) * push * (1 - ROUNDING):
@@ -137,10 +155,14 @@ def resolve(
     return v, out, passed, np.array(list(active), np.int64)
 
 
+def _share_over_give(m: Meetings, k: int) -> float:
+    return float(m.share[k] / m.give[k]) if m.give[k] > 0 else 0.0
+
+
 def _push(m: Meetings, k: int, least: float, back: Floats, passed: Floats, v: Floats, inverse_mass: Floats) -> None:
     """Add to the impulse of a meeting so much that it goes no nearer than it may, and slides as friction lets it."""
     at, w, normal = m.at[k], m.weights[k], m.normal[k]
-    u, by = w @ v[at], float(m.share[k] / m.give[k])
+    u, by = w @ v[at], _share_over_give(m, k)
     along, before = float(u @ normal), float(passed[k] @ normal)
     push = max(before + by * (least - along), 0.0)
     drag = passed[k] - before * normal - by * (u - along * normal + back)

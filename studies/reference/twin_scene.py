@@ -77,6 +77,7 @@ class TwinScene:
         self._runs: list[Run] = []
         self._placed: set[int] = set()  # surfaces that were put elsewhere since the last query
         self._looks, self._looked, self._near = True, self._positions(), np.zeros(0, np.int64)
+        self._sum = np.zeros((0, 3))  # impulses of the meetings since they were listed [N s]
         self._known = [(body.model, body.positions()) for body in bodies]
         self._left_out = np.zeros(len(s.of_vertex), bool)  # of self contact
         itself_alone = [[k == i and meets for k, meets in enumerate(itself)] for i in range(len(bodies))]
@@ -129,6 +130,8 @@ class TwinScene:
             self._run_tick(calls, ways, share)
             done += 1
         self._props.leave()
+        if len(self._sum):
+            self._sum_meetings()
         self._known = [(body.model, body.positions()) for body in self._bodies]
         frames = tuple(body.end(call) for body, call in zip(self._bodies, calls, strict=True))
         return SceneFrame(
@@ -342,6 +345,8 @@ class TwinScene:
         friction = np.concatenate([body.model.friction for body in bodies] + self._frictions)
         self._inverse_mass = np.concatenate([body.model.inverse_mass for body in bodies] + led)
         self._looked, self._looks, self._wakes = self._last, False, True
+        if len(self._sum):
+            self._sum_meetings()
         soft = (self._surfaces.of_vertex[self._candidates.at] < len(bodies)).any(axis=1)
         for which, inverse_mass in ((soft, self._inverse_mass), (~soft, np.ones_like(self._inverse_mass))):
             met = touching.look(
@@ -349,12 +354,12 @@ class TwinScene:
                 self._last, inverse_mass, self._approach,
             )  # fmt: skip
             if which is soft:
-                self._meetings = met
+                self._meetings, self._sum = met, np.zeros((len(met.gap), 3))
             else:
                 self._props.note(met, self._surfaces)
 
     def _resolve(self) -> None:
-        meetings = self._meetings
+        meetings = self._meetings = touching.measured(self._meetings, self._last, self._inverse_mass)
         sides, sleeps = self._surfaces.of_vertex[meetings.at[:, [0, 3]]], self._asleep()
         if not len(meetings.gap):
             resist(self._turning, sides, meetings.gap, self._dt, sleeps)
@@ -373,11 +378,17 @@ class TwinScene:
             state.velocities[:, rows] = v[own].T
         resist(self._turning, sides, np.einsum("mc,mc->m", passed, meetings.normal), self._dt, sleeps)
         self._props.answer(sides, meetings.point, passed)
-        given = np.concatenate([passed, np.cross(meetings.point, passed)], axis=1)
-        np.add.at(self._given, meetings.at, meetings.weights[:, :, None] * passed[:, None])
+        self._sum += passed
+        self._most_touching = max(self._most_touching, int((passed != 0).any(axis=1).sum()))
+
+    def _sum_meetings(self) -> None:
+        """Add up what the meetings passed since they were listed, by where they are now."""
+        m, passed = self._meetings, self._sum
+        sides, given = self._surfaces.of_vertex[m.at[:, [0, 3]]], np.column_stack([passed, np.cross(m.point, passed)])
+        np.add.at(self._given, m.at, m.weights[:, :, None] * passed[:, None])
         np.add.at(self._impulses, sides[:, 0], given)
         np.subtract.at(self._impulses, sides[:, 1], given)
-        self._most_touching = max(self._most_touching, int((passed != 0).any(axis=1).sum()))
+        self._sum = np.zeros_like(passed)
 
     def _keep_apart(self) -> None:
         """Keep skin ahead of all that has moved; where it cannot get away, what is rigid goes half of its way."""
