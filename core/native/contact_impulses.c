@@ -4,11 +4,11 @@
  *
  * For a pair at distance d (r: distance of touch), with relative speed u along its normal, and g = 1 / mass of both:
  *     j = max(0, (w - u) / g)   with   w = -(d - r) / h if d > r, otherwise 0
- * so that after the substep h it is not nearer than r, or no nearer than before. Each substep measures its nearest points
- * anew: a normal that is kept while a vertex slides round an edge pumps energy into it. The pairs are resolved one after the other, twice, in
- * an order that does not depend on the layout in memory; the second time, those still too near are separated. A pair
- * that sticks returns to an anchor, the displacement at which it began to stick, so that it does not creep; if the pair
- * slides, the anchor follows.
+ * so that after the substep h it is not nearer than r, or no nearer than before. Every substep measures the nearest points
+ * of all pairs again: a normal that is kept while a vertex slides round an edge adds energy. The pairs are resolved one
+ * after the other, twice, in an order that does not depend on the layout in memory; the second time, those still too near
+ * are separated. A pair that sticks returns to an anchor, the displacement at which it began to stick, so that it does not
+ * creep; if the pair slides, the anchor follows.
  *
  * Eight meetings are resolved at once, none of which moves a vertex of another. The result is that of resolving all one
  * after the other, because each waits for the earlier ones that move one of its vertices.
@@ -134,7 +134,7 @@ DM_INLINE dm_vec3 dm_resolve_batch(const dm_scene_state *s, dm_batch *b, dm_movi
     return dm_plus(u, b->give, more);
 }
 
-/* Measure the nearest points of a batch, and its distances as the substep began. */
+/* Measure the nearest points, normals and distances of a batch as the substep began. */
 static void dm_measure_batch(const dm_scene_state *s, dm_batch *b, dm_batch_sides *of) {
     const uint32_t *at[DM_LANES];
     dm_wide w[4];

@@ -79,7 +79,7 @@ typedef struct { /* a pair that may touch, with its nearest points at the last u
 } dm_meeting;
 
 typedef struct { /* eight meetings that share no movable vertex, all with a face or all of edges, and their impulses */
-    uint32_t at[4][DM_LANES]; /* byte offsets into `moving`; an empty lane has no weight */
+    uint32_t at[4][DM_LANES]; /* byte offsets into `moving`; those of empty lanes lead to an immovable entry */
     dm_lanes weight[4];
     dm_vec3 normal, drag, sum;               /* sum: of the impulses since the last update [N s] */
     dm_vec3 anchor, back;                    /* displacement where it stuck last [m]; velocity back to it [m/s] */
@@ -94,7 +94,7 @@ typedef struct { /* of a batch: points of contact [m], vertices in `near`, surfa
 } dm_batch_sides;
 
 typedef struct { /* a vertex that is near something */
-    dm_quad last; /* its place after the last substep, relative to its body's origin */
+    dm_quad last;       /* its place after the last substep, relative to its body's origin */
     dm_record *body;    /* null: of a collider */
     uint32_t vertex, surface, held, batch; /* held: it is in that list; batch: 1 + the last one that it is in */
 } dm_neighbour;

@@ -6,7 +6,7 @@ For a pair at distance d (r: where it touches), with relative speed u along its 
     j = max(0, (w - u) / g)   with   w = -(d - r) / h where d > r, and 0 where it is nearer
 
 so that after the substep h it is not nearer than r, or no nearer than before. Each substep measures its nearest points
-anew. The pairs are taken one after the other, ordered by their vertices,
+again. The pairs are taken one after the other, ordered by their vertices,
 twice, and what is still too near is brought apart the second time.
 What sticks goes back to where it stuck first, so that it does not creep: an anchor, which follows where it slides.
 """
