@@ -35,8 +35,6 @@ class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
         scene = context.scene
         objects = live_step.candidates(context)
         self._messages: list[str] = []
-        if not any(sessions.fingertip_objects(scene)):
-            self._messages.append("No fingertip presses the bodies. Add one with Fingertips > Add Fingertip.")
         self._count = len(objects)
         plan = bake_to_files.plan_of(scene, objects, *self._frames(scene))
         return bake_to_files.bake(context, plan, self._messages)

@@ -38,6 +38,7 @@ class Baked(ObjectBody):
     part: Path = field(init=False)  # path of the unfinished PC2 file
     cache: PointCache = field(init=False)  # the unfinished PC2 file
     table: ForceTable = field(init=False)  # the unfinished table of forces
+    moved: bool = False  # whether anything has moved it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,6 +118,11 @@ def simulate(
         for file in [file for body in bodies for file in (body.cache, body.table)]:
             file.close()
         messages += [said for _, said in held.values()]
+        if not any(body.moved for body in bodies):
+            messages.append(
+                "Nothing moves the bodies. Press them with Fingertips > Add Fingertip, or tick Gravity, Dimple "
+                "Collider or Sway."
+            )
         props.fallen.clear()
         props.keyframe(poses)
         for body in bodies:
@@ -205,5 +211,7 @@ def _show_props(worlds: Sequence[colliders.LiveWorld], frame: int, poses: props.
 
 def _write(bodies: Sequence[Baked], frame: int) -> None:
     for body in bodies:
-        body.cache.append(body.offsets())
+        offsets = body.offsets()
+        body.moved |= bool(offsets.any())
+        body.cache.append(offsets)
         body.table.append(frame, body.session.frame.time, body.session)

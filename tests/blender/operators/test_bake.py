@@ -142,6 +142,17 @@ def test_an_animated_body_carries_its_pins(bpy: ModuleType, scene: Any, ball: Ad
     assert abs(lags[-1]) < 1e-5, "and comes to rest where it is carried"
 
 
+def test_that_nothing_moved_a_body_is_said_and_only_then(
+    bpy: ModuleType, scene: Any, ball: Add, capfd: pytest.CaptureFixture[str]
+) -> None:
+    ball().dimple.pinned = False
+    scene.dimple.use_ground = False
+    for falls in (False, True):
+        scene.dimple.use_gravity = falls
+        assert bpy.ops.dimple.bake(frame_start=1, frame_end=3) == {"FINISHED"}
+        assert ("Nothing moves the bodies" in capfd.readouterr().out) != falls
+
+
 def test_frames_in_the_wrong_order_are_said(bpy: ModuleType, scene: Any, pressed: Callable[..., Any]) -> None:
     pressed()
     with pytest.raises(RuntimeError, match="must come after"):
