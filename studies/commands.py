@@ -13,7 +13,7 @@ COMMANDS = {
     "release": ("press a hundred meshes, let go, and measure the shape that returns", ".body.release", "add_release"),
     "dents": ("measure how smooth settled dents are, and how close to finite elements", ".body.dents", "add_dents"),
     "solid": ("press solids by finite elements, for comparison", ".body.solid", "add_solid"),
-    "contact": ("judge twelve scenes in which nothing may pass through anything", ".contact.judge", "add_contact"),
+    "contact": ("judge thirteen scenes in which nothing may pass through anything", ".contact.judge", "add_contact"),
     "led": ("lead shapes, whole and cut, into soft bodies: does the skin give way", ".contact.led", "add_led"),
     "props": ("let props rest on soft bodies: how deep, beside the closed form", ".contact.resting", "add_props"),
     "emulator": ("run an emulated haptic device, with faults on demand", ".bench.command", "add_emulator"),

@@ -35,9 +35,11 @@
 #define DM_MOST_SLICES 64 /* slices of a body, and so the largest number of useful threads */
 #define DM_PATIENCE 200   /* polls, of half a microsecond each, after which a helper sleeps: as long as waking up takes */
 
+/* Contact, of fingertips and of bodies. */
+#define DM_SWEEPS 20         /* sweeps of an iteration, at most; the remaining error waits for the next substep */
+
 /* A fingertip and the skin; lengths in radii of the fingertip. */
 #define DM_TOO_NEAR (10 * DM_ROUNDING) /* of a size: closer to a point, the direction away from it is mere rounding */
-#define DM_SWEEPS 20         /* sweeps of an iteration, at most; the remaining error waits for the next substep */
 #define DM_BACK 0.1          /* share of a contact's error that is corrected in a substep: with all of it facets rock, sticking
                               * contacts shake, and a ball at rest swings */
 #define DM_SEATED 1e-4       /* error of a sphere that lies on the surface; in sizes of a body, of a pin in its place */

@@ -6,9 +6,10 @@
  *     j = max(0, (w - u) / g)   with   w = -(d - r) / h if d > r, otherwise 0
  * so that after the substep h it is not nearer than r, or no nearer than before. Every substep measures the nearest points
  * of all pairs again: a normal that is kept while a vertex slides round an edge adds energy. The pairs are resolved one
- * after the other, twice, in an order that does not depend on the layout in memory; the second time, those still too near
- * are separated. A pair that sticks returns to an anchor, the displacement at which it began to stick, so that it does not
- * creep; if the pair slides, the anchor follows.
+ * after the other, in an order that does not depend on the layout in memory, again and again until they agree: those in
+ * which skin is squeezed from all sides would tremble. Then those still too near are separated. A pair that sticks returns
+ * to an anchor, the displacement at which it began to stick, so that it does not creep; if the pair slides, the anchor
+ * follows.
  *
  * Eight meetings are resolved at once, none of which moves a vertex of another. The result is that of resolving all one
  * after the other, because each waits for the earlier ones that move one of its vertices.
@@ -118,9 +119,9 @@ DM_INLINE void dm_scatter_batch(const dm_batch *b, const dm_moving *each, const 
     }
 }
 
-/* Change the impulses so that no pair comes nearer than allowed, or slides more than friction allows; return the
- * relative velocities of the nearest points after that. */
-DM_INLINE dm_vec3 dm_resolve_batch(const dm_scene_state *s, dm_batch *b, dm_moving *v, dm_vec3 u) {
+/* Change the impulses so that no pair comes nearer than allowed, or slides more than friction allows; return the squares
+ * of the changes of their relative velocities u. */
+DM_INLINE dm_lanes dm_resolve_batch(const dm_scene_state *s, dm_batch *b, dm_moving *v, dm_vec3 u) {
     dm_lanes none = dm_splat(0), by = dm_where(b->active, b->by), along = dm_dot(u, b->normal);
     dm_lanes push = dm_vmax(b->push + by * (b->least - along), none);
     dm_vec3 slide = dm_plus(dm_plus(u, dm_splat(1), b->back), -along, b->normal), drag = dm_plus(b->drag, -by, slide);
@@ -131,7 +132,7 @@ DM_INLINE dm_vec3 dm_resolve_batch(const dm_scene_state *s, dm_batch *b, dm_movi
     dm_vec3 more = dm_plus(dm_sub(drag, b->drag), push - b->push, b->normal);
     b->push = push, b->drag = drag;
     dm_scatter_batch(b, v, (dm_lanes[]){v[0].give, v[1].give, v[2].give, v[3].give}, more, &s->moving->v);
-    return dm_plus(u, b->give, more);
+    return b->give * b->give * dm_dot(more, more);
 }
 
 /* Measure the nearest points, normals and distances of a batch as the substep began. */
@@ -172,12 +173,26 @@ DM_INLINE int dm_begin_batch(const dm_scene_state *s, dm_batch *b, dm_mask awake
     return 1;
 }
 
-/* Separate the meetings that would be nearer than they touch at the relative velocities u; add up their impulses,
- * and let the anchors of those that slide follow. */
-DM_INLINE void dm_part_batch(const dm_scene_state *s, dm_batch *b, const dm_moving *v, dm_vec3 u) {
-    dm_moving out[4];
+/* Resolve the active meetings once more; return whether they agree: whether no speed has changed by so much that a tenth of
+ * the distance of touch would be covered in the substep. */
+static int dm_sweep_meetings(dm_scene_state *s) {
+    dm_lanes most = dm_splat(0);
+    double enough = DM_BACK * s->touch / s->dt;
+    for (dm_batch *b = s->batches; b < s->batches + s->batch_count; b++) {
+        if (!dm_any_of(b->active)) continue;
+        dm_moving v[4];
+        dm_vec3 u = dm_gather_batch(b, &s->moving->v, v);
+        most = dm_vmax(dm_resolve_batch(s, b, v, u), most);
+    }
+    return !(dm_most_of(most) > enough * enough);
+}
+
+/* Separate the meetings that would be nearer than they touch; add up their impulses, and let the anchors of those that
+ * slide follow. */
+DM_INLINE void dm_part_batch(const dm_scene_state *s, dm_batch *b) {
+    dm_moving v[4], out[4];
     dm_lanes h = dm_splat((dm_real)s->dt);
-    dm_vec3 way = dm_gather_batch(b, &s->moving->x, out);
+    dm_vec3 u = dm_gather_batch(b, &s->moving->v, v), way = dm_gather_batch(b, &s->moving->x, out);
     dm_lanes short_of = b->touch - b->begin - dm_dot(dm_plus(way, h, u), b->normal);
     dm_mask near = b->active & (dm_mask)(short_of > dm_splat(0));
     dm_lanes by = dm_where(near, b->by * dm_splat((dm_real)DM_BACK) * short_of);
@@ -203,12 +218,11 @@ static int64_t dm_resolve_meetings(dm_scene_state *s) {
     }
     if (!any) return 0;
     for (const uint32_t *k = s->met; k < s->met + s->met_count; k++) s->moving[*k].x = (dm_quad){0, 0, 0, 0};
+    for (int k = 0, agree = 0; k < DM_SWEEPS && !agree; k++) agree = dm_sweep_meetings(s);
     dm_mask touching = {0};
     for (dm_batch *b = s->batches; b < s->batches + s->batch_count; b++) {
         if (!dm_any_of(b->active)) continue;
-        dm_moving v[4];
-        dm_vec3 u = dm_gather_batch(b, &s->moving->v, v);
-        dm_part_batch(s, b, v, dm_resolve_batch(s, b, v, u));
+        dm_part_batch(s, b);
         touching -= b->active;
     }
     int64_t count = 0;

@@ -14,7 +14,7 @@ import trimesh
 
 from core.base import Bools, Floats
 from core.body.model import build_model
-from core.material import Material
+from core.material import DEFAULT_MATERIAL, Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from core.world import Collider, World
@@ -74,6 +74,15 @@ def ball_through_ring(rng: np.random.Generator) -> Played:
     push = _along(punch[0] + (0, 0, 0.09), (0, 0, -0.09), rest=0.8)
     ball = moved(icosphere(3, 0.04), rng, (0, 0, 0.035))
     return _play([ball], [_of(ring), (push(0.0), punch[1])], ticks=300, leads=[None, push])
+
+
+def vinyl_into_ring(rng: np.random.Generator) -> Played:
+    """Push a ball of the default material halfway through a ring whose hole is three quarters as wide."""
+    ring, radius = trimesh.creation.torus(0.0825, 0.0206, major_sections=48, minor_sections=12), 0.0825
+    punch = _box(0.058, 0.058, 0.058)
+    push = _along(punch[0] + (0, 0, 0.2), (0, 0, -0.13), rest=0.6)
+    ball = moved(icosphere(4, radius), rng, (0, 0, radius))
+    return _play([ball], [_of(ring), (push(0.0), punch[1])], ticks=700, leads=[None, push], material=DEFAULT_MATERIAL)
 
 
 def needle(rng: np.random.Generator) -> Played:
@@ -178,8 +187,8 @@ def weights_struck(rng: np.random.Generator) -> Played:
 SCENES: dict[str, Callable[[np.random.Generator], Played]] = {
     make.__name__: make
     for make in (
-        hand_squeezes_ball, balls_pressed_flat, ball_through_ring, needle, twisted_bar, two_lips, folded_sheet,
-        pile_of_twenty, fast_fist, collider_ends_inside, weights_in_bowl, weights_struck,
+        hand_squeezes_ball, balls_pressed_flat, ball_through_ring, vinyl_into_ring, needle, twisted_bar, two_lips,
+        folded_sheet, pile_of_twenty, fast_fist, collider_ends_inside, weights_in_bowl, weights_struck,
     )
 }  # fmt: skip
 

@@ -7,7 +7,7 @@ For a pair at distance d (r: where it touches), with relative speed u along its 
 
 so that after the substep h it is not nearer than r, or no nearer than before. Each substep measures its nearest points
 again. The pairs are taken one after the other, ordered by their vertices,
-twice, and what is still too near is brought apart the second time.
+until they agree, and what is still too near is brought apart then.
 What sticks goes back to where it stuck first, so that it does not creep: an anchor, which follows where it slides.
 """
 
@@ -20,7 +20,7 @@ import numpy as np
 from core.base import Bools, Floats, Ints
 from core.constants import TINY
 
-from .constants import BACK, EXACT, FLAT, ROUNDING
+from .constants import BACK, EXACT, FLAT, ROUNDING, SWEEPS
 from .proximity import Pairs, Surfaces, measure
 
 
@@ -117,7 +117,7 @@ def _measured(at: Ints, ones: Ints, x: Floats, inverse_mass: Floats, **others: F
 
 
 def resolve(
-    m: Meetings, way: Floats, v: Floats, inverse_mass: Floats, dt: float, sleeps: Bools
+    m: Meetings, way: Floats, v: Floats, inverse_mass: Floats, dt: float, sleeps: Bools, touch: float
 ) -> tuple[Floats, Floats, Floats, Ints]:
     """Return what comes of a substep in which pairs touch.
 
@@ -127,6 +127,7 @@ def resolve(
         inverse_mass: (n,) [1/kg].
         dt: the substep [s].
         sleeps: (m,) whether a side of a meeting does: then both are at rest.
+        touch: greatest distance at which anything touches [m].
 
     Returns:
         velocities (n, 3) [m/s], by how much vertices are brought apart (n, 3) [m], the impulse that each meeting gave
@@ -144,8 +145,11 @@ def resolve(
             _push(m, k, *active[k][1:], passed, v, inverse_mass)
         else:
             m.anchor[k] = along
-    for k, (begin, least, back) in active.items():
-        _push(m, k, least, back, passed, v, inverse_mass)
+    for _ in range(SWEEPS):
+        most = max((_push(m, k, *of[1:], passed, v, inverse_mass) for k, of in active.items()), default=0.0)
+        if not most > BACK * touch / dt:
+            break
+    for k, (begin, _, back) in active.items():
         gap = begin + float(m.normal[k] @ (m.weights[k] @ (dt * v[m.at[k]] + out[m.at[k]])))
         by = BACK * max(float(m.touch[k]) - gap, 0.0) * _share_over_give(m, k)
         out[m.at[k]] += (by * m.weights[k] * inverse_mass[m.at[k]])[:, None] * m.normal[k]
@@ -159,8 +163,11 @@ def _share_over_give(m: Meetings, k: int) -> float:
     return float(m.share[k] / m.give[k]) if m.give[k] > 0 else 0.0
 
 
-def _push(m: Meetings, k: int, least: float, back: Floats, passed: Floats, v: Floats, inverse_mass: Floats) -> None:
-    """Add to the impulse of a meeting so much that it goes no nearer than it may, and slides as friction lets it."""
+def _push(m: Meetings, k: int, least: float, back: Floats, passed: Floats, v: Floats, inverse_mass: Floats) -> float:
+    """Add to the impulse of a meeting so much that it goes no nearer than it may, and slides as friction lets it.
+
+    Return by how much that changes its relative velocity [m/s].
+    """
     at, w, normal = m.at[k], m.weights[k], m.normal[k]
     u, by = w @ v[at], _share_over_give(m, k)
     along, before = float(u @ normal), float(passed[k] @ normal)
@@ -169,7 +176,8 @@ def _push(m: Meetings, k: int, least: float, back: Floats, passed: Floats, v: Fl
     size, most = float(np.linalg.norm(drag)), float(m.friction[k]) * push
     impulse = push * normal + (drag * (most / size) if size > most else drag)
     v[at] += (w * inverse_mass[at])[:, None] * (impulse - passed[k])
-    passed[k] = impulse
+    changed, passed[k] = float(m.give[k] * np.linalg.norm(impulse - passed[k])), impulse
+    return changed
 
 
 def _is_nearest(s: Surfaces, x: Floats, triangle: int, w: Floats, vertex: Floats, between: Floats) -> bool:

@@ -367,7 +367,8 @@ class TwinScene:
             return
         asleep = sleeps[sides[:, 0]] | sleeps[sides[:, 1]]
         v, out, passed, active = touching.resolve(
-            meetings, self._last - self._looked, self._velocities(), self._inverse_mass, self._dt, asleep
+            meetings, self._last - self._looked, self._velocities(), self._inverse_mass, self._dt, asleep,
+            self._touch,
         )
         changed = np.unique(meetings.at[active])
         for body, part in zip(self._bodies, self._part, strict=False):
