@@ -5,7 +5,7 @@
 
 enum { DM_FOOT_STEPS = 4 }; /* steps of a foot towards the place straight above its fingertip, at most */
 
-typedef struct { /* of a sphere: vector from the nearest facet to its centre; normals and distances of what it touches */
+typedef struct { /* of a sphere: vector from the nearest facet to its centre; normals and distances of others near */
     const dm_facet *facet;
     double near, offset[3], normals[DM_NORMALS][3], away[DM_NORMALS];
     int count;
