@@ -28,6 +28,7 @@ _LIKELY = 2.0  # [standard errors] a force at the first row that may still be 0
 _FIRST = 0.1  # share of the range of force, or of depth: the beginning of a press, far from any knee
 _WITHIN = 1.5  # times the noise: RMS residual up to which a law follows its rows
 _HARMLESS = 0.02  # share of the range of depth: touches closer together give the same constants
+_FARTHEST = 20.0  # ranges of depth: a touch farther before the first row would leave a twentieth of the press measured
 _VERY_STRONG = 10.0  # evidence, as a difference of the criterion. Source: Kass and Raftery 1995
 
 
@@ -51,15 +52,13 @@ def settle(curve: LoadingCurve, answers: Answers | None = None) -> tuple[Loading
 
     Raises:
         Undecided: two touches are plausible, and would give different constants; never if the user gave either.
-        DimpleError: too few rows, or a touch far outside them.
+        DimpleError: too few rows, or a touch or tare far outside them.
     """
     touch, tare = (None, None) if answers is None else (answers.contact_mm, answers.tare_n)
     curve = curve.begun_at(0.0, tare or 0.0)
     fit, question = _likeliest(curve) if touch is None else (_as_given(curve, curve.inward * touch / 1e3), None)
-    if tare is not None:  # the rows in contact alone say where the force is 0
-        pressed = curve.depth > fit.contact.value
-        free = ("contact",) if touch is None and "contact" in fit.fitted.free else ()
-        fit = fit_law(curve.depth[pressed], curve.force[pressed], touch=fit.contact.value, free=free)
+    if tare is not None:
+        fit = _as_tared(curve, fit, tare, found=touch is None)
     elif question:
         raise Undecided(question)
     return curve.begun_at(fit.contact.value, fit.tare.value), fit
@@ -147,6 +146,28 @@ def _is_air(x: Floats, f: Floats, noise: float) -> bool:
     return slope < SURE * error or slope * float(np.ptp(x)) < noise
 
 
+def _as_tared(curve: LoadingCurve, fit: Fit, tare: float, *, found: bool) -> Fit:
+    """Fit the rows in contact of a curve without its tare [N], from the touch of a fit on: it was found, or given."""
+    pressed, free = curve.depth > fit.contact.value, ("contact",) if found and "contact" in fit.fitted.free else ()
+    try:  # the rows in contact alone say where the force is 0
+        fit = fit_law(curve.depth[pressed], curve.force[pressed], touch=fit.contact.value, free=free)
+        credible = fit.K1.value > 0 and fit.contact.value >= _earliest(curve)
+    except DimpleError:  # too few rows are left: where the force would be 0 lies behind them
+        credible = False
+    if credible:
+        return fit
+    raise DimpleError(
+        "With a tare of {tare:.6g} N the file holds no press: its forces run from {least:.4g} to {most:.4g} N. Under "
+        "Tare, type the force before the touch, or open the file again to have it detected.",
+        tare=tare, least=curve.force.min() + tare, most=curve.force.max() + tare
+    )  # fmt: skip
+
+
+def _earliest(curve: LoadingCurve) -> float:
+    """Return the earliest depth [m] that is credible for the touch."""
+    return float(curve.depth[0] - _FARTHEST * np.ptp(curve.depth))
+
+
 def _as_given(curve: LoadingCurve, touch: float) -> Fit:
     """Fit with the touch at a depth [m]; if a fit finds the same touch, return that fit with its interval of the touch.
 
@@ -154,7 +175,7 @@ def _as_given(curve: LoadingCurve, touch: float) -> Fit:
     """
     x, f = curve.depth, curve.force
     first, span = float(x[0]), float(np.ptp(x))
-    if not first - 20 * span <= touch < x.max():
+    if not _earliest(curve) <= touch < x.max():
         raise DimpleError(
             "The touch at {contact_mm} mm lies outside the depths of the file.", contact_mm=curve.reading(touch)
         )

@@ -6,19 +6,21 @@
 #include "foot.h"
 
 /* Note a facet, given its offset from a sphere, if it is the nearest or touches the sphere. Of equally near facets
- * the one whose normal points most towards the centre counts: on an edge it decides the side. */
+ * the one whose normal points most towards the centre counts: on an edge it decides the side. Of normals that count as
+ * one the nearest facet's is kept: that of the next facet of a plane leans, by as much as it is farther away. */
 static void dm_note_facet(dm_round *r, const dm_facet *f, const double *offset, double seat) {
     double away = sqrt(dm_inner3(offset, offset));
     int nearer = away < r->near * (1 - DM_EXACT);
     if (!nearer && away <= r->near * (1 + DM_EXACT))
         nearer = fabs(dm_inner3(offset, f->normal)) > fabs(dm_inner3(r->offset, r->facet->normal));
     if (nearer) r->near = away, r->facet = f, memcpy(r->offset, offset, sizeof r->offset);
-    if (!(away < seat && away > 0) || r->count == DM_NORMALS) return;
-    double *n = r->normals[r->count];
+    if (!(away < seat && away > 0)) return;
+    double n[3];
+    int k = 0;
     for (int c = 0; c < 3; c++) n[c] = offset[c] / away;
-    for (int k = 0; k < r->count; k++)
-        if (dm_inner3(n, r->normals[k]) > DM_SAME_WAY) return;
-    r->count++;
+    while (k < r->count && !(dm_inner3(n, r->normals[k]) > DM_SAME_WAY)) k++;
+    if (k == DM_NORMALS || (k < r->count && away >= r->away[k])) return;
+    r->away[k] = away, r->count += k == r->count, memcpy(r->normals[k], n, sizeof n);
 }
 
 /* Search the facets near a sphere at x, starting from one that was near before. */

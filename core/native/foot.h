@@ -5,9 +5,9 @@
 
 enum { DM_FOOT_STEPS = 4 }; /* steps of a foot towards the place straight above its fingertip, at most */
 
-typedef struct { /* of a sphere: vector from the nearest facet to its centre; normals of the facets that it touches */
+typedef struct { /* of a sphere: vector from the nearest facet to its centre; normals and distances of others near */
     const dm_facet *facet;
-    double near, offset[3], normals[DM_NORMALS][3];
+    double near, offset[3], normals[DM_NORMALS][3], away[DM_NORMALS];
     int count;
 } dm_round;
 

@@ -18,12 +18,13 @@ from ...core.message import Message, in_a_row
 from . import modal_runs, sessions
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
+    from ...core.body.model import Model
     from ...core.device.device import Device
     from ...core.device.orders import ServoReport
+    from ...core.device.rendered_surface import Law
     from ...core.device.workspace import Workspace
-    from ...core.material import Material
     from ...core.session import Finger
     from .sessions import LiveBody
 
@@ -40,8 +41,8 @@ class Connection:
     report: ServoReport  # its last report
     watch: object = None  # token of the operator that follows the dead-man key
     # by body, index of the fingertip, the device's workspace in the space of the body, and radius of the fingertips
-    # [mm]: materials and force [N] of the last frame; only a new combination, or new materials, can kick
-    known: dict[tuple[LiveBody, int, Workspace, float], tuple[Sequence[Material], float]] = field(default_factory=dict)
+    # [mm]: model and law at the fingertip in the last frame; only a new combination, or a new model, can kick
+    known: dict[tuple[LiveBody, int, Workspace, float], tuple[Model, Law | None]] = field(default_factory=dict)
     note: str = ""  # a sentence for the artist that has not been shown yet
     read_at: float = 0.0  # time of the last reading [s]
     slow: bool = False  # Blender draws too slowly for the dead-man key
@@ -164,7 +165,8 @@ def write(scene: bpy.types.Scene) -> None:
     """Send the device the surface under each fingertip, that of the body in which the fingertip is deepest.
 
     A new session, a moved workspace, a changed radius or the end of a poke may suddenly put a body under a fingertip,
-    and an edit may make its material stiffer. If it then pushes harder, the device is disarmed instead of kicking.
+    and an edit may make its material, or what is painted on it, stiffer. If it then pushes harder than it would have
+    without that change at the same depth, the device is disarmed instead of kicking.
     """
     from ...core.device.limits import QUIET_FORCE
     from ...core.device.orders import LinkState
@@ -181,11 +183,13 @@ def write(scene: bpy.types.Scene) -> None:
         for i, surface in enumerate(surfaces_of(body.session, touches, where, now)):
             if i in body.poked:
                 continue
-            which, materials = (body, i, where, radius), body.session.model.materials
-            force = math.hypot(*touches[i].force) if surface else 0.0
-            same, before = connection.known.get(which, ((), 0.0))
-            kicks |= same != materials and force - before >= QUIET_FORCE * where.scale
-            known[which] = materials, force
+            which, model = (body, i, where, radius), body.session.model
+            same, law = connection.known.get(which, (None, None))
+            if same is not model and surface:
+                depth, whole = touches[i].depth / where.scale, math.hypot(*touches[i].force)
+                old, new = (each.force(depth, math.inf) if each else 0.0 for each in (law, surface.law))
+                kicks |= new > 0 and whole * (1 - old / new) >= QUIET_FORCE * where.scale
+            known[which] = model, surface and surface.law
             if surface and touches[i].depth > deepest[i]:
                 deepest[i], surfaces[i] = touches[i].depth, surface
     if kicks and connection.report.arming.name != "OFF":

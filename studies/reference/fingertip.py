@@ -148,17 +148,22 @@ def along_curve(points: Floats) -> Ints:
 
 
 def look_round(s: RestSurface, first: int, x: Floats, radius: float) -> Round:
-    """Look at the facets round a sphere at x. Of those that are as near, the one that sees x most squarely counts."""
+    """Look at the facets round a sphere at x. Of those that are as near, the one that sees x most squarely counts.
+
+    Of normals that count as one the nearest facet's is kept.
+    """
     offsets = x[:, None] - (s.corners * nearest_on_triangles(s.corners, x)).sum(axis=2)
     away = np.sqrt((offsets**2).sum(axis=0))
     tied: Ints = np.flatnonzero(away <= away.min() * (1 + EXACT))
     square = np.abs((offsets * s.normals)[:, tied].sum(axis=0))
     facet = first if first in tied[square == square.max()] else int(tied[square.argmax()])
     normals: list[Floats] = []
+    gaps: list[float] = []
     holds: Bools = (away < radius * (1 + HELD)) & (away > 0)
-    for normal in (offsets[:, holds] / away[holds]).T:
-        if len(normals) < NORMALS and all(normal @ other <= SAME_WAY for other in normals):
-            normals.append(normal)
+    for normal, gap in zip((offsets[:, holds] / away[holds]).T, away[holds].tolist(), strict=True):
+        k = next((k for k, other in enumerate(normals) if normal @ other > SAME_WAY), len(normals))
+        if k < NORMALS and (k == len(normals) or gap < gaps[k]):
+            normals[k : k + 1], gaps[k : k + 1] = [normal], [gap]
     return Round(facet, float(away[facet]), offsets[:, facet], normals)
 
 

@@ -9,6 +9,7 @@ from core.calibration.calibrate import calibrate, to_record
 from core.calibration.question import Answers, Undecided
 from core.calibration.surface_constant import surface_constant
 from core.calibration.virtual_press import write_press
+from core.errors import DimpleError
 from core.material import PRESETS
 from studies.law.paper import DEEPEST
 
@@ -89,6 +90,18 @@ def test_pressed_already_means_no_tare(tmp_path):
     done = calibrate(path, Answers(contact_mm=float(caught.value.questions[0].default)))
     assert done.loading.tare == 0
     assert done.loading.reading(0) == pytest.approx(-4, abs=0.2)
+
+
+@pytest.mark.parametrize("approach", [0.0, 0.005])
+@pytest.mark.parametrize("tare", [60.0, 1000.0, -2000.0])
+def test_a_typed_tare_with_which_nothing_presses_is_refused_and_the_forces_are_named(approach, tare, tmp_path):
+    """The file reads up to 52 N. A tare of -2,000 N would mean a press that was 97 % over when the file began."""
+    path = pressed(tmp_path / "x.csv", PRESETS[1], approach=approach, noise=0.002)
+    forces = calibrate(path).measurement.force
+    said = f"a tare of {tare:g} N .* from {forces.min():.4g} to {forces.max():.4g} N"
+    with pytest.raises(DimpleError, match=said):
+        calibrate(path, Answers(tare_n=tare))
+    assert calibrate(path, Answers(tare_n=0.0)).fit.K1.value == pytest.approx(PRESETS[1].material.K1, rel=0.05)
 
 
 @pytest.mark.parametrize("tare", [0.0, 0.1, -0.1])

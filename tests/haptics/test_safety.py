@@ -1,5 +1,6 @@
 """What stands between a computed force and a hand."""
 
+import itertools
 import math
 
 import pytest
@@ -232,3 +233,20 @@ def test_a_fingertip_that_has_all_but_come_to_rest_keeps_its_force(speed: float)
 
 def test_the_passivity_controller_leaves_a_passive_wall_alone() -> None:
     assert press_and_leave(700.0, 600.0, control=True) == press_and_leave(700.0, 600.0, control=False)
+
+
+@pytest.mark.parametrize(("amplitude", "hertz"), [(1.1e-4, 250.0), (4e-3, 5.0)])
+def test_what_a_wall_gives_is_seen_through_steps_of_a_fifth_of_a_millimetre(amplitude: float, hertz: float) -> None:
+    """It is seen within 10 %, where it shakes a fingertip across one step, and where a hand shakes.
+
+    A slow touch reads no different, so it is charged K q^2 = 0.04 mJ for each step q and back, which it does not get.
+    """
+    step, stiffness, at, given = 2e-4, 1000.0, 0.0081, 0.0
+    seen, acts, answer = Passivity(), 0.0, 0.0  # each answer acts from the next tick on
+    depths = [at + amplitude * math.sin(2 * math.pi * hertz * i * MS + 0.4) for i in range(2000)]
+    for before, depth in itertools.pairwise(depths):
+        was, reads = (step * round(x / step) for x in (before, depth))
+        acts, answer = answer, stiffness * was
+        given += acts * (before - depth)
+        seen.observe((0.0, 0.0, acts), (0.0, 0.0, was - reads))
+    assert given > 0.01 and seen.stored == pytest.approx(-given, rel=0.1)

@@ -113,11 +113,11 @@ def dragged(radius: float, depth: float, speed: float, way: float, lead: float) 
     return float(-drag / push), float(push)
 
 
-@pytest.mark.parametrize("speed", [1e-4, pytest.param(1e-3, marks=SLOW), 1e-2, pytest.param(0.1, marks=SLOW), 1.0])
+@pytest.mark.parametrize("speed", [1e-4, 1e-3, 1e-2, pytest.param(0.1, marks=SLOW), 1.0])
 def test_a_sliding_fingertip_meets_coulombs_friction_at_any_speed(speed: float) -> None:
-    """A flat face: from a tenth of a millimetre to a metre a second."""
+    """A flat face, from edge to edge: from a tenth of a millimetre to a metre a second. No facet tilts the push."""
     share, push = dragged(0.04, 0.002, speed, 0.001 if speed < 1e-3 else 0.005 if speed < 1e-2 else 0.03, 0.01)
-    assert push > 0.5 and share == pytest.approx(FRICTION, rel=1e-3)
+    assert push > 0.5 and share == pytest.approx(FRICTION, rel=1e-6)
 
 
 def grasped(cells: int) -> tuple[Session, float]:

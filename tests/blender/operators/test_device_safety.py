@@ -187,14 +187,20 @@ def test_a_body_put_under_the_fingertips_at_once_disarms(
     assert any("has changed" in sentence for sentence in notes) == kicks
 
 
-@pytest.mark.parametrize("what", ["place", "material", pytest.param("radius", marks=pytest.mark.once)])
-def test_another_place_or_radius_or_a_stiffer_material_disarms_while_a_fingertip_presses(
+def painted(body: Any, map_name: str, value: float) -> None:
+    """Give a body a map with one value everywhere."""
+    body.vertex_groups.new(name="Painted").add(range(len(body.data.vertices)), value, "REPLACE")
+    setattr(body.dimple, f"{map_name}_group", "Painted")
+
+
+@pytest.mark.parametrize("what", ["place", "material", "softness", pytest.param("radius", marks=pytest.mark.once)])
+def test_another_place_or_radius_or_a_stiffer_law_disarms_while_a_fingertip_presses(
     bpy: ModuleType, port: Any, add: Callable[..., Any], what: str
 ) -> None:
-    """As when a step that set it is undone, or the wheel turns: the wall would jump by as much."""
+    """As when a step that set it is undone, the wheel turns, or one paints: the wall would jump by as much."""
     from bl_ext.user_default.dimple.operators.press import live_step
 
-    under_device(bpy, port, add)
+    body = under_device(bpy, port, add).obj
     notes, settings = [], bpy.context.scene.dimple
     for _ in range(3):  # a busy machine may have disarmed it meanwhile
         wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
@@ -202,6 +208,8 @@ def test_another_place_or_radius_or_a_stiffer_material_disarms_while_a_fingertip
             settings.device_origin[2] -= 0.1
         elif what == "material":
             bpy.data.materials["Soft"].dimple.K1 *= 4.0
+        elif what == "softness":
+            painted(body, what, 0.0)  # four times stiffer
         else:
             settings.finger_radius_mm += 2.0
         notes += live_step.advance(bpy.context, 1 / 60) + live_step.advance(bpy.context, 1 / 60)
@@ -209,6 +217,69 @@ def test_another_place_or_radius_or_a_stiffer_material_disarms_while_a_fingertip
         if any("has changed" in sentence for sentence in notes):
             return
     raise AssertionError(notes)
+
+
+class PlacedDevice:
+    """An armed device with one fingertip, where the test puts it; it counts how often it is disarmed."""
+
+    def __init__(self) -> None:
+        self.place, self.disarmed = (0.0, 0.0, 0.0), 0
+
+    def read(self) -> Any:
+        from bl_ext.user_default.dimple.core.device.force_guard import Arming
+        from bl_ext.user_default.dimple.core.device.orders import LinkState, ServoReport, TipState
+
+        tip = TipState(self.place, (0.0, 0.0, 0.0), 0.0, False, False)
+        return ServoReport(link=LinkState.READY, arming=Arming.ON, tips=(tip,))
+
+    def write(self, _surfaces: Any) -> None:
+        pass
+
+    def disarm(self) -> None:
+        self.disarmed += 1
+
+    def close(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize("pressed_mm", [5.0, 15.0])
+@pytest.mark.parametrize(
+    ("painting", "weight", "disarms"),
+    [
+        ("softness", 0.5, False), ("softness", 1.0, False), ("softness", 0.49, False), ("softness", 0.3, True),
+        ("softness", 0.0, True), ("knee", 0.5, False), ("knee", 0.05, True),
+    ],
+)  # fmt: skip
+def test_it_is_the_stiffer_law_that_disarms_and_not_the_hand_that_presses_while_one_paints(
+    bpy: ModuleType, add: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, painting: str, weight: float,
+    disarms: bool, pressed_mm: float,
+) -> None:  # fmt: skip
+    """From 5 mm, or 1 N, in one frame. A softness of 0.49 is 3 % stiffer, by 0.03 N; a knee of 0.05 lies at 3 mm."""
+    from bl_ext.user_default.dimple.operators.press import follow_settings, haptic_fingertips, live_step, sessions
+
+    monkeypatch.setattr(follow_settings, "PAINTED_S", 0.0)  # each frame reads what is painted
+    body, device = add(), PlacedDevice()
+    softened(bpy, body)
+    painted(body, painting, 0.5)
+    run(bpy, body)
+    haptic_fingertips.connections.append(haptic_fingertips.Connection(device=device, report=device.read()))
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    try:
+        for z in (0.020, 0.0, -0.005):
+            device.place = (0.0, 0.0, z)
+            live_step.advance(bpy.context, 1 / 60)
+        assert not device.disarmed
+        device.place = (0.0, 0.0, -pressed_mm / 1e3)
+        bpy.context.object.vertex_groups["Painted"].add(range(len(body.data.vertices)), weight, "REPLACE")
+        before = sessions.get(body).session.model
+        notes = live_step.advance(bpy.context, 1 / 60)
+        notes += live_step.advance(bpy.context, 1 / 60)
+        assert sessions.get(body).session.model is not before, "the paint was read"
+        assert bool(device.disarmed) == any("has changed" in sentence for sentence in notes) == disarms
+    finally:
+        bpy.ops.object.mode_set(mode="OBJECT")
+        haptic_fingertips.disconnect()
+        sessions.stop_all()
 
 
 @pytest.mark.parametrize("how", ["undo", "blow-up"])
