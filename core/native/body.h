@@ -80,7 +80,6 @@ typedef struct { /* a triangle of the surface at rest, below which fingertips ar
     int64_t index, material;
 } dm_facet;
 
-enum { DM_NORMALS = 8 }; /* of facets that a sphere touches: a fingertip never touches more at once */
 typedef struct { /* a fingertip; all vectors except centre and force are in the space of the shape at rest */
     double centre[3], radius;        /* [m] */
     double way;                      /* [m] displacement by the given force */

@@ -21,7 +21,7 @@ from core.material import law_force
 from core.mesh.surface import Mesh
 from core.native.motion import FingertipMotion
 
-from .constants import EXACT, HELD, LARGEST_GROWTH, PUSH_TIME, REST_TIME, SAME_WAY, SEATED, SLACK, STICK, SWEEPS, TRAVEL
+from .constants import EXACT, HELD, LARGEST_GROWTH, PUSH_TIME, REST_TIME, SEATED, SLACK, STICK, SWEEPS, TRAVEL
 from .facets import nearest_on_triangles
 
 FOOT_STEPS = 4
@@ -157,7 +157,7 @@ def look_round(s: RestSurface, first: int, x: Floats, radius: float) -> Round:
     normals: list[Floats] = []
     holds: Bools = (away < radius * (1 + HELD)) & (away > 0)
     for normal in (offsets[:, holds] / away[holds]).T:
-        if len(normals) < NORMALS and all(normal @ other <= SAME_WAY for other in normals):
+        if len(normals) < NORMALS and all(normal @ other <= 1 - HELD for other in normals):
             normals.append(normal)
     return Round(facet, float(away[facet]), offsets[:, facet], normals)
 
