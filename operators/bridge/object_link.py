@@ -15,9 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ...core.base import LARGEST, DimpleError, row_parts
-
-Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
+from ...core.base import Floats as Floats
+from ...core.base import Singles as Singles
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
