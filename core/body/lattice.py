@@ -99,7 +99,7 @@ def _inside(surface: tuple[Floats, Ints], low: Floats, step: Floats, count: Ints
 def stiffness(lattice: Lattice) -> Floats:
     """Return the stiffness (3 m, 3 m) of a lattice divided by Young's modulus [m]."""
     size = 3 * len(lattice.nodes)
-    unit = _cell_stiffness(lattice.sides, POISSON)
+    unit = _cell_stiffness(lattice.sides)
     freedoms = (3 * lattice.cells[:, :, None] + np.arange(3)).reshape(-1, 24)
     at = freedoms[:, :, None] * size + freedoms[:, None, :]
     return sums_at(at.ravel(), (lattice.filled[:, None, None] * unit).ravel(), size * size).reshape(size, size)
@@ -111,9 +111,9 @@ def weight(lattice: Lattice) -> Floats:
     return sums_at(lattice.cells.ravel(), each, len(lattice.nodes))
 
 
-def _cell_stiffness(sides: Floats, poisson: float) -> Floats:
+def _cell_stiffness(sides: Floats) -> Floats:
     """Return the stiffness (24, 24) of a cell divided by Young's modulus [m]."""
-    lame, shear = poisson / ((1 + poisson) * (1 - 2 * poisson)), 1 / (2 + 2 * poisson)
+    lame, shear = POISSON / ((1 + POISSON) * (1 - 2 * POISSON)), 1 / (2 + 2 * POISSON)
     points = (CORNERS - 0.5) / np.sqrt(3)  # Gauss points
     slopes = np.stack([gradients(point + 0.5) for point in points]) / sides
     mean = slopes.mean(axis=0)

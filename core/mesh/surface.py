@@ -6,7 +6,6 @@ what was repaired. If that is not possible, `DimpleError` says why and what to d
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -185,13 +184,12 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     )  # fmt: skip
 
 
-def base_vertices(mesh: Mesh, *, up: Sequence[float] = (0, 0, 1), share: float = 0.1) -> Bools:
-    """Return which input vertices (N,) are the base of a body: the lowest `share` of its height, or a sheet's rim."""
-    height = mesh.rest_positions @ np.asarray(up, np.float64)
-    used = ~mesh.loose
+def base_vertices(mesh: Mesh) -> Bools:
+    """Return which input vertices (N,) are the base of a body: the lowest tenth of its height, or a sheet's rim."""
+    height, used = mesh.rest_positions[:, 2], ~mesh.loose
     low, span = height[used].min(), np.ptp(height[used])
     if mesh.pressurable and span > 1e-3 * mesh.size:
-        base = height <= low + share * span
+        base = height <= low + 0.1 * span
     else:
         base = np.zeros(len(height), bool)
         base[mesh.cap_edges] = True

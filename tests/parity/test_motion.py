@@ -136,7 +136,8 @@ def test_a_body_that_flies_a_hundred_times_its_size_keeps_its_shape() -> None:
 
 def others(model: Model) -> list[Model]:
     """Return models of the same mesh: other fills, pins and numbers."""
-    base, top = (base_vertices(model.mesh, up=(0, 0, up)) for up in (1, -1))
+    height = model.mesh.rest_positions[model.mesh.source, 2]
+    base, top = base_vertices(model.mesh), height >= height.max() - 0.1 * np.ptp(height)
     air = replace(SOFT, fill="air", K1=300, K2=900)
     return [
         build_model(model.mesh, [SOFT], pinned=base),
