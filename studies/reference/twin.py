@@ -358,7 +358,8 @@ class Twin:
 
     def _volume(self, ticks: int) -> float:
         known = bool(self.model.pressure.kind) and ticks
-        return self._state.volume if known else pressure.volume(self.model.pressure, self._state.positions)
+        here = self._state.positions
+        return self._state.volume if known else pressure.volume_and_gradient(self.model.pressure, here)[0]
 
     def _pose(self) -> Pose:
         """Return where the shape at rest is now."""
