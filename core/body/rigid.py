@@ -16,10 +16,7 @@ import numpy as np
 from ..base import DimpleError, Floats, Ints
 from ..constants import ROUNDING
 from ..mesh.surface import Mesh, cap_centres
-
-# greatest part of the skin's momentum that a fill may have: explicit steps are stable up to 1, and of the meshes in the
-# studies a tetrahedron has the most, 0.81
-STABLE = 0.9
+from .time_step import STABLE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,6 +99,7 @@ def fill_momentum(mesh: Mesh, mass: Floats) -> Floats:
     arms = x - mass @ x / total
     skin = _inertia((mass * arms.T) @ arms, total * mesh.size**2)
     momentum: Floats = solid @ np.linalg.inv(skin) - np.eye(3)
+    # explicit steps are stable up to 1; of the meshes in the studies a tetrahedron has the most, 0.81
     return momentum / max(1.0, float(np.linalg.norm(momentum, 2)) / STABLE)
 
 
