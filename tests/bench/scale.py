@@ -166,7 +166,7 @@ def million(*, full: bool) -> dict[str, Any]:
     meshed = time.perf_counter()
     model = build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
     modelled = time.perf_counter()
-    chosen = plan(model, radius=RADIUS, budget=0.6)
+    chosen = plan(model, radius=RADIUS, budget=scenes.BUDGET)
     planned = time.perf_counter()
     print(f"plan in {planned - modelled:.3f} s: {chosen.reason}", flush=True)
     session = Session(model, proxy=chosen.proxy)
