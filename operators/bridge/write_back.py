@@ -47,12 +47,6 @@ def keep(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, o
     press_modifier.add(body, KEPT, KEPT_PRESS, [each for each, _ in shown])
 
 
-def remember(what: str) -> None:
-    """Push an undo step, if Blender can."""
-    if bpy.ops.ed.undo_push.poll():
-        bpy.ops.ed.undo_push(message=what)
-
-
 def paint(body: bpy.types.Object, group: str, weights: Singles) -> None:
     """Set the weight (N,) of every vertex in a vertex group, which is made if missing."""
     painted = body.vertex_groups.get(group) or body.vertex_groups.new(name=group)

@@ -19,11 +19,11 @@ class Driving(polls.Declared):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         return self.trying(self.begin, context, event)
 
-    def starts_later(self, context: bpy.types.Context, verb: str) -> bool:
+    def starts_later(self, context: bpy.types.Context) -> bool:
         """Return whether large meshes must be prepared first; if so, start that, which calls this operator again."""
         later = progress.takes_long(context)
         if later:
-            bpy.ops.dimple.start("INVOKE_DEFAULT", then=verb)
+            bpy.ops.dimple.start("INVOKE_DEFAULT", then=type(self).bl_idname)
         return later
 
     def start(self, context: bpy.types.Context) -> None:
@@ -107,7 +107,7 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
             run = modal_runs.runs[0]
             run.paused = not run.paused
             return {"FINISHED"}
-        if self.starts_later(context, "play"):
+        if self.starts_later(context):
             return {"CANCELLED"}
         self.start(context)
         self._frame = context.scene.frame_current

@@ -80,7 +80,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
             return {"PASS_THROUGH"}  # an ordinary click, which selects
         if found and not found.obj.select_get():
             fingertip_objects.select(context, found.obj)
-        if self.starts_later(context, "poke"):
+        if self.starts_later(context):
             return {"CANCELLED"}
         sizing.fit(context.scene, found.obj if found else live_step.candidates(context)[0])
         self._tool = settings_of(context.scene)
@@ -120,7 +120,6 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
 
     def _chosen(self, context: bpy.types.Context, view: "View") -> bool:
         """If a fingertip object is clicked, leave the poke, select the object for Blender's tools and return True."""
-        from ..bridge import write_back
         from . import poke_input
 
         tip = poke_input.fingertip_under(context, view)
@@ -128,7 +127,8 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
             return False
         fingertip_objects.leave_poke()
         fingertip_objects.select(context, tip)
-        write_back.remember("Select")
+        if bpy.ops.ed.undo_push.poll():
+            bpy.ops.ed.undo_push(message="Select")
         return True
 
     def _tick(self, context: bpy.types.Context) -> set[str]:

@@ -4,6 +4,7 @@ Large meshes are prepared in this way before they are poked or played.
 """
 
 import time
+from operator import attrgetter
 
 import bpy
 from bpy.props import IntProperty, StringProperty
@@ -64,7 +65,7 @@ class Working(polls.Declared):
         """Do all the work in one go; after a file browser start a new call, because this one cannot become modal."""
         if self.browsing:
             settings = {name: getattr(self, name) for name in self.asked if self.properties.is_property_set(name)}
-            getattr(bpy.ops.dimple, type(self).__name__.removeprefix("DIMPLE_OT_"))("INVOKE_DEFAULT", **settings)
+            attrgetter(type(self).bl_idname)(bpy.ops)("INVOKE_DEFAULT", **settings)
             return {"CANCELLED"}
         return super().execute(context)
 
@@ -84,7 +85,7 @@ class Working(polls.Declared):
 
     def _start(self, context: bpy.types.Context) -> set[str]:
         self._steps = self._begin(context)
-        self._run = self._open(context)
+        self._run = modal_runs.open_run(context, "work", self.running, interval=0.01)
         self._run.leave = self._leave
         self._began = time.perf_counter()
         context.window_manager.modal_handler_add(self)
@@ -115,9 +116,6 @@ class Working(polls.Declared):
         """Stop the task when Blender cancels the operator: its window closes, or another file is loaded."""
         if self._run is not None:
             modal_runs.close_run(self._run)
-
-    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
-        return modal_runs.open_run(context, "work", self.running, interval=0.01)
 
     def _done(self, sentence: str, messages: list[str]) -> set[str]:
         conclude(self, sentence, messages)
@@ -167,7 +165,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         _, messages, wrong = self._came
         report(self, [*wrong, *messages])
-        getattr(bpy.ops.dimple, self.then)("INVOKE_DEFAULT")
+        attrgetter(self.then)(bpy.ops)("INVOKE_DEFAULT")
         return {"FINISHED"}
 
 

@@ -80,7 +80,7 @@ def test_a_large_mesh_gets_ready_between_events_with_progress_and_esc_leaves_not
     assert len(large.data.vertices) > progress.LARGE
     before = coordinates(large)
     run = hand("start")
-    run.operator.then = "play"
+    run.operator.then = "dimple.play"
     assert progress.takes_long(run.context)
     for ticks in (1, 3):
         assert run.invoke() == {"RUNNING_MODAL"}
