@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import bpy
 
+from ..core.material import Indenter, law_power
 from ..operators.calibrate import results
 from . import canvas, shapes
 from .canvas import FINGERTIP, LINE_HEIGHT, MARGIN, Screen
@@ -72,8 +73,6 @@ def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
 
 def _acting(session: Any, index: int, material: Any, curves: Curves) -> dict[str, Any]:
     """Return the law that acts on a fingertip and its label, as fields of Curves; {} if it is the measured law."""
-    from ..core.material import Indenter
-
     depths = [curves.deepest * line / LINES for line in range(LINES + 1)]
     forces, radius = session.law(index, depths), session.fingers[index].radius
     if all(abs(force - material.law(depth)) <= 1e-6 * force for force, depth in zip(forces, depths, strict=True)):
@@ -99,8 +98,6 @@ def calibrated_curves(context: bpy.types.Context) -> Curves | None:
 
 def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
     """Return the curves of a material, None if it was not measured."""
-    from ..core.material import law_power
-
     record = results.load(settings.calibration)
     measured = record.get("points", [])
     if not measured:

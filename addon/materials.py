@@ -4,6 +4,7 @@ import bpy
 
 from ..core.errors import DimpleError
 from ..core.fills import FILLS
+from ..core.material import Material
 from ..core.message import Message, read
 from ..operators.press.sessions import sessions
 from .material_choice import draw_choice
@@ -13,8 +14,6 @@ from .panel_parts import MaterialPanel, SidebarPanel, draw_notes, draw_pins, sho
 
 def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
     """Return the core's error message if the constants of a material cannot be used, else nothing."""
-    from ..core.material import Material  # not at import: it needs numpy, and enabling must be quick
-
     try:
         Material(**settings.to_params())
     except DimpleError as error:

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Sequence
 
+from ..core.material import law_force
+
 Point = tuple[float, ...]
 Segment = tuple[Point, Point]
 Law = tuple[float, float, float, float]  # K1, K2 [N/m], x0 [m], and the exponent of the depth in its first part
@@ -44,8 +46,6 @@ def arrow(centre: Point, force: Point, radius: float) -> list[Segment]:
 
 def law_curve(law: Law, deepest: float) -> list[Point]:
     """Return points (depth [m], force [N]) of a law up to a depth [m]: its corners, or many if it is curved."""
-    from ..core.material import law_force
-
     depths = [0.0, min(law[2], deepest), deepest]
     if law[3] > 1:
         depths = [deepest * i / BENT_LINES for i in range(BENT_LINES + 1)]
