@@ -93,9 +93,7 @@ def _packed(kind: Any, each: Any) -> list[struct.Struct]:
 
 # whole structures, written and read as flat numbers: far faster than field by field
 _PACKED_MOTION, _PACKED_FRAME = _packed(CMotion, Fingertip), _packed(CFrame, CTouch)
-_LIFTED = (*[0.0] * 14, 0, 0.0, 0, 0)
-_NO_PINS = 0, 0, 0.0, 0.0
-_TOUCH_NUMBERS = len(_letters(CTouch))
+_TIP_NUMBERS, _TOUCH_NUMBERS = len(_letters(Fingertip)), len(_letters(CTouch))
 
 
 class Body:
@@ -240,7 +238,7 @@ class Body:
         arrays: list[Floats] = []
         for tip in tips:
             if tip is None:
-                numbers += _LIFTED
+                numbers += [0] * _TIP_NUMBERS  # lifted
             else:
                 start, first, last, radius, fresh, force, inward, factors = tip
                 table, end = factors or (None, 0.0)
@@ -249,7 +247,7 @@ class Body:
                 place = 0 if table is None else table.ctypes.data
                 numbers += (*start, *first, *last, radius, force, *inward, place, end, True, fresh)
         if pins is None:
-            numbers += _NO_PINS
+            numbers += [0, 0, 0, 0]
         else:
             places = self._places(pins)
             numbers += (*(a.ctypes.data for a in places), pins.first, pins.last)
