@@ -12,11 +12,12 @@ from core.base import Floats
 from core.body.model import Model, assemble, build_model
 from core.body.on_mesh import constants_on, mass_on
 from core.body.springs import membrane_stiffness
-from core.material import PRESETS, Material
+from core.material import Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Frame, Session
 from studies.meshes.simple import cube as cube
 from studies.meshes.simple import icosphere
+from studies.paper_objects import PRESETS
 from studies.reference.laws import State, initial_state
 
 BALL_RADIUS = 0.08  # [m]

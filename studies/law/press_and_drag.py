@@ -19,7 +19,7 @@ import numpy as np
 
 from core.base import TICK, DimpleError, Floats, Ints
 from core.body.model import Model, build_model
-from core.material import PRESETS, Material, law_force
+from core.material import Material, law_force
 from core.mesh.ray import ray_hit
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.native.motion import Touch
@@ -29,6 +29,7 @@ from studies.files import write_json
 from studies.meshes.mesh_file import SUFFIXES, load_triangles
 from studies.meshes.primitives import makers
 from studies.meshes.simple import SIZE, Shape
+from studies.paper_objects import PRESETS
 from studies.scenes import BUDGET
 
 Row = dict[str, Any]

@@ -23,12 +23,13 @@ import numpy as np
 from core import native
 from core.base import Floats
 from core.body.model import Model, build_model
-from core.material import PRESETS, Material
+from core.material import Material
 from core.mesh.surface import Mesh, base_vertices
 from core.native import Body
 from core.native.motion import FingertipMotion, Motion
 from core.session import Finger, Session
 from studies.motions import straight
+from studies.paper_objects import PRESETS
 from studies.reference.twin import Twin
 from studies.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube
 from tests.bench.chart import draw

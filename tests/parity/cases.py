@@ -9,11 +9,12 @@ import numpy as np
 
 from core.base import Floats
 from core.body.model import Model, build_model
-from core.material import FINGERTIP, PRESETS, Material
+from core.material import FINGERTIP, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.native import Body
 from core.native.motion import FingertipMotion, Frame, Motion, PinMotion
 from studies.motions import straight
+from studies.paper_objects import PRESETS
 from tests.bodies import REAL, ball, fan, hemisphere, joined, real, sheet, soup, walled_box
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2, fill="liquid")

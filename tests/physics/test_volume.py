@@ -9,11 +9,12 @@ from core.body.model import build_model
 from core.body.pressure import volume_and_gradient
 from core.body.springs import membrane_stiffness
 from core.constants import AIR_PRESSURE, LIQUID_BULK_MODULUS
-from core.material import PRESETS, Material, law_force
+from core.material import Material, law_force
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session
 from core.world import Collider, World
 from studies import scenes
+from studies.paper_objects import PRESETS
 from tests.bodies import ball, sheet
 
 SCENES = {
