@@ -38,7 +38,8 @@ class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
         if not any(sessions.fingertip_objects(scene)):
             self._messages.append("No fingertip presses the bodies. Add one with Fingertips > Add Fingertip.")
         self._count = len(objects)
-        plan = bake_to_files.plan_of(scene, objects, *self._frames(scene))
+        first, last = self._frames(scene)
+        plan = bake_to_files.BakePlan(objects=objects, first=first, last=last)
         return bake_to_files.bake(context, plan, self._messages)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:

@@ -14,9 +14,7 @@ import bpy
 import numpy as np
 import numpy.typing as npt
 
-from ...core.base import LARGEST, DimpleError, row_parts
-from ...core.base import Floats as Floats
-from ...core.base import Singles as Singles
+from ...core.base import LARGEST, DimpleError, Floats, Singles, row_parts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..names import CACHES_OFF, KEPT, KEPT_PRESS, PAINTING
 from . import final_mesh, press_modifier, rendered_mesh
-from .scene_objects import ObjectLink, Singles, get_points
+from .object_link import ObjectLink, Singles, get_points
 
 
 def rescue(live: Collection[int]) -> None:

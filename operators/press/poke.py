@@ -169,7 +169,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
     def _step(self, context: bpy.types.Context, dt: float) -> set[str] | None:
         """Advance the sessions by a time [s]; return the result that ends the operator if no session is left."""
         from ...core.poke import fingers, lifted
-        from ..bridge import scene_objects, sizing
+        from ..bridge import object_link, sizing
         from . import live_step
 
         pressed = {uid: fingers(self._state, uid) for uid in sessions.sessions}
@@ -178,7 +178,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         for uid, body in sessions.sessions.items():
             if body.link.scale != scales[uid]:
                 self._state = lifted(self._state, uid)
-                sizing.fit(context.scene, scene_objects.find(uid, body.name))
+                sizing.fit(context.scene, object_link.find(uid, body.name))
         live_step.adapt(self._run, dt)
         return self.went_on(messages)
 
