@@ -36,9 +36,9 @@ def unregister() -> None:
 
 
 def _registered(part: ModuleType) -> tuple[Callable[[], None], Callable[[], None]]:
-    """Return the functions that register and unregister a module: its own, else made from its operators."""
+    """Return the functions that register and unregister a module: its own, else made from its classes."""
     if hasattr(part, "register"):
         return part.register, part.unregister
     return bpy.utils.register_classes_factory(
-        [each for name, each in vars(part).items() if name.startswith("DIMPLE_OT_")]
+        [each for name, each in vars(part).items() if name.startswith(("DIMPLE_OT_", "DIMPLE_FH_"))]
     )

@@ -239,6 +239,3 @@ class DIMPLE_FH_force_depth(Dropped, bpy.types.FileHandler):
     bl_label = "Force-Depth Measurement"
     bl_import_operator = Op.CALIBRATE
     bl_file_extensions = results.EXTENSIONS
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_calibrate, DIMPLE_FH_force_depth])

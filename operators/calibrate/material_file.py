@@ -99,8 +99,3 @@ class DIMPLE_FH_material(Dropped, bpy.types.FileHandler):
     bl_label = "Dimple Material"
     bl_import_operator = Op.OPEN_MATERIAL
     bl_file_extensions = ENDING
-
-
-register, unregister = bpy.utils.register_classes_factory(
-    [DIMPLE_OT_save_material, DIMPLE_OT_open_material, DIMPLE_FH_material]
-)

@@ -123,6 +123,3 @@ def _at_cursor(context: bpy.types.Context, scale: float, mesh):
     tree = BVHTree.FromPolygons(mesh.rest_positions.tolist(), mesh.triangles.tolist())
     point, normal, _, _ = tree.find_nearest(scale * context.scene.cursor.location)
     return point, -normal
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_measure])

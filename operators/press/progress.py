@@ -20,12 +20,6 @@ LARGE = 20_000  # total number of vertices above which reading takes longer than
 READY = 0.05  # fraction of a bake for preparation, whose duration says nothing about that of the frames
 
 
-def show_share(context: bpy.types.Context, verb: str, share: float) -> None:
-    """Show in the status bar the fraction done of a task whose remaining time is unknown."""
-    said = Message("{verb} {share:.0%} | Esc: cancel", verb=Message(verb), share=share)
-    context.workspace.status_text_set(translated(said))
-
-
 class FrameRange:
     """Give an operator a first and a last frame."""
 
@@ -130,13 +124,13 @@ class Working(polls.Declared):
 
     def _show(self, context: bpy.types.Context, share: float) -> None:
         context.window_manager.progress_update(share)
+        verb = Message(self.verb)
         if share <= self.ready:
             self._began = time.perf_counter()
-            show_share(context, self.verb, share)
-            return
-        left = (time.perf_counter() - self._began) * (1 - share) / (share - self.ready)
-        said = "{verb} {share:.0%}, {time} left | Esc: cancel"
-        said = Message(said, verb=Message(self.verb), share=share, time=duration(left))
+            said = Message("{verb} {share:.0%} | Esc: cancel", verb=verb, share=share)
+        else:
+            left = duration((time.perf_counter() - self._began) * (1 - share) / (share - self.ready))
+            said = Message("{verb} {share:.0%}, {time} left | Esc: cancel", verb=verb, share=share, time=left)
         context.workspace.status_text_set(translated(said))
 
     def _leave(self) -> None:
