@@ -26,19 +26,18 @@ PARTS = (
 
 def register() -> None:
     for part in PARTS:
-        _registered(part)[0]()
+        registration(part)[0]()
 
 
 def unregister() -> None:
     """End everything that runs, then unregister the operators."""
     for part in reversed(PARTS):
-        _registered(part)[1]()
+        registration(part)[1]()
 
 
-def _registered(part: ModuleType) -> tuple[Callable[[], None], Callable[[], None]]:
+def registration(part: ModuleType) -> tuple[Callable[[], None], Callable[[], None]]:
     """Return the functions that register and unregister a module: its own, else made from its classes."""
     if hasattr(part, "register"):
         return part.register, part.unregister
-    return bpy.utils.register_classes_factory(
-        [each for name, each in vars(part).items() if name.startswith(("DIMPLE_OT_", "DIMPLE_FH_"))]
-    )
+    ours = [each for name, each in vars(part).items() if name.startswith("DIMPLE_")]
+    return bpy.utils.register_classes_factory([each for each in ours if each.__module__ == part.__name__])
