@@ -13,8 +13,7 @@ from ...core.background_work import Parts, at_once
 from ...core.base import DimpleError
 from ...core.constants import MAX_FINGERTIPS
 from ...core.message import about, in_a_row
-from ...core.session import Finger
-from ...core.session.clock import step_all
+from ...core.session import Finger, step_all
 from ..bridge import bake_files, object_link, sizing, timeline
 from ..reporting import gathered
 from . import (

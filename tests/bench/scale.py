@@ -26,8 +26,7 @@ from core.native.body import step_many
 from core.native.motion import Motion
 from core.reduction.binding import carry
 from core.reduction.proxy_rule import plan
-from core.session import Finger, Session
-from core.session.clock import step_all
+from core.session import Finger, Session, step_all
 from studies import scenes
 from studies.body.presses import Press, dent_error, pressed
 from studies.meshes import bodies

@@ -16,8 +16,7 @@ from core.material import DEFAULT_MATERIAL
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.native.motion import FingertipMotion, Motion
 from core.reduction.proxy import build_proxy
-from core.session import Finger, Session
-from core.session.clock import step_all
+from core.session import Finger, Session, step_all
 from core.world import Collider, World
 from studies import scenes
 from studies.motions import straight
