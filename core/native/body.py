@@ -138,12 +138,12 @@ class Body:
         """Give the living body the constants of other models of the same meshes.
 
         Args:
-            surface: as in the constructor; by default a proxy keeps its present one.
+            surface: as in the constructor.
 
         Raises:
             NativeError: an invalid number, or another mesh.
         """
-        surface = surface or (model if self._surface is self.model else self._surface)
+        surface = surface or model
         if model.mesh is not self.model.mesh or surface.mesh is not self._surface.mesh:
             raise NativeError("the model is of another mesh")
         with Arrays() as arrays:

@@ -14,7 +14,7 @@ from ..constants import LANES
 from .body import NativeError, call
 from .definition import Arrays, fields
 
-_Values = TypeVar("_Values", Floats, Singles)
+Values = TypeVar("Values", Floats, Singles)
 
 
 class CBinding(Structure):
@@ -63,7 +63,7 @@ class Binding:
         return in_rows(self.places[:, :3], self.vertices)
 
 
-def in_rows(eights: _Values, vertices: int) -> _Values:
+def in_rows(eights: Values, vertices: int) -> Values:
     """Return values (g, c, 8) of vertices in groups of eight as rows (n, c)."""
     return eights.transpose(0, 2, 1).reshape(-1, eights.shape[1])[:vertices]
 

@@ -78,7 +78,7 @@ class Twin:
             self._state.pose = np.eye(3), np.zeros(3)
         self._rest_pins(model.pinned)
         self.turning.fill = None
-        self._fine = surface or (model if self._fine is old else self._fine)
+        self._fine = surface or model
         self.model, self._rest = model, Rest()
         if self._moved is not None:
             self.model = self._fine = with_rest(model, self._moved)
