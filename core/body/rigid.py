@@ -15,7 +15,7 @@ import numpy as np
 
 from ..base import DimpleError, Floats, Ints
 from ..constants import ROUNDING
-from ..mesh.surface import Mesh, cap_centres
+from ..mesh.surface import Mesh, capped
 from .time_step import STABLE
 
 
@@ -93,9 +93,7 @@ def fill_momentum(mesh: Mesh, mass: Floats) -> Floats:
     The skin has all the mass (n,) [kg], and so more inertia than the solid: the fill turns against it.
     """
     x, total = mesh.rest_positions, float(mass.sum())
-    ends = np.concatenate([x, cap_centres(x, mesh.cap_edges, mesh.cap_loop)[0]])
-    caps = np.column_stack([mesh.cap_edges, len(x) + mesh.cap_loop])
-    solid = rigid_shape(ends, np.concatenate([mesh.triangles, caps]), total).inertia
+    solid = rigid_shape(*capped(mesh), total).inertia
     arms = x - mass @ x / total
     skin = _inertia((mass * arms.T) @ arms, total * mesh.size**2)
     momentum: Floats = solid @ np.linalg.inv(skin) - np.eye(3)

@@ -249,6 +249,14 @@ def cap_centres(positions: Floats, cap_edges: Ints, cap_loop: Ints) -> tuple[Flo
     return centre / count[:, None], count
 
 
+def capped(mesh: Mesh) -> tuple[Floats, Ints]:
+    """Return positions and triangles with the holes closed by fans about the middle of each border."""
+    x = mesh.rest_positions
+    middles, _ = cap_centres(x, mesh.cap_edges, mesh.cap_loop)
+    fans = np.column_stack([mesh.cap_edges, len(x) + mesh.cap_loop])
+    return np.concatenate([x, middles]), np.concatenate([mesh.triangles, fans])
+
+
 def _closed(positions: Floats, triangles: Ints, edges: Edges) -> tuple[Ints, Ints, float]:
     """Return the cap edges (c, 2), the hole of each (c,) and the enclosed volume [m3]."""
     border = edges.border
