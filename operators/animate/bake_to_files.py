@@ -20,7 +20,8 @@ from ...core.base import DimpleError
 from ...core.message import Message, about
 from ...core.recording import PointCache
 from ...core.session import step_all
-from ..bridge import bake_files, final_mesh, object_link, scene_objects, timeline
+from ..bridge import bake_files, final_mesh, object_link, press_modifier, scene_objects, timeline
+from ..names import BAKED_PRESS
 from ..press import colliders, follow_settings, live_step, props
 from ..press.object_body import ObjectBody
 from ..press.progress import READY, SLICE_S
@@ -63,7 +64,7 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
     with bake_files.plain_os_errors("The bake"):
         for body in bodies:
             if obj := object_link.find(body.link.uid, body.link.name):
-                bake_files.detach_cache(obj)
+                press_modifier.remove(obj, BAKED_PRESS)
                 bake_files.play(context, obj, body.path, plan.first, body.link.cuts)
 
 

@@ -147,11 +147,6 @@ def play(
     return press_modifier.add(obj, CACHE, BAKED_PRESS, [each for each, _ in shown])
 
 
-def detach_cache(obj: bpy.types.Object) -> int:
-    """Remove the modifiers that play a bake from an object; return their number."""
-    return press_modifier.remove(obj, BAKED_PRESS)
-
-
 def _stored(path: str) -> str:
     """Return a path as the .blend stores it: relative if possible, so that a moved project still plays."""
     if not bpy.data.filepath:

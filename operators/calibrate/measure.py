@@ -20,7 +20,6 @@ class DIMPLE_OT_measure(Working, Saved, bpy.types.Operator):
     bl_idname = Op.MEASURE
     bl_label = "Measure"
     filename_ext = ".csv"
-    running = "Measuring: Esc cancels"
     verb, stopped = "Measuring", "The measurement was stopped; nothing was written"
     asked = "filepath", "tip_radius_mm", "place", "depth_mm", "rows"
 

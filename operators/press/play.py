@@ -35,9 +35,9 @@ class Driving(polls.Declared):
         if messages:
             say(self, {"INFO"}, *gathered(messages))
 
-    def drive(self, context: bpy.types.Context, kind: str, state: str = "") -> set[str]:
+    def drive(self, context: bpy.types.Context, kind: str) -> set[str]:
         """Start a timer and handle all events from now on; see `modal_runs.open_run`."""
-        self._run, self._clock = modal_runs.open_run(context, kind, state), time.perf_counter()
+        self._run, self._clock = modal_runs.open_run(context, kind), time.perf_counter()
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
@@ -111,7 +111,7 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
             return {"CANCELLED"}
         self.start(context)
         self._frame = context.scene.frame_current
-        return self.drive(context, "play", PLAYING)
+        return self.drive(context, "play")
 
     def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Step by the clock, or along the timeline while it plays; pass all events but Esc on to Blender."""

@@ -11,7 +11,7 @@ from bpy.props import IntProperty, StringProperty
 
 from ...core.message import Message
 from ..names import Op
-from ..reporting import conclude, duration, report, say
+from ..reporting import Note, duration, report, say
 from ..translation import translated
 from . import modal_runs, polls, sessions
 
@@ -46,7 +46,6 @@ class Working(polls.Declared):
     _begin(context): return a generator that works in steps and yields the fraction done; closing it undoes them.
     _finished(context): act after the last step, and return the operator's result.
     verb: the activity, as the status bar names it.
-    running: text shown while the task runs.
     stopped: message after Esc.
     ready: fraction done after which the remaining time can be estimated.
     asked: names of the properties that a file browser asks for, if it sets `browsing`.
@@ -79,11 +78,11 @@ class Working(polls.Declared):
 
     def _start(self, context: bpy.types.Context) -> set[str]:
         self._steps = self._begin(context)
-        self._run = modal_runs.open_run(context, "work", self.running, interval=0.01)
+        self._run = modal_runs.open_run(context, "work", interval=0.01)
         self._run.leave = self._leave
-        self._began = time.perf_counter()
         context.window_manager.modal_handler_add(self)
         context.window_manager.progress_begin(0, 1)
+        self._show(context, 0.0)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -112,7 +111,8 @@ class Working(polls.Declared):
             modal_runs.close_run(self._run)
 
     def _done(self, sentence: str, messages: list[str]) -> set[str]:
-        conclude(self, sentence, messages)
+        """Report notes, then what was done, then warnings, because Blender shows the last report."""
+        report(self, sorted([*messages, Note(sentence)], key=lambda each: not isinstance(each, Note)))
         return {"FINISHED"}
 
     def _work(self) -> float:
@@ -144,7 +144,6 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
     bl_idname = Op.START
     bl_label = "Get Ready"
     bl_options = {"INTERNAL"}
-    running = "Getting ready: Esc cancels"
     verb, stopped = "Getting ready", "Nothing was started"
     ready = 1.0  # the remaining time is never known
 

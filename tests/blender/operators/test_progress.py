@@ -31,8 +31,10 @@ def test_a_bake_shows_progress_and_can_be_cancelled(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    from bl_ext.user_default.dimple.operators.animate import bake_to_files
     from bl_ext.user_default.dimple.operators.press import progress
 
+    assert bake_to_files.SLICE_S > 0, "a body is read at its own pace, whichever test imports this first"
     monkeypatch.setattr(progress, "SLICE_S", 0.0)
     bpy.context.scene.dimple.cache_dir = str(tmp_path)
     run = hand("bake")
