@@ -9,7 +9,7 @@ from ..core.message import Message, read
 from ..operators.press.sessions import sessions
 from .material_choice import draw_choice
 from .my_materials import DIMPLE_PT_material_presets
-from .panel_parts import MaterialPanel, SidebarPanel, draw_notes, draw_pins, shown_if
+from .panel_parts import SidebarPanel, draw_notes, draw_pins, shown_if
 
 
 def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
@@ -77,10 +77,13 @@ class WithPresets:
         DIMPLE_PT_material_presets.draw_panel_header(self.layout)
 
 
-class DIMPLE_PT_material(WithPresets, MaterialPanel, bpy.types.Panel):
+class DIMPLE_PT_material(WithPresets, bpy.types.Panel):
     """The constants of the active material."""
 
     bl_label = "Dimple"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
 
     poll = shown_if(lambda context: context.material and not context.material.grease_pencil)
 

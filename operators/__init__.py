@@ -36,8 +36,7 @@ def unregister() -> None:
 
 
 def registration(part: ModuleType) -> tuple[Callable[[], None], Callable[[], None]]:
-    """Return the functions that register and unregister a module: its own, else made from its classes."""
-    if hasattr(part, "register"):
-        return part.register, part.unregister
+    """Return the functions that register and unregister a module: its own, else those of its classes."""
     ours = [each for name, each in vars(part).items() if name.startswith("DIMPLE_")]
-    return bpy.utils.register_classes_factory([each for each in ours if each.__module__ == part.__name__])
+    on, off = bpy.utils.register_classes_factory([each for each in ours if each.__module__ == part.__name__])
+    return getattr(part, "register", on), getattr(part, "unregister", off)
