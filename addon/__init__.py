@@ -26,9 +26,9 @@ PARTS = (
 
 def register() -> None:
     for part in PARTS:
-        part.register()
+        operators.registration(part)[0]()
 
 
 def unregister() -> None:
     for part in reversed(PARTS):
-        part.unregister()
+        operators.registration(part)[1]()

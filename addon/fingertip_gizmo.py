@@ -59,6 +59,3 @@ class DIMPLE_GGT_fingertip(bpy.types.GizmoGroup):
         )
         facing = view.view_matrix.to_3x3().inverted().to_4x4()
         self._circle.matrix_basis = Matrix.Translation(place) @ facing @ Matrix.Scale(radius, 4)
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_GGT_fingertip])

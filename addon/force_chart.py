@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import bpy
 
+from ..core.material import Indenter, law_power
 from ..operators.calibrate import results
 from . import canvas, shapes
 from .canvas import FINGERTIP, LINE_HEIGHT, MARGIN, Screen
@@ -20,7 +21,6 @@ MEASURED = (1.0, 1.0, 0.55, 0.9)
 SIZE = (230.0, 130.0)
 CROSS = 2.5  # half the width of a measured point
 DOT = 4.0  # radius of a fingertip's point
-LINES = 32  # segments of a curve that is not piecewise linear
 
 
 class Curves(NamedTuple):
@@ -72,9 +72,7 @@ def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
 
 def _acting(session: Any, index: int, material: Any, curves: Curves) -> dict[str, Any]:
     """Return the law that acts on a fingertip and its label, as fields of Curves; {} if it is the measured law."""
-    from ..core.material import Indenter
-
-    depths = [curves.deepest * line / LINES for line in range(LINES + 1)]
+    depths = shapes.evenly(curves.deepest)
     forces, radius = session.law(index, depths), session.fingers[index].radius
     if all(abs(force - material.law(depth)) <= 1e-6 * force for force, depth in zip(forces, depths, strict=True)):
         return {}
@@ -99,8 +97,6 @@ def calibrated_curves(context: bpy.types.Context) -> Curves | None:
 
 def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
     """Return the curves of a material, None if it was not measured."""
-    from ..core.material import law_power
-
     record = results.load(settings.calibration)
     measured = record.get("points", [])
     if not measured:

@@ -78,10 +78,6 @@ def draw_choice(layout: bpy.types.UILayout, body: bpy.types.Object) -> None:
     column.prop(body.dimple, "material", text="")
 
 
-def register() -> None:
-    """Do nothing: the pictures are loaded when they are first shown."""
-
-
 def unregister() -> None:
     _items.clear()
     while _pictures:

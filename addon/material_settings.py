@@ -5,6 +5,7 @@ from bpy.props import EnumProperty, FloatProperty, StringProperty
 
 from ..core.errors import DimpleError
 from ..core.fills import FILLS
+from ..core.material import DEFAULT_MATERIAL, Indenter, Material
 from ..operators.names import TIPS
 from .object_settings import FIXED, KEYED, exact, kept_text, switch
 
@@ -29,8 +30,7 @@ LEAST_MM = 0.01  # [mm] smallest softness: 5 N at this depth are 0.5 kN/mm, too 
 
 
 def _softness(settings: bpy.types.PropertyGroup) -> float:
-    from ..core.material import Material  # not at import: it needs numpy, and enabling must be quick
-    from ..core.other_tip import softness
+    from ..core.other_tip import softness  # not at import: it needs numpy, and enabling must be quick
 
     try:
         return softness(Material(**settings.to_params())) * 1e3
@@ -39,7 +39,6 @@ def _softness(settings: bpy.types.PropertyGroup) -> float:
 
 
 def _set_softness(settings: bpy.types.PropertyGroup, depth_mm: float) -> None:
-    from ..core.material import Material
     from ..core.other_tip import as_soft
 
     try:
@@ -51,7 +50,7 @@ def _set_softness(settings: bpy.types.PropertyGroup, depth_mm: float) -> None:
 
 def _stiffness(name: str, default: float, description: str) -> FloatProperty:
     return FloatProperty(
-        name=name, description=description, default=default, min=0.0, soft_min=0.01, soft_max=100.0,
+        name=name, description=description, default=default / 1e3, min=0.0, soft_min=0.01, soft_max=100.0,
         step=10, precision=3, update=_mark_edited, **KEYED,
     )  # fmt: skip
 
@@ -66,20 +65,25 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         min=LEAST_MM, max=1000.0, soft_min=0.1, soft_max=100.0, step=10, precision=2,
         get=_softness, set=_set_softness, **FIXED,
     )  # fmt: skip
-    K1: _stiffness("K1 (N/mm)", 0.61, "How hard the first millimeters are: force per depth, up to the knee")
-    K2: _stiffness("K2 (N/mm)", 7.23, "How hard the material is deeper down: force per depth, beyond the knee")
+    K1: _stiffness(
+        "K1 (N/mm)", DEFAULT_MATERIAL.K1, "How hard the first millimeters are: force per depth, up to the knee"
+    )
+    K2: _stiffness(
+        "K2 (N/mm)", DEFAULT_MATERIAL.K2, "How hard the material is deeper down: force per depth, beyond the knee"
+    )
     x0: FloatProperty(
         name="Knee x0 (mm)", description="How deep the soft part is: where the stiffness changes from K1 to K2",
-        default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **KEYED,
+        default=1e3 * DEFAULT_MATERIAL.x0, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2,
+        update=_mark_edited, **KEYED,
     )  # fmt: skip
     k: _stiffness(
-        "Surface k (N/mm)", 9.2,
+        "Surface k (N/mm)", DEFAULT_MATERIAL.k,
         "How stiff the skin is against stretching: the stiffer it is, the farther a dent reaches",
     )
     spread_mm: FloatProperty(
         name="Spread (mm)",
         description="How far a dent reaches beyond the fingertip. At 0, it follows from the surface stiffness k",
-        default=12.0, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,
+        default=1e3 * DEFAULT_MATERIAL.spread, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,
     )  # fmt: skip
     mass_from: EnumProperty(
         name="Mass From", description="Enter the mass directly, or calculate it from a density",
@@ -87,7 +91,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     )  # fmt: skip
     density: FloatProperty(
         name="Density (kg/m³)", description="How heavy the material is: mass per volume. Water has 1000",
-        default=100.0, min=0.0, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **KEYED,
+        default=DEFAULT_MATERIAL.density, min=0.0, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **KEYED,
     )  # fmt: skip
     mass_kg: FloatProperty(
         name="Mass (kg)", description="How heavy the body is, as if all of it were made of this material",
@@ -95,12 +99,12 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     )  # fmt: skip
     damping_ratio: FloatProperty(
         name="Damping Ratio", description="How quickly wobbling dies away: 0 is undamped, 1 is critically damped",
-        default=0.2, min=0.0, max=2.0, soft_max=1.0, precision=2, **KEYED,
+        default=DEFAULT_MATERIAL.damping_ratio, min=0.0, max=2.0, soft_max=1.0, precision=2, **KEYED,
     )  # fmt: skip
     friction: FloatProperty(
         name="Friction",
         description="How well the surface grips fingertips and the ground: coefficient of friction, 0 is frictionless",
-        default=0.5, min=0.0, soft_max=1.5, precision=2, **KEYED,
+        default=DEFAULT_MATERIAL.friction, min=0.0, soft_max=1.5, precision=2, **KEYED,
     )  # fmt: skip
     fill: EnumProperty(name="Fill", description="What is inside the surface: it decides how the body gives way and "
                                                 "where it bulges", items=_FILLS, **KEYED)
@@ -116,7 +120,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     )  # fmt: skip
     tip_radius_mm: FloatProperty(
         name="Tip Radius (mm)", description="Radius of the tip that measured the object",
-        default=10.0, min=0.01, soft_max=50.0, step=10, precision=2, **FIXED,
+        default=1e3 * DEFAULT_MATERIAL.indenter.radius, min=0.01, soft_max=50.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
     provenance: StringProperty(
         name="Source", description="Where these constants come from; empty if they were typed in",
@@ -127,8 +131,6 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
 
     def to_params(self) -> dict[str, object]:
         """Return the keyword arguments of `core.material.Material`, in SI units."""
-        from ..core.material import Indenter  # not at import: it needs numpy, and enabling must be quick
-
         mass = {"density": exact(self.density)} if self.mass_from == "DENSITY" else {"mass": exact(self.mass_kg)}
         return {
             "K1": exact(self.K1, 1),  # [N/m]

@@ -4,17 +4,16 @@ import bpy
 
 from ..core.errors import DimpleError
 from ..core.fills import FILLS
+from ..core.material import Material
 from ..core.message import Message, read
 from ..operators.press.sessions import sessions
 from .material_choice import draw_choice
 from .my_materials import DIMPLE_PT_material_presets
-from .panel_parts import MaterialPanel, SidebarPanel, draw_notes, draw_pins, shown_if
+from .panel_parts import SidebarPanel, draw_notes, draw_pins, shown_if
 
 
 def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
     """Return the core's error message if the constants of a material cannot be used, else nothing."""
-    from ..core.material import Material  # not at import: it needs numpy, and enabling must be quick
-
     try:
         Material(**settings.to_params())
     except DimpleError as error:
@@ -78,10 +77,13 @@ class WithPresets:
         DIMPLE_PT_material_presets.draw_panel_header(self.layout)
 
 
-class DIMPLE_PT_material(WithPresets, MaterialPanel, bpy.types.Panel):
+class DIMPLE_PT_material(WithPresets, bpy.types.Panel):
     """The constants of the active material."""
 
     bl_label = "Dimple"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
 
     poll = shown_if(lambda context: context.material and not context.material.grease_pencil)
 

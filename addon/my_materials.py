@@ -40,6 +40,3 @@ class DIMPLE_OT_material_preset_add(AddPresetBase, bpy.types.Operator):
         "dimple = material.dimple",
     ]
     preset_values = [f"dimple.{name}" for name in VALUES]
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_PT_material_presets, DIMPLE_OT_material_preset_add])

@@ -18,14 +18,6 @@ def shown_if(is_met: Callable[[bpy.types.Context], object]) -> classmethod:
     return classmethod(lambda _cls, context: not is_blind() and bool(is_met(context)))
 
 
-class MaterialPanel:
-    """A panel in the properties of a material."""
-
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "material"
-
-
 class SidebarPanel:
     """A panel in the sidebar of the 3D viewport."""
 

@@ -26,6 +26,3 @@ class DIMPLE_AP_preferences(DeviceChoice, bpy.types.AddonPreferences):
         layout.prop(self, "device_secret")
         layout.prop(self, "device_anywhere")
         layout.operator(Op.COPY_REPORT, icon="COPYDOWN")
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_AP_preferences])

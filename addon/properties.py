@@ -101,7 +101,7 @@ class DIMPLE_PG_object(ContactSettings, MaterialChoice, ReductionSettings, bpy.t
     )
     size_mm: FloatProperty(
         name="Size (mm)", description="Largest dimension of the real object",
-        default=165.0, min=0.001, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **FIXED,
+        default=sizing.USUAL_MM, min=0.001, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **FIXED,
     )  # fmt: skip
 
     def to_params(self) -> dict[str, float | str | tuple[float, float, float] | None]:
@@ -143,13 +143,14 @@ class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
         name="Fingertip Radius (mm)",
         description="How large the fingertip is: radius of the tool and of added fingertips, at the physical size of "
                     "the body",
-        default=10.0, min=sizing.LEAST_MM, soft_min=0.1, soft_max=1000.0, step=10, precision=1, **FIXED,
+        default=sizing.DEFAULTS["finger_radius_mm"], min=sizing.LEAST_MM, soft_min=0.1, soft_max=1000.0, step=10,
+        precision=1, **FIXED,
     )  # fmt: skip
     radius_follows: _follows("finger_radius_mm")
     depth_follows: _follows("press_depth_mm")
     fitted_mm: FloatProperty(
         name="Fitted Size (mm)", description="Size of the body that fingertip and depth were fitted to last",
-        default=165.0, **FIXED,
+        default=sizing.USUAL_MM, **FIXED,
     )  # fmt: skip
     active_finger: IntProperty(
         name="Finger", description="Fingertip that the mouse moves", default=1, min=1, max=3, **FIXED
@@ -163,7 +164,8 @@ class DIMPLE_PG_scene(DevicePlace, HandTable, bpy.types.PropertyGroup):
     )  # fmt: skip
     press_depth_mm: FloatProperty(
         name="Depth (mm)", description="How deep the fingertip presses",
-        default=15.0, min=sizing.LEAST_MM, soft_min=0.1, soft_max=1000.0, step=10, precision=2, **FIXED,
+        default=sizing.DEFAULTS["press_depth_mm"], min=sizing.LEAST_MM, soft_min=0.1, soft_max=1000.0, step=10,
+        precision=2, **FIXED,
     )  # fmt: skip
     by_force: BoolProperty(
         name="By Force", description="The tool presses with a force", get=lambda self: self.press_by == "FORCE", **FIXED

@@ -3,12 +3,14 @@
 import math
 from collections.abc import Sequence
 
+from ..core.material import law_force
+
 Point = tuple[float, ...]
 Segment = tuple[Point, Point]
 Law = tuple[float, float, float, float]  # K1, K2 [N/m], x0 [m], and the exponent of the depth in its first part
 
 CIRCLE_SIDES = 32
-BENT_LINES = 32  # segments of a law that begins as a curve
+BENT_LINES = 32  # segments of a curve that is not piecewise linear
 ARROW_PER_NEWTON = 0.2  # [fingertip radii/N] long enough to compare two fingers by eye
 ARROW_HEAD, ARROW_LONGEST = 0.4, 5.0  # [fingertip radii] its barbs; the limit: larger forces are read as numbers
 
@@ -44,12 +46,15 @@ def arrow(centre: Point, force: Point, radius: float) -> list[Segment]:
 
 def law_curve(law: Law, deepest: float) -> list[Point]:
     """Return points (depth [m], force [N]) of a law up to a depth [m]: its corners, or many if it is curved."""
-    from ..core.material import law_force
-
     depths = [0.0, min(law[2], deepest), deepest]
     if law[3] > 1:
-        depths = [deepest * i / BENT_LINES for i in range(BENT_LINES + 1)]
+        depths = evenly(deepest)
     return [(depth, law_force(depth, *law)) for depth in depths]
+
+
+def evenly(deepest: float) -> list[float]:
+    """Return the depths of the points of a curve that is not piecewise linear, up to a depth [m]."""
+    return [deepest * i / BENT_LINES for i in range(BENT_LINES + 1)]
 
 
 def round_up(value: float) -> float:

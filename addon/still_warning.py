@@ -34,6 +34,3 @@ class DIMPLE_PT_still_warning(bpy.types.Panel):
         draw_notes(context, self.layout, ["This exporter would write these bakes without their motion:"], "ERROR")
         self.layout.label(text=names, translate=False)
         draw_notes(context, self.layout, ["File > Export > Dimple Animation exports them with their motion."], "INFO")
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_PT_still_warning])

@@ -40,17 +40,6 @@ def amount_zoom(_manager: bpy.types.PropertyGroup) -> tuple[float, float]:
     return each, each
 
 
-def draw_circle(context: bpy.types.Context, xy: tuple[int, int]) -> None:
-    """Draw the circle if the mouse, at xy [px of the window], is on a body."""
-    from ..operators.press.poke_input import View
-
-    region, window = context.region, context.window
-    view = View(region, context.region_data, (xy[0] - region.x, xy[1] - region.y))
-    sides = [[(x + region.x, y + region.y) for x, y in side] for side in circle(context, view)]
-    screen = canvas.screen_of(context)._replace(width=window.width, height=window.height)
-    canvas.draw_lines(sides, canvas.FINGERTIP, screen)
-
-
 def circle(context: bpy.types.Context, view: "View") -> list[shapes.Segment]:
     """Return the sides [px of the region] of the circle, none if the pointer is not on a body."""
     from ..operators.press import poke_input
@@ -108,8 +97,14 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
 
     @staticmethod
     def draw_cursor(context: bpy.types.Context, _tool: bpy.types.WorkSpaceTool, xy: tuple[int, int]) -> None:
-        """Draw a circle of the fingertip's size on the body under the mouse."""
-        draw_circle(context, xy)
+        """Draw a circle of the fingertip's size on the body under the mouse, which is at xy [px of the window]."""
+        from ..operators.press.poke_input import View
+
+        region, window = context.region, context.window
+        view = View(region, context.region_data, (xy[0] - region.x, xy[1] - region.y))
+        sides = [[(x + region.x, y + region.y) for x, y in side] for side in circle(context, view)]
+        screen = canvas.screen_of(context)._replace(width=window.width, height=window.height)
+        canvas.draw_lines(sides, canvas.FINGERTIP, screen)
 
 
 class DIMPLE_MT_object(bpy.types.Menu):

@@ -17,16 +17,6 @@ Parts = Generator[tuple[float, Callable[[], Any]], Any, Any]
 _Result = TypeVar("_Result")
 
 
-def result_of(steps: Generator[Any, None, _Result]) -> _Result:
-    """Run steps to their end and return their result."""
-    while True:
-        try:
-            next(steps)
-        except StopIteration as end:
-            found: _Result = end.value
-            return found
-
-
 def as_share(
     steps: Generator[float, None, _Result], done: float, share: float
 ) -> Generator[float, None, _Result]:
@@ -52,7 +42,12 @@ def at_once(parts: Parts) -> Any:
         yield 0.0
         return call()
 
-    return result_of(_driven(parts, called))
+    steps = _driven(parts, called)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            return end.value
 
 
 def beside(parts: Parts, look_s: float) -> Generator[float, None, Any]:

@@ -190,33 +190,3 @@ def _require(holds: bool, name: str, rule: str, value: float, unit: str = "") ->
 # for a body without a material, and for a new one in the panel: the law of the vinyl cube, as heavy as foam. The spread
 # is not measured: little wider than a fingertip of 10 mm, for a body of 165 mm; Make Soft fits it to other sizes
 DEFAULT_MATERIAL = Material(K1=610, K2=7230, x0=0.0163, k=9_200, spread=0.012, density=100, indenter=FINGERTIP)
-
-_SOURCE = (
-    "Sakama, Tanaka and Araki, Hosei University, Tables 1 and 2; the mass is ours, not measured there, and the tip is "
-    "taken to be a fingertip of 10 mm"
-)
-
-# a nylon pouch and a vinyl bag weigh little; the water in a 165 mm cube weighs 4.5 kg
-PRESETS = (
-    Preset(
-        name="object_1_nylon_air",
-        label="Nylon cube, air, 50 mm",
-        material=Material(K1=590, K2=2240, x0=0.0363, k=54_800, mass=0.1, fill="air", indenter=FINGERTIP),
-        size=0.050,
-        provenance=_SOURCE,
-    ),
-    Preset(
-        name="object_2_vinyl_air",
-        label="Vinyl cube, air, 165 mm",
-        material=Material(K1=610, K2=7230, x0=0.0163, k=9_200, mass=0.2, fill="air", indenter=FINGERTIP),
-        size=0.165,
-        provenance=_SOURCE,
-    ),
-    Preset(
-        name="object_3_vinyl_water",
-        label="Vinyl cube, water, 165 mm",
-        material=Material(K1=620, K2=9130, x0=0.0137, k=9_200, density=1000, fill="liquid", indenter=FINGERTIP),
-        size=0.165,
-        provenance=_SOURCE,
-    ),
-)

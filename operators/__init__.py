@@ -26,19 +26,17 @@ PARTS = (
 
 def register() -> None:
     for part in PARTS:
-        _registered(part)[0]()
+        registration(part)[0]()
 
 
 def unregister() -> None:
     """End everything that runs, then unregister the operators."""
     for part in reversed(PARTS):
-        _registered(part)[1]()
+        registration(part)[1]()
 
 
-def _registered(part: ModuleType) -> tuple[Callable[[], None], Callable[[], None]]:
-    """Return the functions that register and unregister a module: its own, else made from its operators."""
-    if hasattr(part, "register"):
-        return part.register, part.unregister
-    return bpy.utils.register_classes_factory(
-        [each for name, each in vars(part).items() if name.startswith("DIMPLE_OT_")]
-    )
+def registration(part: ModuleType) -> tuple[Callable[[], None], Callable[[], None]]:
+    """Return the functions that register and unregister a module: its own, else those of its classes."""
+    ours = [each for name, each in vars(part).items() if name.startswith("DIMPLE_")]
+    on, off = bpy.utils.register_classes_factory([each for each in ours if each.__module__ == part.__name__])
+    return getattr(part, "register", on), getattr(part, "unregister", off)

@@ -96,8 +96,11 @@ class Body(ObjectBody):
             DimpleError: the object cannot be baked; nothing has changed.
         """
         sessions.stop_all()  # a bake starts at rest
-        messages: list[str] = []
-        plan = bake_to_files.plan_of(bpy.context.scene, [self.obj], first, last)
+        scene, messages = bpy.context.scene, list[str]()
+        plan = bake_to_files.BakePlan(
+            objects=[self.obj], first=scene.frame_start if first is None else first,
+            last=scene.frame_end if last is None else last,
+        )  # fmt: skip
         for _ in bake_to_files.bake(bpy.context, plan, messages):
             pass
         return messages

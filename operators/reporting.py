@@ -31,11 +31,6 @@ def report(operator: bpy.types.Operator, messages: Iterable[str]) -> None:
         say(operator, {"INFO" if isinstance(each, Note) else "WARNING"}, each)
 
 
-def conclude(operator: bpy.types.Operator, done: str, messages: Iterable[str]) -> None:
-    """Report notes, then what was done, then warnings, because Blender shows the last report."""
-    report(operator, sorted([*messages, Note(done)], key=lambda each: not isinstance(each, Note)))
-
-
 def gathered(messages: Iterable[str]) -> list[Message]:
     """Return messages, with equal ones about several bodies merged into one: "3 bodies: ..."."""
     names: dict[tuple[bool, str], list[str]] = {}

@@ -12,17 +12,19 @@ from core.base import Floats
 from core.body.model import Model, assemble, build_model
 from core.body.on_mesh import constants_on, mass_on
 from core.body.springs import membrane_stiffness
-from core.material import PRESETS, Material
+from core.material import Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Frame, Session
 from studies.meshes.simple import cube as cube
 from studies.meshes.simple import icosphere
+from studies.paper_objects import PRESETS
 from studies.reference.laws import State, initial_state
 
 BALL_RADIUS = 0.08  # [m]
 BALL = Material(K1=610, K2=7230, x0=0.0163, k=600, spread=0.02, mass=0.2, fill="liquid")
 OSCILLATOR_RADIUS = 0.05  # [m] small enough that its stretch stays short of the knee of Eq. (1)
 FINGERTIP = 0.020  # [m] radius of the scenes' fingertip
+BUDGET = 0.6  # [s] of each second that the simulation may use, as a scene of Blender has it by default
 POKE = ((0.25, 1.0), (0.5, 1.0), (0.75, 0.0), (1.0, 0.0))  # (time [s], share of the depth): down, hold, up, free
 
 

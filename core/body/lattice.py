@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import Floats, Ints, sums_at
-from ..mesh.surface import Mesh, cap_centres
+from ..mesh.surface import Mesh, capped
 
 CELLS = 400  # approximate number of cells of a body: more change its first frequencies by only a few per cent
 SAMPLES = 4  # sample points along each side of a cell, to determine its share inside
@@ -42,7 +42,7 @@ def fill(mesh: Mesh) -> Lattice:
     low, extent = positions.min(axis=0), np.ptp(positions, axis=0)
     count = np.maximum(np.round(extent / (mesh.volume / CELLS) ** (1 / 3)), 1).astype(int)
     sides = extent / count
-    share = _inside(_capped(mesh), low, sides / SAMPLES, SAMPLES * count)
+    share = _inside(capped(mesh), low, sides / SAMPLES, SAMPLES * count)
     share = share.reshape(count[0], SAMPLES, count[1], SAMPLES, count[2], SAMPLES).mean(axis=(1, 3, 5))
     at = tuple(np.clip(_cell_of(positions, low, sides), 0, count - 1).T)
     share[at] = np.maximum(share[at], SAMPLES**-3)  # a cell with vertices is a part of the body
@@ -53,16 +53,6 @@ def fill(mesh: Mesh) -> Lattice:
     layers = np.append(3 * np.unique(number[:, 0], return_index=True)[1], 3 * len(number))
     nodes = low + sides * number[:, np.argsort(order)]
     return Lattice(nodes, inverse.reshape(-1, 8), share[tuple(kept.T)], sides, layers)
-
-
-def _capped(mesh: Mesh) -> tuple[Floats, Ints]:
-    """Return positions and triangles with the holes closed by fans about the middle of each border."""
-    positions = mesh.rest_positions
-    if not len(mesh.cap_edges):
-        return positions, mesh.triangles
-    middles, _ = cap_centres(positions, mesh.cap_edges, mesh.cap_loop)
-    fans = np.column_stack([mesh.cap_edges, len(positions) + mesh.cap_loop])
-    return np.concatenate([positions, middles]), np.concatenate([mesh.triangles, fans])
 
 
 def _inside(surface: tuple[Floats, Ints], low: Floats, step: Floats, count: Ints) -> Floats:
@@ -99,7 +89,7 @@ def _inside(surface: tuple[Floats, Ints], low: Floats, step: Floats, count: Ints
 def stiffness(lattice: Lattice) -> Floats:
     """Return the stiffness (3 m, 3 m) of a lattice divided by Young's modulus [m]."""
     size = 3 * len(lattice.nodes)
-    unit = _cell_stiffness(lattice.sides, POISSON)
+    unit = _cell_stiffness(lattice.sides)
     freedoms = (3 * lattice.cells[:, :, None] + np.arange(3)).reshape(-1, 24)
     at = freedoms[:, :, None] * size + freedoms[:, None, :]
     return sums_at(at.ravel(), (lattice.filled[:, None, None] * unit).ravel(), size * size).reshape(size, size)
@@ -111,9 +101,9 @@ def weight(lattice: Lattice) -> Floats:
     return sums_at(lattice.cells.ravel(), each, len(lattice.nodes))
 
 
-def _cell_stiffness(sides: Floats, poisson: float) -> Floats:
+def _cell_stiffness(sides: Floats) -> Floats:
     """Return the stiffness (24, 24) of a cell divided by Young's modulus [m]."""
-    lame, shear = poisson / ((1 + poisson) * (1 - 2 * poisson)), 1 / (2 + 2 * poisson)
+    lame, shear = POISSON / ((1 + POISSON) * (1 - 2 * POISSON)), 1 / (2 + 2 * POISSON)
     points = (CORNERS - 0.5) / np.sqrt(3)  # Gauss points
     slopes = np.stack([gradients(point + 0.5) for point in points]) / sides
     mean = slopes.mean(axis=0)

@@ -20,7 +20,7 @@ def with_rest(model: Model, rest: Floats) -> Model:
         rest: (3, n) [m].
     """
     i, j = model.mesh.springs.T
-    volume = pressure.volume(model.pressure, rest)
+    volume = pressure.volume_and_gradient(model.pressure, rest)[0]
     mesh = replace(
         model.mesh, rest_positions=np.ascontiguousarray(rest.T),
         rest_lengths=np.sqrt(((rest[:, j] - rest[:, i]) ** 2).sum(axis=0)),

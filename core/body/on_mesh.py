@@ -27,7 +27,7 @@ def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[
     k1, k2 = (maps.stiffer * _vertex_sum(mesh, c[which] * mesh.triangle_areas / 3) for c in (kappa1, kappa2))
     at_vertices = _vertex_means(mesh, friction[which], damping[which], d0[which], yields[which])
     stiffer, wider = (mean_of_pairs(f, mesh.springs) for f in (maps.stiffer, maps.wider))
-    tension = _spring_mean(mesh, tension[which]) * stiffer * wider**2
+    tension = mean_of_pairs(tension[which], mesh.spring_triangles) * stiffer * wider**2
     return {
         "friction": at_vertices[0], "damping": at_vertices[1],
         "compliance": at_vertices[3] / np.maximum(maps.stiffer * mesh.vertex_areas, 1e-30),
@@ -62,7 +62,3 @@ def _vertex_sum(mesh: Mesh, per_triangle: Floats) -> Floats:
 def _vertex_means(mesh: Mesh, *per_triangle: Floats) -> list[Floats]:
     count = np.maximum(np.bincount(mesh.triangles.ravel(), minlength=len(mesh.rest_positions)), 1)
     return [_vertex_sum(mesh, values) / count for values in per_triangle]
-
-
-def _spring_mean(mesh: Mesh, per_triangle: Floats) -> Floats:
-    return mean_of_pairs(per_triangle, mesh.spring_triangles)

@@ -75,11 +75,6 @@ def _cross(a: Floats, b: Floats) -> Floats:
     return product
 
 
-def volume(law: Pressure, x: Floats) -> float:
-    """Return the volume [m3] at positions (3, n)."""
-    return volume_and_gradient(law, x)[0]
-
-
 def pressure_at(law: Pressure, volume: float) -> float:
     """Return the gauge pressure [Pa] at a volume [m3]."""
     if law.kind is PressureLaw.GAS:

@@ -6,7 +6,7 @@ import math
 
 from ..base import TICK
 
-STEP_SAFETY = 0.9  # of the largest stable step: springs stiffen a little as they turn
+STABLE = 0.9  # share in use of a limit of stability: springs stiffen a little as they turn
 LONGEST_STEP = 1.35  # over omega: an undamped body stiffens when it folds; with 1.5 its energy grew
 LONGEST_CONTACT = TICK / 8  # [s] step of a free body: with longer steps between contacts it rocks while it is held
 MAX_SUBSTEPS = 2000  # in a tick: with more, no body runs live
@@ -20,5 +20,5 @@ def longest_step(omega_squared: float, decay: float, *, free: bool) -> float:
     """
     omega = math.sqrt(max(omega_squared, 1e-12))
     z = decay / (2 * omega)
-    share = 2 * (math.sqrt(1 + z * z) - z) * STEP_SAFETY
+    share = 2 * (math.sqrt(1 + z * z) - z) * STABLE
     return min(share / omega, LONGEST_STEP / omega, LONGEST_CONTACT if free else math.inf)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..constants import EXACT
 
 PARAMETERS = ("K1", "K2", "x0", "contact", "tare")
 MIN_PIECE = 3  # distinct depths in a piece, at least: one more than determine a line
@@ -19,8 +20,6 @@ _KNEES = np.linspace(0, 1, 201)[1:]  # tried at first, as shares of the range of
 TOUCH_STEP = 1 / 80  # of the range of depth: between touches, and how far round one it is searched for at first
 _AROUND = np.linspace(-1, 1, 7)  # the grid round the best pair, in units of a width that is halved
 _STEPS = 40  # grids: some thirty halvings, to a billionth of the first width
-_EXACT = 1e-9  # share of the largest force: smaller residuals are rounding, not noise
-_ROWS = MIN_PIECE + 1  # rows beyond the touch, at least: one more than in a piece
 _LEAST = 20.0  # effective number of independent rows, at least, however strongly a systematic misfit correlates them
 
 
@@ -167,7 +166,7 @@ def fit_law(
         raise DimpleError(
             "Only {rows} rows lie beyond the first touch; a fit needs at least {least}.",
             rows=int((x > touches.min()).sum()),
-            least=_ROWS,
+            least=MIN_PIECE + 1,
         )
     return _result(two if two and _knee_gain(one, two, x, f) > 0 else one, x, f)
 
@@ -220,7 +219,7 @@ def _least_squares(
     contact, join, offset = low + best[0] * span, low + best[1] * span, high * best[-1] if free else 0.0
     if free == ("contact",):  # all rows are in contact: extend the first piece back to zero force
         contact, offset = contact - offset / K1 if K1 > 0 else contact, 0.0
-        if (x > contact).sum() < _ROWS or contact >= join:
+        if (x > contact).sum() <= MIN_PIECE or contact >= join:
             return None
     values = np.array([K1, K2, join - contact if knee else math.inf, contact, tare + offset])
     return Law(values, (*(("K1", "K2", "x0") if knee else ("K1",)), *free))
@@ -278,7 +277,7 @@ def _knee_gain(one: Law, two: Law, x: Floats, f: Floats) -> float:
     pressed = x > min(one.contact, two.contact)  # the same rows for both: one slope may take the first piece for air
     before, after = one.residual(x, f)[pressed], two.residual(x, f)[pressed]
     n = independent_rows(len(after), _correlation(after))
-    floor = (_EXACT * float(np.abs(f).max())) ** 2
+    floor = (EXACT * float(np.abs(f).max())) ** 2  # smaller residuals are rounding, not noise
     s1 = max(float((before**2).sum()) / (len(before) - 1), floor)  # with few rows two slopes absorb the scatter
     s2 = max(float((after**2).sum()) / max(len(after) - 4, 1), floor)
     return n * math.log(s1 / s2) - 3 * math.log(max(n, 2.0))

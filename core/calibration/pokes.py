@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ..base import DimpleError, Floats
+from ..constants import SLACK
 from ..material import Material
 from ..mesh.surface import Mesh
 from ..message import Message
@@ -24,7 +25,6 @@ from .table import Table, find_table
 
 _NEAREST = 4  # places averaged for a vertex: on a square grid, the corners of the cell round it
 _FEWEST = 2 * _NEAREST  # places that a map needs
-_SAME = 1e-3  # share of the size of the object: pokes this close together are at one place
 _FAR = 0.1  # share of the size: pokes farther than this from the surface belong to another object
 _PER_WEIGHT = 2 * math.log(4.0)  # change of log stiffness per unit of weight: 1 is four times as soft as 0.5
 _AXES = ("x", "y", "z")
@@ -111,7 +111,7 @@ def map_pokes(
     """
     _check(mesh, pokes)
     law = np.array([material.law(depth) for depth in pokes.depths.tolist()])
-    places, logs = _at_places(pokes.places, pokes.forces, law, _SAME * mesh.size)
+    places, logs = _at_places(pokes.places, pokes.forces, law, SLACK * mesh.size)
     if len(places) < _FEWEST:
         raise DimpleError(
             "A map needs pokes at {least} or more different places; this file has {places}.",

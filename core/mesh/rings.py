@@ -23,7 +23,6 @@ class Rings:
 
     neighbours: (w, n) neighbour in each slot; after the last one the first is repeated, so a padded slot spans no area.
     springs: (w, n) spring to that neighbour, -1 in padded slots.
-    regular: (n,) whether the vertex has a ring.
     corners: (c, 3) triangles rotated so that their first corner is irregular, one entry for each irregular corner.
     irregular_springs: (l,) springs with an irregular end.
     irregular_ends: (l, 2) which ends of these springs are irregular.
@@ -31,7 +30,6 @@ class Rings:
 
     neighbours: Ints
     springs: Ints
-    regular: Bools
     corners: Ints
     irregular_springs: Ints
     irregular_ends: Bools
@@ -73,6 +71,6 @@ def ordered_rings(triangles: Ints, edges: Edges, n: int) -> Rings:
     ends = ~regular[edges.ends]
     irregular = np.flatnonzero(ends[:, 0] | ends[:, 1])
     return Rings(
-        neighbours=ring, springs=springs, regular=regular, corners=np.stack([start[odd], end[odd], apex], axis=1),
+        neighbours=ring, springs=springs, corners=np.stack([start[odd], end[odd], apex], axis=1),
         irregular_springs=irregular, irregular_ends=ends[irregular],
     )  # fmt: skip

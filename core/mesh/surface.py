@@ -6,7 +6,6 @@ what was repaired. If that is not possible, `DimpleError` says why and what to d
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -185,13 +184,12 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     )  # fmt: skip
 
 
-def base_vertices(mesh: Mesh, *, up: Sequence[float] = (0, 0, 1), share: float = 0.1) -> Bools:
-    """Return which input vertices (N,) are the base of a body: the lowest `share` of its height, or a sheet's rim."""
-    height = mesh.rest_positions @ np.asarray(up, np.float64)
-    used = ~mesh.loose
+def base_vertices(mesh: Mesh) -> Bools:
+    """Return which input vertices (N,) are the base of a body: the lowest tenth of its height, or a sheet's rim."""
+    height, used = mesh.rest_positions[:, 2], ~mesh.loose
     low, span = height[used].min(), np.ptp(height[used])
     if mesh.pressurable and span > 1e-3 * mesh.size:
-        base = height <= low + share * span
+        base = height <= low + 0.1 * span
     else:
         base = np.zeros(len(height), bool)
         base[mesh.cap_edges] = True
@@ -249,6 +247,14 @@ def cap_centres(positions: Floats, cap_edges: Ints, cap_loop: Ints) -> tuple[Flo
     count = np.bincount(cap_loop).astype(float)
     centre = np.stack([sums_at(cap_loop, positions[cap_edges[:, 0], c], len(count)) for c in range(3)], axis=1)
     return centre / count[:, None], count
+
+
+def capped(mesh: Mesh) -> tuple[Floats, Ints]:
+    """Return positions and triangles with the holes closed by fans about the middle of each border."""
+    x = mesh.rest_positions
+    middles, _ = cap_centres(x, mesh.cap_edges, mesh.cap_loop)
+    fans = np.column_stack([mesh.cap_edges, len(x) + mesh.cap_loop])
+    return np.concatenate([x, middles]), np.concatenate([mesh.triangles, fans])
 
 
 def _closed(positions: Floats, triangles: Ints, edges: Edges) -> tuple[Ints, Ints, float]:

@@ -165,8 +165,8 @@ static int32_t dm_check_law(int64_t materials, const double *laws) {
     return DM_OK;
 }
 
-static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64_t springs, int64_t materials,
-                                  int64_t surface_vertices, double rest_volume) {
+static int32_t dm_check_constants(const dm_body *body, const dm_constants *c) {
+    int64_t vertices = body->vertices, springs = body->springs;
     const double *of_vertices[] = {c->mass, c->inverse_mass, c->friction, c->compliance,
                                    c->k1,   c->k2,           c->d0,       c->drag};
     for (size_t k = 0; k < sizeof of_vertices / sizeof *of_vertices; k++) {
@@ -177,16 +177,16 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
     DM_CHECK(dm_check_numbers(springs, c->stiffness, 1) | dm_check_numbers(springs, c->damping, 1));
     DM_CHECK(dm_check_numbers(springs, c->tension, 1));
     DM_CHECK(DM_COUNT(c->materials) | DM_ARRAY(c->materials, c->laws));
-    if (c->materials < materials) return DM_INDEX;
+    if (c->materials < body->materials) return DM_INDEX;
     DM_CHECK(dm_check_law(c->materials, c->laws) | dm_check_numbers(3, c->gravity, 0));
-    if (c->painted) DM_CHECK(dm_check_numbers(2 * surface_vertices, c->painted, 1));
+    if (c->painted) DM_CHECK(dm_check_numbers(2 * body->surface_vertices, c->painted, 1));
     DM_CHECK(dm_check_numbers(1, &c->rest_pressure, 0) | dm_check_numbers(9, c->fill_momentum, 0));
     if (isnan(c->ground) || c->ground == INFINITY) return DM_NUMBER;
     double total = 0;
     for (int64_t k = 0; k < vertices; k++) total += c->mass[k];
     if (!(total > 0)) return DM_NUMBER;
     if (c->fill < DM_FILL_NONE || c->fill > DM_FILL_LIQUID) return DM_OPTION;
-    return c->fill != DM_FILL_NONE && !(rest_volume > 0) ? DM_NUMBER : DM_OK;
+    return c->fill != DM_FILL_NONE && !(body->rest_volume > 0) ? DM_NUMBER : DM_OK;
 }
 
 static int32_t dm_check_def(const dm_body_def *d) {
@@ -224,12 +224,11 @@ int32_t dm_create(dm_body **body, const dm_body_def *def, int32_t bits, int32_t 
     int64_t materials = 0;
     for (int64_t k = 0; k < def->surface_triangles; k++)
         materials = def->surface_material[k] >= materials ? def->surface_material[k] + 1 : materials;
-    DM_CHECK(dm_check_constants(&def->constants, def->vertices, def->springs, materials, def->surface_vertices,
-                                def->rest_volume));
+    const dm_body empty = {NULL, does, def->vertices, def->springs, materials, def->surface_vertices, def->rest_volume};
+    DM_CHECK(dm_check_constants(&empty, &def->constants));
     dm_body *made = malloc(sizeof *made);
     if (!made) return DM_MEMORY;
-    *made = (dm_body){NULL, does, def->vertices, def->springs, materials, def->surface_vertices,
-                        def->rest_volume};
+    *made = empty;
     int32_t code = does->create(&made->state, def);
     if (code != DM_OK) return free(made), code;
     *body = made;
@@ -244,8 +243,7 @@ void dm_destroy(dm_body *body) {
 
 int32_t dm_set_constants(dm_body *body, const dm_constants *constants) {
     if (!body || !constants) return DM_SIZE;
-    DM_CHECK(dm_check_constants(constants, body->vertices, body->springs, body->materials,
-                                body->surface_vertices, body->rest_volume));
+    DM_CHECK(dm_check_constants(body, constants));
     return body->does->set_constants(body->state, constants);
 }
 

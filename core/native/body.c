@@ -103,42 +103,10 @@ static void dm_lay_springs(dm_state *b, const dm_body_def *d) {
     for (int64_t k = 0; k < 2 * d->springs; k++) b->ends[k / 2][k % 2] = b->place[d->ends[k]];
     memcpy(b->rest_length, d->rest_length, (size_t)d->springs * sizeof(double) * (d->springs > 0));
     for (int64_t k = 0; k < d->irregular; k++) {
-        int64_t e = d->irregular_spring[k];
-        dm_irregular_spring s = {.i = b->ends[e][0], .j = b->ends[e][1], .spring = e,
-                              .on_i = d->irregular_end[2 * k], .on_j = d->irregular_end[2 * k + 1]};
-        b->irregular[k] = s;
+        const uint8_t *end = d->irregular_end + 2 * k;
+        b->irregular[k] = (dm_irregular_spring){.spring = d->irregular_spring[k], .on_i = end[0], .on_j = end[1]};
     }
     b->irregular_count = d->irregular, b->spring_count = d->springs;
-}
-
-static void dm_state_place(dm_state *b, const double *positions, const double *velocities);
-
-static int32_t dm_state_create(dm_state **made, const dm_body_def *d) {
-    dm_state *b = *made = dm_alloc(1, sizeof(dm_state));
-    if (!b) return DM_MEMORY;
-    int64_t n = b->n = d->vertices;
-    b->groups = (n + DM_LANES - 1) / DM_LANES;
-    int64_t slices = n / DM_SLICE < DM_MOST_SLICES ? n / DM_SLICE : DM_MOST_SLICES;
-    b->slice = slices > 1 ? (b->groups + slices - 1) / slices : b->groups;
-    b->slices = (b->groups + b->slice - 1) / b->slice;
-    b->rest_area = d->rest_area, b->size = d->size;
-    int32_t code = dm_allocate(b, d);
-    if (code == DM_OK) {
-        memcpy(b->rest, d->rest, (size_t)(3 * n) * sizeof(double));
-        for (int64_t k = 0; k < n && d->loose; k++) b->loose[k] = d->loose[k] != 0;
-        code = dm_lay_out(b, d->width, d->ring, d->ring_spring);
-    }
-    if (code == DM_OK) code = dm_lay_rings(b, d->width, d->ring, d->ring_spring);
-    if (code == DM_OK) code = dm_lay_faces(b, d->triangles, d->corners);
-    if (code == DM_OK) code = dm_lay_surface(b, d);
-    if (code == DM_OK) {
-        dm_lay_fill(b, d), dm_lay_springs(b, d);
-        b->free = d->constants.free != 0;
-        code = dm_state_set_constants(b, &d->constants);
-    }
-    if (code != DM_OK) return dm_state_destroy(b), *made = NULL, code;
-    dm_state_place(b, d->rest, NULL);
-    return DM_OK;
 }
 
 static void dm_state_place(dm_state *b, const double *positions, const double *velocities) {
@@ -168,6 +136,34 @@ static void dm_state_place(dm_state *b, const double *positions, const double *v
     dm_change(b);
     b->pressure = 0;
     dm_place_pose(b);
+}
+
+static int32_t dm_state_create(dm_state **made, const dm_body_def *d) {
+    dm_state *b = *made = dm_alloc(1, sizeof(dm_state));
+    if (!b) return DM_MEMORY;
+    int64_t n = b->n = d->vertices;
+    b->groups = (n + DM_LANES - 1) / DM_LANES;
+    int64_t slices = n / DM_SLICE < DM_MOST_SLICES ? n / DM_SLICE : DM_MOST_SLICES;
+    b->slice = slices > 1 ? (b->groups + slices - 1) / slices : b->groups;
+    b->slices = (b->groups + b->slice - 1) / b->slice;
+    b->rest_area = d->rest_area, b->size = d->size;
+    int32_t code = dm_allocate(b, d);
+    if (code == DM_OK) {
+        memcpy(b->rest, d->rest, (size_t)(3 * n) * sizeof(double));
+        for (int64_t k = 0; k < n && d->loose; k++) b->loose[k] = d->loose[k] != 0;
+        code = dm_lay_out(b, d->width, d->ring, d->ring_spring);
+    }
+    if (code == DM_OK) code = dm_lay_rings(b, d->width, d->ring, d->ring_spring);
+    if (code == DM_OK) code = dm_lay_faces(b, d->triangles, d->corners);
+    if (code == DM_OK) code = dm_lay_surface(b, d);
+    if (code == DM_OK) {
+        dm_lay_fill(b, d), dm_lay_springs(b, d);
+        b->free = d->constants.free != 0;
+        code = dm_state_set_constants(b, &d->constants);
+    }
+    if (code != DM_OK) return dm_state_destroy(b), *made = NULL, code;
+    dm_state_place(b, d->rest, NULL);
+    return DM_OK;
 }
 
 static void dm_state_read(const dm_state *b, double *positions, double *velocities) {

@@ -42,10 +42,9 @@ typedef struct { /* slots of group g: from start[g] up to start[g + 1] */
 } dm_rows;
 
 typedef struct { /* a spring outside the rings; on_i, on_j: whether its force acts on that end here */
-    uint32_t i, j;
     int64_t spring;
     uint8_t on_i, on_j;
-    double rest, stiffness, damping, tension;
+    double damping;
 } dm_irregular_spring;
 
 typedef struct { /* of a fingertip with a vertex, or with the point of a face that was nearest as the substep began */
@@ -81,7 +80,6 @@ typedef struct { /* a triangle of the surface at rest, below which fingertips ar
     int64_t index, material;
 } dm_facet;
 
-enum { DM_NORMALS = 8 }; /* of facets that a sphere touches: a fingertip never touches more at once */
 typedef struct { /* a fingertip; all vectors except centre and force are in the space of the shape at rest */
     double centre[3], radius;        /* [m] */
     double way;                      /* [m] displacement by the given force */
@@ -213,6 +211,16 @@ DM_INLINE void dm_cross3(const double *a, const double *b, double *r) {
 
 DM_INLINE void dm_add3(double *a, double by, const double *b) {
     for (int c = 0; c < 3; c++) a[c] += by * b[c];
+}
+
+/* Set r = a b, for matrices by rows. */
+DM_INLINE void dm_multiply3x3(const double *a, const double *b, double *r) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) r[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+}
+
+DM_INLINE void dm_transpose3x3(const double *a, double *r) {
+    for (int k = 0; k < 9; k++) r[k] = a[k % 3 * 3 + k / 3];
 }
 
 /* Return zeroed and aligned memory for `count` items, null if there is none left; count 0 is allowed. */

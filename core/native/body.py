@@ -28,6 +28,17 @@ class NativeError(RuntimeError):
         self.code = code
 
 
+def call(library: ctypes.CDLL, name: str, *values: Any) -> None:
+    """Call a function of the library that returns a code.
+
+    Raises:
+        NativeError: it refused.
+    """
+    code = getattr(library, name)(*values)
+    if code:
+        raise NativeError(f"{name}: {library.dm_message(code).decode()}", code)
+
+
 class Fingertip(Structure):
     """The motion of one fingertip during a call: dm_fingertip."""
 
@@ -82,9 +93,7 @@ def _packed(kind: Any, each: Any) -> list[struct.Struct]:
 
 # whole structures, written and read as flat numbers: far faster than field by field
 _PACKED_MOTION, _PACKED_FRAME = _packed(CMotion, Fingertip), _packed(CFrame, CTouch)
-_LIFTED = (*[0.0] * 14, 0, 0.0, 0, 0)
-_NO_PINS = 0, 0, 0.0, 0.0
-_TOUCH_NUMBERS = len(_letters(CTouch))
+_TIP_NUMBERS, _TOUCH_NUMBERS = len(_letters(Fingertip)), len(_letters(CTouch))
 
 
 class Body:
@@ -96,6 +105,8 @@ class Body:
         surface: model from whose surface at rest the depths of fingertips are measured, if `model` is its proxy.
         bits: 32 or 64, precision of the state.
         instruction_set: BEST, or another if a test compares them.
+
+    handle: the body in the library, for a scene of several.
 
     Raises:
         NativeError: the library refused it.
@@ -114,29 +125,29 @@ class Body:
         self.model, self._surface = model, surface or model
         self._shape, self._pinned = model.matching.rest.shape, int(model.pinned.sum())
         self._placed: Floats | None = model.matching.rest  # positions of the vertices, None if unknown
-        self._motion, self._frame, self._handle = CMotion(), CFrame(), c_void_p()
+        self._motion, self._frame, self.handle = CMotion(), CFrame(), c_void_p()
         with Arrays() as arrays:
             definition = define(self.library, model, self._surface, arrays)
-            self._call("dm_create", byref(self._handle), byref(definition), bits, instruction_set)
-        weakref.finalize(self, self.library.dm_destroy, self._handle.value)
+            call(self.library, "dm_create", byref(self.handle), byref(definition), bits, instruction_set)
+        weakref.finalize(self, self.library.dm_destroy, self.handle.value)
         # the arguments of every step, made once
         self._step = self.library.dm_step
-        self._step_arguments = self._handle, byref(self._motion), byref(self._frame)
+        self._step_arguments = self.handle, byref(self._motion), byref(self._frame)
 
     def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
         """Give the living body the constants of other models of the same meshes.
 
         Args:
-            surface: as in the constructor; by default a proxy keeps its present one.
+            surface: as in the constructor.
 
         Raises:
             NativeError: an invalid number, or another mesh.
         """
-        surface = surface or (model if self._surface is self.model else self._surface)
+        surface = surface or model
         if model.mesh is not self.model.mesh or surface.mesh is not self._surface.mesh:
             raise NativeError("the model is of another mesh")
         with Arrays() as arrays:
-            self._call("dm_set_constants", self._handle, byref(constants(model, surface, arrays)))
+            call(self.library, "dm_set_constants", self.handle, byref(constants(model, surface, arrays)))
         self.model, self._surface, self._pinned = model, surface, int(model.pinned.sum())
 
     def set_rest(
@@ -158,16 +169,16 @@ class Body:
             if surface is not None and np.shape(surface) != self._surface.matching.rest.shape:
                 raise NativeError("the surface has another number of vertices")
             given = [arrays.double(each) for each in (rest, surface, rate, gain)]
-            self._call("dm_set_rest", self._handle, *given)
+            call(self.library, "dm_set_rest", self.handle, *given)
 
     def wake(self) -> None:
         """Let a sleeping body move again: what it rested on may be gone."""
-        self._call("dm_wake_body", self._handle)
+        call(self.library, "dm_wake_body", self.handle)
 
     @property
     def rest_volume(self) -> float:
         """Return the volume at rest [m3]."""
-        return float(self.library.dm_rest_volume(self._handle))
+        return float(self.library.dm_rest_volume(self.handle))
 
     def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
         """Set the positions (3, n) [m] and velocities (3, n) [m/s] of the vertices, and stop the shape at rest."""
@@ -175,20 +186,20 @@ class Body:
             at, speed = (arrays.double(a) for a in (positions, velocities))
             if np.shape(positions) != self._shape or (velocities is not None and np.shape(velocities) != self._shape):
                 raise NativeError(f"the state must have the shape {self._shape}")
-            self._call("dm_set_state", self._handle, at, speed)
+            call(self.library, "dm_set_state", self.handle, at, speed)
         self._placed = np.array(positions, np.float64)
 
     def positions(self) -> Floats:
         """Return the positions of the vertices (3, n) [m]."""
         if self._placed is None:
             self._placed = np.empty(self._shape)
-            self._call("dm_get_state", self._handle, self._placed.ctypes.data, None)
+            call(self.library, "dm_get_state", self.handle, self._placed.ctypes.data, None)
         return self._placed.copy()
 
     def velocities(self) -> Floats:
         """Return the velocities of the vertices (3, n) [m/s]."""
         v = np.empty(self._shape)
-        self._call("dm_get_state", self._handle, None, v.ctypes.data)
+        call(self.library, "dm_get_state", self.handle, None, v.ctypes.data)
         return v
 
     def step(self, motion: Motion) -> Frame:
@@ -217,13 +228,8 @@ class Body:
         with Arrays() as arrays:
             at, forces = arrays.double(depths), np.empty(len(depths))
             row = arrays.double(table)
-            self._call("dm_get_law", self._handle, fingertip, row, end, len(depths), at, forces.ctypes.data)
+            call(self.library, "dm_get_law", self.handle, fingertip, row, end, len(depths), at, forces.ctypes.data)
         return forces
-
-    @property
-    def handle(self) -> c_void_p:
-        """Return the body in the library, for a scene of several."""
-        return self._handle
 
     def pack(self, motion: Motion, to: CMotion) -> list[Floats]:
         """Write a motion in the layout of the library; return the arrays it points to."""
@@ -232,7 +238,7 @@ class Body:
         arrays: list[Floats] = []
         for tip in tips:
             if tip is None:
-                numbers += _LIFTED
+                numbers += [0] * _TIP_NUMBERS  # lifted
             else:
                 start, first, last, radius, fresh, force, inward, factors = tip
                 table, end = factors or (None, 0.0)
@@ -241,7 +247,7 @@ class Body:
                 place = 0 if table is None else table.ctypes.data
                 numbers += (*start, *first, *last, radius, force, *inward, place, end, True, fresh)
         if pins is None:
-            numbers += _NO_PINS
+            numbers += [0, 0, 0, 0]
         else:
             places = self._places(pins)
             numbers += (*(a.ctypes.data for a in places), pins.first, pins.last)
@@ -274,11 +280,6 @@ class Body:
             raise NativeError(f"the places of the pins must have the shape {shape}")
         return arrays
 
-    def _call(self, name: str, *values: Any) -> None:
-        code = getattr(self.library, name)(*values)
-        if code:
-            raise NativeError(f"{name}: {self.library.dm_message(code).decode()}", code)
-
 
 def step_many(bodies: Sequence[Body], motions: Sequence[Motion]) -> list[Frame]:
     """Run one motion for each of several bodies of one library; the results are those of `Body.step`, bit for bit.
@@ -290,10 +291,8 @@ def step_many(bodies: Sequence[Body], motions: Sequence[Motion]) -> list[Frame]:
         return [body.step(motion) for body, motion in zip(bodies, motions, strict=True)]
     library, count = bodies[0].library, len(bodies)
     kept = [body.pack(motion, body._motion) for body, motion in zip(bodies, motions, strict=True)]
-    places = [(body._handle.value, addressof(body._motion), addressof(body._frame)) for body in bodies]
+    places = [(body.handle.value, addressof(body._motion), addressof(body._frame)) for body in bodies]
     columns = [(c_void_p * count)(*column) for column in zip(*places, strict=True)]
-    code = library.dm_step_many(count, *columns)
+    call(library, "dm_step_many", count, *columns)
     del kept
-    if code:
-        raise NativeError(f"dm_step_many: {library.dm_message(code).decode()}", code)
     return [body.unpack(motion, body._frame) for body, motion in zip(bodies, motions, strict=True)]

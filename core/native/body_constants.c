@@ -14,8 +14,6 @@ static void dm_set_lengths(dm_state *b) {
         int32_t e = b->ring_spring[k];
         b->ring.slots[k / DM_LANES].pull[k % DM_LANES] = e < 0 ? 0 : (dm_real)(b->stiffness[e] * b->rest_length[e]);
     }
-    for (dm_irregular_spring *s = b->irregular; s < b->irregular + b->irregular_count; s++)
-        s->rest = b->rest_length[s->spring];
 }
 
 static void dm_set_springs(dm_state *b, const dm_constants *c) {
@@ -29,7 +27,7 @@ static void dm_set_springs(dm_state *b, const dm_constants *c) {
         s->damping[k % DM_LANES] = e < 0 ? 0 : (dm_real)c->damping[e];
     }
     for (dm_irregular_spring *s = b->irregular; s < b->irregular + b->irregular_count; s++)
-        s->stiffness = c->stiffness[s->spring], s->damping = c->damping[s->spring], s->tension = c->tension[s->spring];
+        s->damping = c->damping[s->spring];
     dm_set_lengths(b);
 }
 

@@ -11,10 +11,10 @@ import numpy as np
 
 from ..base import Floats, Ints, Shorts, Singles
 from ..constants import LANES
-from .body import NativeError
+from .body import NativeError, call
 from .definition import Arrays, fields
 
-_Values = TypeVar("_Values", Floats, Singles)
+Values = TypeVar("Values", Floats, Singles)
 
 
 class CBinding(Structure):
@@ -63,7 +63,7 @@ class Binding:
         return in_rows(self.places[:, :3], self.vertices)
 
 
-def in_rows(eights: _Values, vertices: int) -> _Values:
+def in_rows(eights: Values, vertices: int) -> Values:
     """Return values (g, c, 8) of vertices in groups of eight as rows (n, c)."""
     return eights.transpose(0, 2, 1).reshape(-1, eights.shape[1])[:vertices]
 
@@ -78,9 +78,8 @@ def carry(library: ctypes.CDLL, binding: Binding, positions: Floats) -> tuple[Si
     motions = np.empty((len(binding.coarse_rest), 12), np.float32)
     with Arrays() as arrays:
         given = _given(binding, positions, arrays)
-        code = library.dm_carry(byref(given), arrays.double(positions), motions.ctypes.data, skin.ctypes.data)
-    if code:
-        raise NativeError(library.dm_message(code).decode(), code)
+        at = arrays.double(positions)
+        call(library, "dm_carry", byref(given), at, motions.ctypes.data, skin.ctypes.data)
     return skin, motions
 
 
@@ -92,9 +91,7 @@ def carry_by_nodes(library: ctypes.CDLL, by: Shorts, shares: Singles, values: Fl
     padded[:, :3] = values
     with Arrays() as arrays:
         given = arrays.of(by, np.uint16), arrays.of(shares, np.float32), padded.ctypes.data, carried.ctypes.data
-        code = library.dm_carry_by_nodes(len(by), len(values), *given)
-    if code:
-        raise NativeError(library.dm_message(code).decode(), code)
+        call(library, "dm_carry_by_nodes", len(by), len(values), *given)
     return carried
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base import Bools, Floats, Ints, Shorts
 from ..constants import FOLLOWED, LANES
-from .body import NativeError
+from .body import call
 from .definition import Arrays, fields
 
 
@@ -36,7 +36,7 @@ def grow_cells(library: ctypes.CDLL, ends: Ints, place: Floats, seeds: Ints) -> 
     cells, joined = np.empty(len(place), np.int64), np.empty(len(place), np.uint8)
     with Arrays() as arrays:
         surface = _surface(arrays, ends, place, seeds)
-        _check(library, library.dm_grow_cells(byref(surface), cells.ctypes.data, joined.ctypes.data))
+        call(library, "dm_grow_cells", byref(surface), cells.ctypes.data, joined.ctypes.data)
     return cells, joined.astype(bool)
 
 
@@ -60,7 +60,7 @@ def follow_cells(
     with Arrays() as arrays:
         surface = _surface(arrays, np.empty((0, 2), np.int64), place, seeds)
         given = byref(surface), arrays.index(cells), around.shape[1], arrays.index(around)
-        _check(library, library.dm_follow_cells(*given, *(a.ctypes.data for a in (first, followed, weights))))
+        call(library, "dm_follow_cells", *given, *(a.ctypes.data for a in (first, followed, weights)))
     return first, followed[: first[-1]].copy(), weights[: first[-1]].copy()
 
 
@@ -82,8 +82,3 @@ def farthest_first(library: ctypes.CDLL, places: Floats, taken: int, least: floa
 def _surface(arrays: Arrays, ends: Ints, place: Floats, seeds: Ints) -> CCells:
     given: list[Any] = [len(place), arrays.double(place), len(ends), arrays.index(ends)]
     return CCells(*given, len(seeds), arrays.index(seeds))
-
-
-def _check(library: ctypes.CDLL, code: int) -> None:
-    if code:
-        raise NativeError(library.dm_message(code).decode(), code)

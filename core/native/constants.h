@@ -43,8 +43,8 @@
 #define DM_BACK 0.1          /* share of a contact's error that is corrected in a substep: with all of it facets rock, sticking
                               * contacts shake, and a ball at rest swings */
 #define DM_SEATED 1e-4       /* error of a sphere that lies on the surface; in sizes of a body, of a pin in its place */
-#define DM_HELD (2 * DM_SEATED)   /* distance at which a facet, or the ground, still counts as in contact */
-#define DM_SAME_WAY (1 - DM_HELD) /* cosine: normals that differ by less count as one */
+#define DM_HELD (2 * DM_SEATED) /* distance at which a facet, or the ground, still counts as in contact; of the cosine
+                                 * between two normals from 1, so that they count as one */
 #define DM_PINNED_GIVE 0.1   /* least compliance of a face with pinned vertices, in shares of that of a free vertex */
 #define DM_MOST_GIVEN 0.5    /* depth at which a yielding skin would be infinitely hard, so that no fingertip passes it */
 #define DM_HARDEST 0.97      /* share of that depth up to which it hardens, to 17 times its stiffness */

@@ -28,21 +28,6 @@ static int dm_triangles_cross(const dm_scene_state *s, const uint32_t *a, const 
     return found;
 }
 
-typedef void (*dm_note)(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j);
-
-/* Note the triangles of two leaves, or of one, that intersect. */
-static void dm_find_crossings(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const dm_node *a, const dm_node *b,
-                              dm_note note) {
-    for (uint32_t i = a->start; i < a->end; i++) {
-        double low[3], high[3];
-        for (int c = 0; c < 3; c++) low[c] = s->boxes.low[c][i], high[c] = s->boxes.high[c][i];
-        for (uint32_t near = dm_near_boxes(&s->boxes, b->start, b->end, low, high, 0); near; near &= near - 1) {
-            uint32_t j = b->start + (uint32_t)__builtin_ctz(near);
-            if ((a != b || i < j) && dm_triangles_cross(s, s->corners[i], s->corners[j])) note(s, f, g, i, j);
-        }
-    }
-}
-
 static void dm_count_crossing(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
     const uint32_t *a = s->corners[i], *b = s->corners[j];
     if (f == g && (dm_is_left_out(s, a, 3) || dm_is_left_out(s, b, 3))) return;
@@ -53,17 +38,27 @@ static void dm_count_crossing(dm_scene_state *s, const dm_surface *f, const dm_s
         for (int k = 0; k < 3; k++) found->place[c] += (s->before[a[k]][c] + s->before[b[k]][c]) / 6;
 }
 
-static void dm_leave_out_crossing(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
-    (void)f, (void)g;
-    for (int k = 0; k < 3; k++) s->left_out[s->corners[i][k]] = s->left_out[s->corners[j][k]] = 1;
+/* Count the triangles of two leaves, or of one, that intersect, or leave them out. */
+DM_INLINE void dm_find_crossings(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const dm_node *a,
+                                 const dm_node *b, int leave_out) {
+    for (uint32_t i = a->start; i < a->end; i++) {
+        double low[3], high[3];
+        for (int c = 0; c < 3; c++) low[c] = s->boxes.low[c][i], high[c] = s->boxes.high[c][i];
+        for (uint32_t near = dm_near_boxes(&s->boxes, b->start, b->end, low, high, 0); near; near &= near - 1) {
+            uint32_t j = b->start + (uint32_t)__builtin_ctz(near);
+            if ((a == b && i >= j) || !dm_triangles_cross(s, s->corners[i], s->corners[j])) continue;
+            if (!leave_out) dm_count_crossing(s, f, g, i, j);
+            for (int k = 0; leave_out && k < 3; k++) s->left_out[s->corners[i][k]] = s->left_out[s->corners[j][k]] = 1;
+        }
+    }
 }
 
 static void dm_count_crossings(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const dm_node *a, const dm_node *b) {
-    dm_find_crossings(s, f, g, a, b, dm_count_crossing);
+    dm_find_crossings(s, f, g, a, b, 0);
 }
 
 static void dm_leave_out_crossings(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const dm_node *a, const dm_node *b) {
-    dm_find_crossings(s, f, g, a, b, dm_leave_out_crossing);
+    dm_find_crossings(s, f, g, a, b, 1);
 }
 
 /* Leave out of self-contact the vertices of faces that intersect others of their body now, and report the pairs. */

@@ -5,14 +5,6 @@ static void dm_times(const double *a, const double *x, double *r) {
     for (int c = 0; c < 3; c++) r[c] = dm_inner3(a + 3 * c, x);
 }
 
-/* Set r = a b, for matrices by rows; if transposed, r = a b^T. */
-static void dm_product(const double *a, const double *b, int transposed, double *r) {
-    for (int i = 0; i < 9; i++) {
-        r[i] = 0;
-        for (int k = 0; k < 3; k++) r[i] += a[i / 3 * 3 + k] * b[transposed ? i % 3 * 3 + k : 3 * k + i % 3];
-    }
-}
-
 static double dm_length3(const double *a) { return sqrt(dm_inner3(a, a)); }
 
 /* Apply an impulse at an arm from a prop's centre, and an angular impulse in addition, times `by`. */
@@ -25,14 +17,15 @@ static void dm_push_prop(dm_falling *f, double by, const double *impulse, const 
 
 /* Begin a substep: apply gravity, and the reaction of soft bodies in the last one. */
 void dm_let_fall(dm_falling *f, double h) {
-    double back[9], damped = 0, *v = f->now.velocity, *l = f->now.momentum;
+    double back[9], by[9], damped = 0, *v = f->now.velocity, *l = f->now.momentum;
     for (int c = 0; c < 6; c++) damped += f->answer[c] * f->answer[c], f->apart[c] = 0;
     double left = damped > 0 ? 1 / (1 + h * f->damping / f->mass) : 1;
     for (int c = 0; c < 3; c++) {
         v[c] = left * v[c] + h * f->now.gravity[c] + f->answer[c] / f->mass;
         l[c] = left * l[c] + f->answer[3 + c];
     }
-    dm_product(f->inverse, f->now.turn, 1, back), dm_product(f->now.turn, back, 0, f->turned);
+    dm_transpose3x3(f->now.turn, back);
+    dm_multiply3x3(f->inverse, back, by), dm_multiply3x3(f->now.turn, by, f->turned);
     dm_times(f->turned, l, f->spin);
 }
 
@@ -212,9 +205,9 @@ void dm_find_pose(const dm_falling *f, double h, double share, double *pose) {
     double angle = dm_length3(turn), sine = angle < 1e-8 ? 1 : sin(angle) / angle;
     double versed = angle < 1e-8 ? 0.5 : (1 - cos(angle)) / (angle * angle);
     const double cross[9] = {0, -turn[2], turn[1], turn[2], 0, -turn[0], -turn[1], turn[0], 0};
-    dm_product(cross, cross, 0, by);
+    dm_multiply3x3(cross, cross, by);
     for (int k = 0; k < 9; k++) by[k] = (k % 4 == 0) + sine * cross[k] + versed * by[k];
-    dm_product(by, f->now.turn, 0, to);
+    dm_multiply3x3(by, f->now.turn, to);
     if (!(f->now.ground > -INFINITY) || share < 1) return;
     double lowest = INFINITY;
     if (pose[2] - f->radius < f->now.ground)

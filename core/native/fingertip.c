@@ -8,7 +8,7 @@
  * spring becomes stiffer under load, it keeps its force and shortens its elongation (Thornton and Yin 1991). The skin
  * is kept out of the fingertip separately, in skin_contact.c; the impulses of that shape the dent and are no part of
  * the contact force. */
-#include "foot.h"
+#include "body.h"
 
 /* Return the stiffness of an incompressible elastic layer under a round contact, relative to a half-space.
  * share: radius of the contact over thickness. Source: Dimitriadis and others 2002, layer bonded below. */

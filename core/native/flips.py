@@ -7,7 +7,7 @@ import ctypes
 import numpy as np
 
 from ..base import Floats, Ints
-from .body import NativeError
+from .body import call
 from .definition import Arrays
 
 
@@ -19,7 +19,5 @@ def flip_edges(library: ctypes.CDLL, points: Floats, triangles: Ints) -> Ints:
     """
     flipped = np.array(triangles, np.int64, order="C")
     with Arrays() as arrays:
-        code = library.dm_flip_edges(len(points), arrays.double(points), len(flipped), flipped.ctypes.data)
-    if code:
-        raise NativeError(library.dm_message(code).decode(), code)
+        call(library, "dm_flip_edges", len(points), arrays.double(points), len(flipped), flipped.ctypes.data)
     return flipped

@@ -3,7 +3,16 @@
  * A sphere of the fingertip's radius lies on the surface at rest, which it cannot enter (the virtual proxy of
  * Ruspini 1997). Its place straight above the fingertip is the foot. The foot follows the fingertip continuously
  * along the surface, so that it does not jump to another side at thin parts and edges. */
-#include "foot.h"
+#include "body.h"
+
+enum { DM_NORMALS = 8 };    /* of facets that a sphere touches: a fingertip never touches more at once */
+enum { DM_FOOT_STEPS = 4 }; /* steps of a foot towards the place straight above its fingertip, at most */
+
+typedef struct { /* of a sphere: vector from the nearest facet to its centre; normals of the facets that it touches, and their distances */
+    const dm_facet *facet;
+    double near, offset[3], normals[DM_NORMALS][3], away[DM_NORMALS];
+    int count;
+} dm_round;
 
 /* Note a facet, given its offset from a sphere, if it is the nearest or touches the sphere. Of equally near facets
  * the one whose normal points most towards the centre counts: on an edge it decides the side. Of normals that count as
@@ -18,7 +27,7 @@ static void dm_note_facet(dm_round *r, const dm_facet *f, const double *offset, 
     double n[3];
     int k = 0;
     for (int c = 0; c < 3; c++) n[c] = offset[c] / away;
-    while (k < r->count && !(dm_inner3(n, r->normals[k]) > DM_SAME_WAY)) k++;
+    while (k < r->count && !(dm_inner3(n, r->normals[k]) > 1 - DM_HELD)) k++; /* the same way */
     if (k == DM_NORMALS || (k < r->count && away >= r->away[k])) return;
     r->away[k] = away, r->count += k == r->count, memcpy(r->normals[k], n, sizeof n);
 }
@@ -89,18 +98,16 @@ static int dm_straighten(const dm_state *b, dm_tip *f, const double *x, const do
                          dm_round *round) {
     double way[3], along[3], aside[3], at[3];
     if (memcmp(f->foot, f->anchor, sizeof f->foot)) dm_look_round(b, f->facet, f->foot, f->radius, round);
-    for (int step = 0; step <= DM_FOOT_STEPS; step++) {
+    for (int step = 0;; step++) {
         for (int c = 0; c < 3; c++) at[c] = f->foot[c] - round->offset[c];
         if (dm_apart(touched, at) > most) return 0;
         for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
         dm_along_normals(round, way, along, aside);
         double far = sqrt(dm_inner3(aside, aside));
-        if (far <= DM_SLACK * f->radius) return 1;
-        if (step == DM_FOOT_STEPS) return 1; /* it comes no nearer */
+        if (far <= DM_SLACK * f->radius || step == DM_FOOT_STEPS) return 1; /* or comes no nearer */
         for (int c = 0; c < 3; c++) way[c] = -(far < most ? 1 : most / far) * aside[c];
         dm_march(b, f, f->foot, way, round);
     }
-    return 0;
 }
 
 /* Find the foot of a fingertip that touches the surface at rest, x in its space, starting from its last place or its

@@ -9,23 +9,26 @@ static void dm_add_force(dm_state *b, uint32_t i, const double *f, double sign) 
 /* add f to 6 dV/dx of a vertex; return the volume that it contributes */
 static double dm_add_normal(dm_state *b, uint32_t i, const double *x, const double *f) {
     dm_add_lane3(&b->next[i / DM_LANES].per_pascal, i, f, b->dt * (double)b->inverse_mass[i] / 6);
-    return (x[0] * f[0] + x[1] * f[1] + x[2] * f[2]) / 18;
+    return dm_inner3(x, f) / 18;
 }
 
 static void dm_add_irregular_forces(dm_state *b) {
     for (const dm_irregular_spring *s = b->irregular; s < b->irregular + b->irregular_count; s++) {
+        int64_t e = s->spring;
+        uint32_t i = b->ends[e][0], j = b->ends[e][1];
         double xi[3], xj[3], vi[3], vj[3], square = 0, growth = 0;
-        dm_position(b, s->i, xi), dm_position(b, s->j, xj);
-        dm_velocity(b, s->i, vi), dm_velocity(b, s->j, vj);
+        dm_position(b, i, xi), dm_position(b, j, xj);
+        dm_velocity(b, i, vi), dm_velocity(b, j, vj);
         for (int c = 0; c < 3; c++) {
             xj[c] -= xi[c];
             square += xj[c] * xj[c], growth += xj[c] * (vj[c] - vi[c]);
         }
         square = square > 1e-30 ? square : 1e-30;
-        double tension = s->stiffness * (1 - s->rest / sqrt(square)) + s->tension + s->damping * growth / square;
+        double tension = b->stiffness[e] * (1 - b->rest_length[e] / sqrt(square)) + b->tension[e]
+                         + s->damping * growth / square;
         for (int c = 0; c < 3; c++) xj[c] *= tension;
-        if (s->on_i) dm_add_force(b, s->i, xj, 1);
-        if (s->on_j) dm_add_force(b, s->j, xj, -1);
+        if (s->on_i) dm_add_force(b, i, xj, 1);
+        if (s->on_j) dm_add_force(b, j, xj, -1);
     }
 }
 

@@ -1,9 +1,9 @@
 /* The order of the vertices in memory, with neighbours close together. */
 #include "body.h"
 
-typedef struct {
+typedef struct { /* a vertex, triangle or side of a triangle, to be sorted */
     uint64_t key;
-    uint32_t vertex;
+    uint32_t number;
 } dm_keyed;
 
 /* put two zeros between the 21 low bits */
@@ -19,7 +19,7 @@ static uint64_t dm_spread_bits(uint64_t a) {
 static int dm_by_key(const void *a, const void *b) {
     const dm_keyed *p = a, *q = b;
     if (p->key != q->key) return p->key < q->key ? -1 : 1;
-    return (p->vertex > q->vertex) - (p->vertex < q->vertex);
+    return (p->number > q->number) - (p->number < q->number);
 }
 
 /* Order points (3, n) along a Morton curve, so that runs are close in space. */
@@ -52,7 +52,7 @@ static void dm_order_by_wave(const dm_state *b, dm_keyed *keys, uint8_t *seen, i
     int64_t n = b->n, done = 0, found = 0;
     uint32_t *queue = b->place;
     for (int64_t k = 0; k < n; k++) {
-        if (!seen[keys[k].vertex]) seen[keys[k].vertex] = 1, queue[found++] = keys[k].vertex;
+        if (!seen[keys[k].number]) seen[keys[k].number] = 1, queue[found++] = keys[k].number;
         for (; done < found; done++) {
             uint32_t i = queue[done];
             for (int64_t s = 0; s < width && ring_spring[s * n + i] >= 0; s++) {
@@ -61,7 +61,7 @@ static void dm_order_by_wave(const dm_state *b, dm_keyed *keys, uint8_t *seen, i
             }
         }
     }
-    for (int64_t k = 0; k < n; k++) keys[k].vertex = queue[k];
+    for (int64_t k = 0; k < n; k++) keys[k].number = queue[k];
 }
 
 /* Number the vertices by that order, then by valence within parts of the size of a slice, so that the eight of a group
@@ -72,15 +72,15 @@ static int32_t dm_lay_out(dm_state *b, int64_t width, const int64_t *ring, const
     uint8_t *seen = dm_alloc(n, 1);
     if (!keys || !seen) return dm_free(keys), dm_free(seen), DM_MEMORY;
     dm_order_along_curve(b->rest, n, keys);
-    for (int64_t k = 0; k < n; k++) b->rank[keys[k].vertex] = (uint32_t)k;
+    for (int64_t k = 0; k < n; k++) b->rank[keys[k].number] = (uint32_t)k;
     dm_order_by_wave(b, keys, seen, width, ring, ring_spring);
     for (int64_t k = 0; k < n; k++) {
         uint64_t valence = 0;
-        for (int64_t s = 0; s < width; s++) valence += ring_spring[s * n + keys[k].vertex] >= 0;
+        for (int64_t s = 0; s < width; s++) valence += ring_spring[s * n + keys[k].number] >= 0;
         keys[k].key = (uint64_t)(k / DM_SLICE) << 40 | valence << 32 | (uint64_t)k;
     }
     qsort(keys, (size_t)n, sizeof *keys, dm_by_key);
-    for (int64_t k = 0; k < n; k++) b->place[keys[k].vertex] = (uint32_t)k;
+    for (int64_t k = 0; k < n; k++) b->place[keys[k].number] = (uint32_t)k;
     dm_free(keys), dm_free(seen);
     return DM_OK;
 }

@@ -28,12 +28,6 @@ class FingertipMotion(NamedTuple):
     inward: Vector = (0.0, 0.0, -1.0)
     factors: tuple[Floats, float] | None = None
 
-    @staticmethod
-    def straight(start: Vector, end: Vector, *, ticks: int, radius: float, fresh: bool = False) -> FingertipMotion:
-        """Return an even motion from start to end."""
-        x, y, z = ((a + (b - a) / ticks) if ticks else b for a, b in zip(start, end, strict=True))
-        return FingertipMotion(start, (x, y, z), end, radius, fresh)
-
 
 class PinMotion(NamedTuple):
     """The path of pinned vertices: evenly from start to end, (3, pinned) [m] in the order of the vertices.

@@ -51,11 +51,6 @@ static void dm_nearest_rotation(const double *h, double *r) {
     memcpy(r, turn, sizeof turn);
 }
 
-static void dm_multiply3x3(const double *a, const double *b, double *r) {
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) r[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
-}
-
 /* Invert a symmetric 3 x 3 inertia tensor, and destroy it; an axis without inertia (a straight line of vertices)
  * gets no spin. */
 static void dm_invert3x3(double *a, double *inverse) {
@@ -70,19 +65,11 @@ static void dm_invert3x3(double *a, double *inverse) {
 
 static dm_rigid dm_rigid_part(const dm_state *b, const dm_inertia *at, const double *momentum, const double *turning) {
     dm_rigid r;
-    double about[3];
-    const double *o = at->centre;
-    for (int c = 0; c < 3; c++) r.linear[c] = momentum[c] / b->mass_total;
-    about[0] = turning[0] - (o[1] * momentum[2] - o[2] * momentum[1]);
-    about[1] = turning[1] - (o[2] * momentum[0] - o[0] * momentum[2]);
-    about[2] = turning[2] - (o[0] * momentum[1] - o[1] * momentum[0]);
-    for (int c = 0; c < 3; c++) {
-        const double *row = at->inverse + 3 * c;
-        r.angular[c] = row[0] * about[0] + row[1] * about[1] + row[2] * about[2];
-    }
-    r.linear[0] -= r.angular[1] * o[2] - r.angular[2] * o[1];
-    r.linear[1] -= r.angular[2] * o[0] - r.angular[0] * o[2];
-    r.linear[2] -= r.angular[0] * o[1] - r.angular[1] * o[0];
+    double about[3], moved[3];
+    dm_cross3(at->centre, momentum, moved);
+    for (int c = 0; c < 3; c++) r.linear[c] = momentum[c] / b->mass_total, about[c] = turning[c] - moved[c];
+    for (int c = 0; c < 3; c++) r.angular[c] = dm_inner3(at->inverse + 3 * c, about);
+    dm_cross3(r.angular, at->centre, moved), dm_add3(r.linear, -1, moved);
     return r;
 }
 
@@ -124,8 +111,8 @@ static void dm_sum_moments(dm_state *b, double *sums) {
 /* Fit the shape at rest to the body: least squares weighted by k1 and the tension. */
 static void dm_fit_pose(dm_state *b, const double *sums) {
     /* starting from the last rotation r0, few sweeps are needed: r = r0 fit(r0^T h) */
-    const double *t = b->turned;
-    double near[9], turn[9], back[9] = {t[0], t[3], t[6], t[1], t[4], t[7], t[2], t[5], t[8]};
+    double near[9], turn[9], back[9];
+    dm_transpose3x3(b->turned, back);
     dm_multiply3x3(back, sums + DM_K_XQ, near);
     dm_nearest_rotation(near, turn);
     dm_multiply3x3(b->turned, turn, b->rotation);

@@ -6,14 +6,14 @@ import ctypes
 import weakref
 from collections.abc import Sequence
 from ctypes import Structure, addressof, byref, c_double, c_int64, c_uint8, c_void_p
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..base import Bools, Floats, Ints
 from ..body.rigid import RigidShape, RigidState
 from ..constants import PASSED
-from .body import Body, CFrame, CMotion, NativeError
+from .body import Body, CFrame, CMotion, NativeError, call
 from .definition import Arrays, fields
 from .motion import Frame, Motion
 
@@ -177,9 +177,10 @@ class Scene:
         out = (CCrossings * len(bodies))()
         with Arrays() as arrays:
             made = (ColliderDef * max(len(colliders), 1))(*(_collider(c, arrays) for c in colliders))
-            self._call(
-                "dm_scene_create", byref(self._handle), len(bodies), handles, flags, kept, len(colliders), made, out
-            )
+            call(
+                library, "dm_scene_create", byref(self._handle), len(bodies), handles, flags, kept, len(colliders),
+                made, out,
+            )  # fmt: skip
         self.left_out = [_crossings(found) for found in out]
         weakref.finalize(self, library.dm_scene_destroy, self._handle.value)
         self._motions = (CMotion * len(bodies))()
@@ -213,9 +214,9 @@ class Scene:
                     if np.shape(way.start) != shape or np.shape(way.end) != shape:
                         raise NativeError(f"a collider must have the shape {shape}")
                     to.from_, to.to = arrays.double(way.start), arrays.double(way.end)
-            self._call(
-                "dm_scene_step", self._handle, self._motions, self._ways, first, last, self._frames, byref(self._out),
-                self._passed.ctypes.data, given.ctypes.data,
+            call(
+                self._library, "dm_scene_step", self._handle, self._motions, self._ways, first, last, self._frames,
+                byref(self._out), self._passed.ctypes.data, given.ctypes.data,
             )  # fmt: skip
         del kept
         for way, prop in zip(ways, self._props, strict=False):
@@ -232,7 +233,7 @@ class Scene:
     def crossings(self) -> Crossings:
         """Return the current intersections."""
         found = CCrossings()
-        self._call("dm_scene_find_crossings", self._handle, byref(found))
+        call(self._library, "dm_scene_find_crossings", self._handle, byref(found))
         return _crossings(found)
 
     def set_collider(self, index: int, positions: Floats) -> None:
@@ -241,18 +242,13 @@ class Scene:
             at = arrays.double(positions)
             if np.shape(positions) != self._shapes[index]:
                 raise NativeError(f"a collider must have the shape {self._shapes[index]}")
-            self._call("dm_scene_set_collider", self._handle, index, at)
+            call(self._library, "dm_scene_set_collider", self._handle, index, at)
 
     def collider(self, index: int) -> Floats:
         """Return the positions (3, m) [m] of a collider: behind its prescribed motion if something blocks it."""
         x = np.empty(self._shapes[index])
-        self._call("dm_scene_get_collider", self._handle, index, x.ctypes.data)
+        call(self._library, "dm_scene_get_collider", self._handle, index, x.ctypes.data)
         return x
-
-    def _call(self, name: str, *values: Any) -> None:
-        code = getattr(self._library, name)(*values)
-        if code:
-            raise NativeError(f"{name}: {self._library.dm_message(code).decode()}", code)
 
 
 def _crossings(found: CCrossings) -> Crossings:

@@ -10,9 +10,9 @@ static void dm_fit_body(dm_state *b) {
 
 /* Let the fill turn with the skin: the body has the inertia of both. Find the moment that this takes from the skin. */
 static void dm_turn_fill(dm_state *b, double *taken) {
-    double by[9], share[9], more[9], back[9], *r = b->rotation;
-    for (int k = 0; k < 9; k++) back[k] = r[k % 3 * 3 + k / 3];
-    dm_multiply3x3(r, b->fill_share, by), dm_multiply3x3(by, back, share);
+    double by[9], share[9], more[9], back[9];
+    dm_transpose3x3(b->rotation, back);
+    dm_multiply3x3(b->rotation, b->fill_share, by), dm_multiply3x3(by, back, share);
     dm_multiply3x3(share, b->moments.tensor, more);
     for (int c = 0; c < 3; c++) {
         double now = dm_inner3(more + 3 * c, b->moments.spin);
@@ -25,14 +25,11 @@ static void dm_turn_fill(dm_state *b, double *taken) {
 /* Apply the moments of the fill, and of the rolling resistance of the surfaces that a body touches, as part of the
  * drift, which is subtracted. */
 static void dm_take_moments(dm_state *b) {
-    const double *row = b->moments.inverse, *o = b->moments.centre;
-    double a[3], m[3];
+    double a[3], m[3], moved[3];
     dm_turn_fill(b, m);
     for (int c = 0; c < 3; c++) m[c] += b->resisted[c];
-    for (int c = 0; c < 3; c++, row += 3) a[c] = row[0] * m[0] + row[1] * m[1] + row[2] * m[2], b->drift.angular[c] += a[c];
-    b->drift.linear[0] -= a[1] * o[2] - a[2] * o[1];
-    b->drift.linear[1] -= a[2] * o[0] - a[0] * o[2];
-    b->drift.linear[2] -= a[0] * o[1] - a[1] * o[0];
+    for (int c = 0; c < 3; c++) a[c] = dm_inner3(b->moments.inverse + 3 * c, m), b->drift.angular[c] += a[c];
+    dm_cross3(a, b->moments.centre, moved), dm_add3(b->drift.linear, -1, moved);
 }
 
 static void dm_substep(dm_state *b, int64_t left, dm_frame *frame) {

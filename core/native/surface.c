@@ -82,7 +82,7 @@ static int32_t dm_lay_surface(dm_state *b, const dm_body_def *d) {
         }
     if (whole && t) dm_order_along_curve(middles, t, keys);
     for (int64_t k = 0; whole && k < t; k++) {
-        int64_t index = keys[k].vertex;
+        int64_t index = keys[k].number;
         dm_facet *f = b->facets + k;
         for (int p = 0; p < 3; p++) f->vertex[p] = (uint32_t)d->surface_corners[3 * index + p];
         f->index = index, f->material = d->surface_material[index];

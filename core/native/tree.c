@@ -1,11 +1,6 @@
 /* The surfaces of a scene: a tree of boxes over the triangles, and the neighbours of each triangle. */
 #include "scene.h"
 
-static int dm_by_word(const void *a, const void *b) {
-    const uint64_t *p = a, *q = b;
-    return p[0] != q[0] ? (p[0] < q[0] ? -1 : 1) : p[1] < q[1] ? -1 : p[1] > q[1];
-}
-
 /* Order the triangles of a surface along a Morton curve. */
 static int32_t dm_order_triangles(dm_scene_state *s, const dm_surface *f) {
     int64_t t = f->triangle_count;
@@ -19,7 +14,7 @@ static int32_t dm_order_triangles(dm_scene_state *s, const dm_surface *f) {
             middles[c * t + k] = s->rest[mine[k][0]][c] + s->rest[mine[k][1]][c] + s->rest[mine[k][2]][c];
     if (whole) {
         dm_order_along_curve(middles, t, keys);
-        for (int64_t k = 0; k < t; k++) memcpy(sorted[k], mine[keys[k].vertex], sizeof *sorted);
+        for (int64_t k = 0; k < t; k++) memcpy(sorted[k], mine[keys[k].number], sizeof *sorted);
         memcpy(mine, sorted, (size_t)t * sizeof *sorted);
     } else s->code = DM_MEMORY;
     free(middles), free(keys), free(sorted);
@@ -29,21 +24,21 @@ static int32_t dm_order_triangles(dm_scene_state *s, const dm_surface *f) {
 /* Number the edges of a surface; each edge and each vertex belongs to the first triangle that has it. */
 static int32_t dm_lay_edges(dm_scene_state *s, dm_surface *f) {
     int64_t t = f->triangle_count;
-    uint64_t(*words)[2] = malloc((size_t)(3 * t + 1) * sizeof *words);
+    dm_keyed *sides = malloc((size_t)(3 * t + 1) * sizeof *sides); /* each with its edge as the key */
     uint32_t *same = malloc((size_t)(3 * t + 1) * sizeof *same); /* the first side that is the same edge */
     uint8_t *seen = calloc(f->count + 1, 1);
-    if (!words || !same || !seen) return free(words), free(same), free(seen), s->code = DM_MEMORY;
+    if (!sides || !same || !seen) return free(sides), free(same), free(seen), s->code = DM_MEMORY;
     for (int64_t k = 0; k < 3 * t; k++) {
         const uint32_t *at = s->corners[f->first_triangle + k / 3];
         uint64_t a = at[k % 3], b = at[(k + 1) % 3];
-        words[k][0] = a < b ? a << 32 | b : b << 32 | a, words[k][1] = (uint64_t)k;
+        sides[k] = (dm_keyed){a < b ? a << 32 | b : b << 32 | a, (uint32_t)k};
     }
-    qsort(words, (size_t)(3 * t), sizeof *words, dm_by_word);
+    qsort(sides, (size_t)(3 * t), sizeof *sides, dm_by_key);
     double length = 0;
     for (int64_t k = 0; k < 3 * t; k++) {
-        int first = !k || words[k][0] != words[k - 1][0];
-        same[words[k][1]] = first ? (uint32_t)words[k][1] : same[words[k - 1][1]];
-        double way[3], *a = s->rest[words[k][0] >> 32], *b = s->rest[(uint32_t)words[k][0]];
+        int first = !k || sides[k].key != sides[k - 1].key;
+        same[sides[k].number] = first ? sides[k].number : same[sides[k - 1].number];
+        double way[3], *a = s->rest[sides[k].key >> 32], *b = s->rest[(uint32_t)sides[k].key];
         dm_minus(a, b, way), length += first ? sqrt(dm_inner3(way, way)) : 0;
     }
     f->first_edge = (uint32_t)s->edge_count;
@@ -58,7 +53,7 @@ static int32_t dm_lay_edges(dm_scene_state *s, dm_surface *f) {
     }
     f->edge_count = (uint32_t)s->edge_count - f->first_edge;
     f->edge = f->edge_count ? length / f->edge_count : 0;
-    free(words), free(same), free(seen);
+    free(sides), free(same), free(seen);
     return DM_OK;
 }
 

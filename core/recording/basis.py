@@ -11,10 +11,9 @@ import hashlib
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
+from ..base import Floats, Singles
+
 TURN = np.radians(1.0)  # [rad] tolerance of a normal: at most 1.7 % of the light; the eye distinguishes 2 % (Weber)
 SWEEPS = 200  # sweeps of coordinate descent: enough in practice; the remaining error is measured
 

@@ -31,16 +31,13 @@ class PointCache:
         path: file to create.
         n_vertices: number of vertices in each sample.
         start_frame: frame of the first sample.
-        sample_rate: frames from one sample to the next.
     """
 
-    def __init__(
-        self, path: str | os.PathLike[str], n_vertices: int, start_frame: float = 1.0, sample_rate: float = 1.0
-    ) -> None:
+    def __init__(self, path: str | os.PathLike[str], n_vertices: int, start_frame: float = 1.0) -> None:
         self.path, self.n_vertices, self.samples = Path(path), n_vertices, 0
         self._file = self.path.open("w+b", buffering=0)  # no data stays in a buffer if a write fails
         try:
-            self._write(0, _HEADER.pack(_MAGIC, 1, n_vertices, start_frame, sample_rate, 0))
+            self._write(0, _HEADER.pack(_MAGIC, 1, n_vertices, start_frame, 1.0, 0))
         except OSError:
             self._file.close()
             raise

@@ -15,12 +15,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from ..base import DimpleError
+from ..base import DimpleError, Singles
 
 WIDEST = 8192  # [pixels] largest width and height of a texture that every graphics card supports
-Singles = npt.NDArray[np.float32]
 
 
 class Layout(NamedTuple):

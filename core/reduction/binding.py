@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
-
 import numpy as np
 
 from .. import native
 from ..base import Floats, Ints, Shorts, Singles, distinct, row_parts, sums_at
 from ..constants import FOLLOWED, LANES
 from ..mesh.surface import Mesh
-from ..native.carry import Binding, in_rows
+from ..native.carry import Binding, Values, in_rows
 from .cells import vertex_normals
 
 WHOLE = int(np.iinfo(np.uint16).max)  # sum of the weights of a vertex, and most vertices of a proxy
-_Values = TypeVar("_Values", Floats, Singles)
 
 
 def bind(rest: Floats, coarse: Mesh, place: Floats, seeds: Ints, cells: Ints) -> Binding:
@@ -57,7 +54,7 @@ def blend(binding: Binding, values: Floats) -> Floats:
     return np.asarray(in_rows(sums, binding.vertices) / WHOLE, np.float64)
 
 
-def sums_of(first: Ints, followed: Shorts, weights: Shorts, values: _Values) -> _Values:
+def sums_of(first: Ints, followed: Shorts, weights: Shorts, values: Values) -> Values:
     """Return the weighted sums (g, c, 8) of values (m, c) at the coarse vertices that each fine vertex follows."""
     count = np.diff(first)
     sums = np.zeros((len(count), values.shape[1], LANES), values.dtype)

@@ -1,6 +1,6 @@
 """A session (one body, its fingertips, its clock, its shape at rest), and the loop that steps sessions."""
 
-from .clock import step_all as step_all
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
 from .session import Session as Session
+from .session import step_all as step_all

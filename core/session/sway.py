@@ -217,7 +217,7 @@ class Sway:
         return turned.reshape(len(vertices), 3, -1) @ shapes.reshape(len(vertices), turned[0].size // 3, -1)
 
 
-def sway_of(model: Model, before: Sway | None = None) -> Sway | None:
+def sway_of(model: Model, before: Sway | None) -> Sway | None:
     """Return the sway of a model at rest, None if it has none; it continues `before` if that is of the same body."""
     wanted = model.sway
     if wanted is None:

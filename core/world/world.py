@@ -17,8 +17,7 @@ from ..message import Message, in_a_row
 from ..native import motion
 from ..native.scene import Collider as Collider
 from ..native.scene import ColliderMotion, Crossings, SceneFrame, Way
-from ..session import Session
-from ..session.clock import step_all
+from ..session import Session, step_all
 from .props import prop_of
 
 

@@ -3,7 +3,7 @@
 import bpy
 
 from ...core.message import Message
-from ..names import Op
+from ..names import BAKED_PRESS, Op
 from ..press import fingertip_objects, polls, sessions
 from ..press.progress import READY, FrameRange, Working
 from ..reporting import say
@@ -20,7 +20,6 @@ class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
         "of material or settings"
     )
     bl_options = {"UNDO"}
-    running = "Baking: Esc cancels"
     verb, stopped = "Baking", "The bake was cancelled; nothing has changed"
     ready = READY
 
@@ -36,7 +35,8 @@ class DIMPLE_OT_bake(FrameRange, Working, bpy.types.Operator):
         objects = live_step.candidates(context)
         self._messages: list[str] = []
         self._count = len(objects)
-        plan = bake_to_files.plan_of(scene, objects, *self._frames(scene))
+        first, last = self._frames(scene)
+        plan = bake_to_files.BakePlan(objects=objects, first=first, last=last)
         return bake_to_files.bake(context, plan, self._messages)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
@@ -59,9 +59,9 @@ class DIMPLE_OT_unbake(polls.Declared, bpy.types.Operator):
     needs = polls.in_object_mode, polls.need(_may_play, "Select a mesh first")
 
     def run(self, context: bpy.types.Context) -> None:
-        from ..bridge import bake_files
+        from ..bridge import press_modifier
         from ..press import live_step
 
         meshes = [obj for obj in live_step.candidates(context) if obj.type == "MESH"]
-        if not sum(bake_files.detach_cache(obj) for obj in meshes):
+        if not sum(press_modifier.remove(obj, BAKED_PRESS) for obj in meshes):
             say(self, {"WARNING"}, "The selected objects have no bake")

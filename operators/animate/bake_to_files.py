@@ -20,7 +20,8 @@ from ...core.base import DimpleError
 from ...core.message import Message, about
 from ...core.recording import PointCache
 from ...core.session import step_all
-from ..bridge import bake_files, final_mesh, scene_objects, timeline
+from ..bridge import bake_files, final_mesh, object_link, press_modifier, scene_objects, timeline
+from ..names import BAKED_PRESS
 from ..press import colliders, follow_settings, live_step, props
 from ..press.object_body import ObjectBody
 from ..press.progress import READY, SLICE_S
@@ -51,16 +52,6 @@ class BakePlan:
     folder: Path | None = None  # of the files; None: the folder for bakes of the scene
 
 
-def plan_of(
-    scene: bpy.types.Scene, objects: Sequence[bpy.types.Object], first: int | None, last: int | None
-) -> BakePlan:
-    """Return a plan of the frames of a scene, unless others are given."""
-    return BakePlan(
-        objects=objects, first=scene.frame_start if first is None else first,
-        last=scene.frame_end if last is None else last,
-    )  # fmt: skip
-
-
 def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Iterator[float]:
     """Bake, and yield the fraction that is done. Closing the generator cancels the bake without any change.
 
@@ -73,8 +64,9 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
     bodies = yield from simulate(context, plan, messages)
     with bake_files.plain_os_errors("The bake"):
         for body in bodies:
-            if obj := scene_objects.find(body.link.uid, body.link.name):
-                bake_files.attach_cache(context, obj, str(body.path), plan.first, body.link.cuts)
+            if obj := object_link.find(body.link.uid, body.link.name):
+                press_modifier.remove(obj, BAKED_PRESS)
+                bake_files.play(context, obj, body.path, plan.first, body.link.cuts)
 
 
 def simulate(

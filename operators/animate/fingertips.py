@@ -84,10 +84,10 @@ class DIMPLE_OT_key_press(polls.Declared, bpy.types.Operator):
     )
 
     def run(self, context: bpy.types.Context) -> None:
-        from ..bridge import scene_objects
+        from ..bridge import object_link
 
         press, scene = _wanted(context), context.scene
-        body = scene_objects.find(press.uid, press.name)
+        body = object_link.find(press.uid, press.name)
         if body is None:
             raise DimpleError('"{name}" is gone.', name=press.name)
         fingertip_objects.leave_poke()

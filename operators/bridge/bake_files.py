@@ -120,10 +120,10 @@ def plain_os_errors(doing: str, folder: str = "cache folder") -> Iterator[None]:
         ) from error  # fmt: skip
 
 
-def attach_cache(
-    context: bpy.types.Context, obj: bpy.types.Object, path: str, start_frame: int, cuts: int
+def play(
+    context: bpy.types.Context, obj: bpy.types.Object, path: Path, start_frame: float, cuts: int
 ) -> bpy.types.Modifier:
-    """Make an object play a PC2 file of offsets, after all its modifiers and in place of an earlier bake.
+    """Make an object play a PC2 file of offsets, after all its modifiers.
 
     If a render has other vertices than the viewport, a second file beside the first one serves it.
 
@@ -133,14 +133,6 @@ def attach_cache(
     Raises:
         OSError: the file is missing, or the second one cannot be written.
     """
-    detach_cache(obj)
-    return play(context, obj, Path(path), start_frame, cuts)
-
-
-def play(
-    context: bpy.types.Context, obj: bpy.types.Object, path: Path, start_frame: float, cuts: int
-) -> bpy.types.Modifier:
-    """Make an object play a PC2 file of offsets; see `attach_cache`."""
     _, samples = open_point_cache(path)
     shown = rendered_mesh.shown(context, obj, samples.shape[1], cuts)
     for each, carried in shown:
@@ -153,11 +145,6 @@ def play(
         plays = each.carrier.modifiers.new(CACHE, "MESH_CACHE")
         plays.cache_format, plays.filepath, plays.frame_start = "PC2", _stored(os.fspath(file)), start_frame
     return press_modifier.add(obj, CACHE, BAKED_PRESS, [each for each, _ in shown])
-
-
-def detach_cache(obj: bpy.types.Object) -> int:
-    """Remove the modifiers that play a bake from an object; return their number."""
-    return press_modifier.remove(obj, BAKED_PRESS)
 
 
 def _stored(path: str) -> str:

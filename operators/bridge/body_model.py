@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import bpy
 
 from ...core.errors import DimpleError
+from ...core.material import DEFAULT_MATERIAL, Material
 from ...core.message import about
 from ..names import MAPS
 from ..reporting import Note
@@ -21,7 +22,6 @@ from . import advice, final_mesh, in_trial
 if TYPE_CHECKING:
     from ...core.background_work import Parts
     from ...core.body.model import Model
-    from ...core.material import Material
     from ...core.mesh.surface import Mesh
     from .object_link import Floats, ObjectLink
 
@@ -76,8 +76,6 @@ def _material(body: bpy.types.Object, slot: int) -> Material:
     Raises:
         DimpleError: a constant is out of its range.
     """
-    from ...core.material import DEFAULT_MATERIAL, Material
-
     material = body.material_slots[slot].material if body.material_slots else None
     if material is None:
         return DEFAULT_MATERIAL

@@ -14,10 +14,7 @@ import bpy
 import numpy as np
 import numpy.typing as npt
 
-from ...core.base import LARGEST, DimpleError, row_parts
-
-Floats = npt.NDArray[np.float64]
-Singles = npt.NDArray[np.float32]
+from ...core.base import LARGEST, DimpleError, Floats, Singles, row_parts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,14 +12,7 @@ from ...core.background_work import Parts, at_once
 from ...core.base import DimpleError
 from ...core.message import Message, about, in_a_row
 from . import body_model, final_mesh, modifier_kinds
-from .object_link import Floats as Floats
-from .object_link import ObjectLink as ObjectLink
-from .object_link import Singles as Singles
-from .object_link import find as find
-from .object_link import get_points as get_points
-from .object_link import offsets_of as offsets_of
-from .object_link import scale_of_body as scale_of_body
-from .object_link import to_physical as to_physical
+from .object_link import Floats, ObjectLink, Singles, get_points, scale_of_body, to_physical
 
 if TYPE_CHECKING:
     from ...core.body.model import Model
@@ -27,6 +20,7 @@ if TYPE_CHECKING:
 
 LEVEL = 1e-4  # fraction of an object's size: points this close to its highest level count as highest
 _CONVERTIBLE = {"CURVE", "SURFACE", "META", "FONT"}  # types that Blender converts to meshes with faces
+
 
 def read_body(context: bpy.types.Context, body: bpy.types.Object, **options: Any) -> tuple[ObjectLink, Model]:
     """Read a mesh object in one go; see `reading_body`."""

@@ -8,8 +8,8 @@ from ...core.message import Message, about
 from ..reporting import Note
 
 SMALLEST_M, LARGEST_M = 0.01, 1.0  # [m] a body modelled smaller or larger is pressed at a custom size
-SHARES = {"finger_radius_mm": 10 / 165, "press_depth_mm": 15 / 165}  # fractions of a body's size, unless typed
-SPREAD = 12 / 165  # fraction of a body's size that a dent reaches beyond the fingertip, unless typed
+USUAL_MM = 165.0  # [mm] size of the paper's vinyl cube, for which the defaults below are
+DEFAULTS = {"finger_radius_mm": 10.0, "press_depth_mm": 15.0}  # [mm] they grow with a body's size, unless typed
 LEAST_MM = 0.01  # [mm] smallest radius or depth
 NUMBERS = (1, 2, 3)  # of the fingertips
 
@@ -64,7 +64,7 @@ def fit(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
     settings, size = scene.dimple, size_of(scene, obj)
     if size <= 0 or not all(map(is_sphere, filter(None, fingertips(scene)))):
         return
-    following = [name for name in SHARES if follows(settings, name)]
+    following = [name for name in DEFAULTS if follows(settings, name)]
     settings.fitted_mm = size
     for name in following:
         setattr(settings, name, fitted(settings, name))
@@ -72,7 +72,7 @@ def fit(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
 
 def fitted(settings: bpy.types.PropertyGroup, name: str) -> float:
     """Return the value of a fingertip setting [mm] that fits the body of the last fit."""
-    return max(SHARES[name] * settings.fitted_mm, LEAST_MM)
+    return max(DEFAULTS[name] * settings.fitted_mm / USUAL_MM, LEAST_MM)
 
 
 def follows(settings: bpy.types.PropertyGroup, name: str) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..names import CACHES_OFF, KEPT, KEPT_PRESS, PAINTING
 from . import final_mesh, press_modifier, rendered_mesh
-from .scene_objects import ObjectLink, Singles, get_points
+from .object_link import ObjectLink, Singles, get_points
 
 
 def rescue(live: Collection[int]) -> None:
@@ -45,12 +45,6 @@ def keep(context: bpy.types.Context, body: bpy.types.Object, link: ObjectLink, o
     for each, own in shown:
         press_modifier.set_offsets(each.carrier, offsets if own is None else own.carry(offsets))
     press_modifier.add(body, KEPT, KEPT_PRESS, [each for each, _ in shown])
-
-
-def remember(what: str) -> None:
-    """Push an undo step, if Blender can."""
-    if bpy.ops.ed.undo_push.poll():
-        bpy.ops.ed.undo_push(message=what)
 
 
 def paint(body: bpy.types.Object, group: str, weights: Singles) -> None:

@@ -12,6 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from bpy_extras.io_utils import ExportHelper
 
 from ...core.calibration.question import Answers, Undecided
+from ...core.material import Indenter
 from ...core.message import to_json
 from ..names import TIPS, Op
 from ..press import polls
@@ -71,8 +72,6 @@ class Tip:
 
     def measured(self) -> dict:
         """Return the tip, and the size of the object, as arguments of the core."""
-        from ...core.material import Indenter
-
         tip = Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3)
         return {"tip": tip, "length": self.length_mm / 1e3 or None}
 
@@ -240,6 +239,3 @@ class DIMPLE_FH_force_depth(Dropped, bpy.types.FileHandler):
     bl_label = "Force-Depth Measurement"
     bl_import_operator = Op.CALIBRATE
     bl_file_extensions = results.EXTENSIONS
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_calibrate, DIMPLE_FH_force_depth])

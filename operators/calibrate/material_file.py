@@ -8,6 +8,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ...core.errors import DimpleError
+from ...core.material import Material
 from ...core.message import from_json, to_json
 from ..bridge.material_presets import material_of
 from ..names import Op
@@ -65,8 +66,6 @@ class DIMPLE_OT_open_material(Opened, polls.Declared, bpy.types.Operator):
     needs = polls.in_object_mode, polls.needs_mesh, polls.is_own
 
     def run(self, context: bpy.types.Context) -> None:
-        from ...core.material import Material
-
         path, body = Path(bpy.path.abspath(self.filepath)), context.object
         try:
             with path.open(encoding="utf-8") as file:
@@ -100,8 +99,3 @@ class DIMPLE_FH_material(Dropped, bpy.types.FileHandler):
     bl_label = "Dimple Material"
     bl_import_operator = Op.OPEN_MATERIAL
     bl_file_extensions = ENDING
-
-
-register, unregister = bpy.utils.register_classes_factory(
-    [DIMPLE_OT_save_material, DIMPLE_OT_open_material, DIMPLE_FH_material]
-)

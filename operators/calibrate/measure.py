@@ -5,7 +5,7 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ...core.message import Message, about
 from ..names import PLACES, Op
-from ..press import modal_runs, polls, sessions
+from ..press import polls, sessions
 from ..press.progress import Working
 from ..reporting import say
 from . import results
@@ -35,10 +35,7 @@ class DIMPLE_OT_measure(Working, Saved, bpy.types.Operator):
     )  # fmt: skip
     rows: IntProperty(name="Rows", description="Rows of the file", default=60, min=12, soft_max=300)
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Require Object Mode, a mesh, and no other task under way."""
-        return polls.can_press(cls, context)
+    needs = polls.in_object_mode, polls.can_be_pressed, polls.is_free
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the file, then measure between Blender's events."""
@@ -54,9 +51,6 @@ class DIMPLE_OT_measure(Working, Saved, bpy.types.Operator):
         layout.use_property_split = True
         for name in self.asked[1:]:
             layout.prop(self, name)
-
-    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
-        return modal_runs.open_run(context, "measure", "Measuring: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps of the measurement; live sessions end first, because it starts at rest."""
@@ -128,6 +122,3 @@ def _at_cursor(context: bpy.types.Context, scale: float, mesh):
     tree = BVHTree.FromPolygons(mesh.rest_positions.tolist(), mesh.triangles.tolist())
     point, normal, _, _ = tree.find_nearest(scale * context.scene.cursor.location)
     return point, -normal
-
-
-register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_measure])

@@ -10,6 +10,7 @@ from datetime import date
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from ...core.material import NOTICEABLE_FORCE
 from ...core.message import Message, from_json, to_json
 
 if TYPE_CHECKING:
@@ -36,7 +37,6 @@ def to_text(calibration: Calibration) -> str:
     import numpy as np
 
     from ...core.calibration.calibrate import to_record
-    from ...core.material import NOTICEABLE_FORCE
 
     record = to_record(calibration)
     loading, fit = calibration.loading, calibration.fit

@@ -12,13 +12,12 @@ import bpy
 import numpy as np
 import numpy.typing as npt
 
-from ...core.base import DimpleError
+from ...core.base import DimpleError, Singles
 from ...core.recording import PointCache, open_point_cache
 from ...core.recording.basis import Basis, distinct, reduce
 from ...core.recording.split import split
 from ..bridge import bake_files, final_mesh, keyframes, press_modifier, rendered_mesh, scene_objects
 
-Singles = npt.NDArray[np.float32]
 SHEAR = 1e-4  # cosine between two axes below which they count as perpendicular: less is invisible on any object
 
 

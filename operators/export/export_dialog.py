@@ -34,7 +34,6 @@ class DIMPLE_OT_export_animation(FrameRange, Working, bpy.types.Operator):
 
     bl_idname = Op.EXPORT
     bl_label = "Export Animation"
-    running = "Exporting: Esc cancels"
     verb, stopped = "Exporting", "The export was cancelled; the files that were finished are kept"
     ready = READY
     asked = "directory", "formats", "frame_start", "frame_end", "modifiers", "key_error", "overwrite"

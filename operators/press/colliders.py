@@ -16,7 +16,7 @@ from mathutils import Matrix
 
 from ...core.base import DimpleError
 from ...core.message import in_a_row
-from ..bridge import body_model, final_mesh, scene_objects, sizing
+from ..bridge import body_model, final_mesh, object_link, sizing
 
 if TYPE_CHECKING:
     from ...core.base import Floats, Ints
@@ -180,4 +180,4 @@ def surface(graph: bpy.types.Depsgraph, obj: bpy.types.Object, scale: float) -> 
     evaluated = obj.evaluated_get(graph)
     triangles, _ = final_mesh.triangles_of(evaluated.data)
     points = final_mesh.points_of(evaluated.data)
-    return scene_objects.to_physical(scale, np.array(evaluated.matrix_world), points), triangles.astype(np.int64)
+    return object_link.to_physical(scale, np.array(evaluated.matrix_world), points), triangles.astype(np.int64)

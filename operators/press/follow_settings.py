@@ -13,7 +13,7 @@ import bpy
 from ...core.background_work import Parts, at_once, beside
 from ...core.base import DimpleError
 from ...core.message import about, in_a_row
-from ..bridge import body_model, scene_objects, timeline
+from ..bridge import body_model, object_link, scene_objects, timeline
 from ..bridge.body_model import settings_of
 from ..names import PAINTING
 from . import object_plan
@@ -89,7 +89,7 @@ def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, n
     from ...core.mesh.surface import input_vertices
 
     session, before = body.session, body.settings
-    scale = scene_objects.scale_of_body(context.scene, obj, body.link.rest, body.link.matrix)
+    scale = object_link.scale_of_body(context.scene, obj, body.link.rest, body.link.matrix)
     slots, slots_before = (max(len(each.materials), 1) for each in (now, before))
     again = now.plan != before.plan
     if scale == body.link.scale and slots == slots_before:

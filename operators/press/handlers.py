@@ -50,10 +50,10 @@ def _on_undo(*_: object) -> None:
     """Continue the sessions whose objects still exist; restore objects that an undo brought back in a pressed state."""
     sessions.disarm()  # an undo may suddenly put a surface under a fingertip of the haptic device
     if sessions.sessions:
-        from ..bridge import scene_objects, write_back
+        from ..bridge import object_link, write_back
 
         for uid, body in list(sessions.sessions.items()):
-            obj = scene_objects.find(uid, body.name)
+            obj = object_link.find(uid, body.name)
             if obj is None or not write_back.is_intact(obj, body.link):
                 sessions.stop(uid, undoing=True)
         showing.show_all()

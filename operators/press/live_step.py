@@ -13,9 +13,8 @@ from ...core.background_work import Parts, at_once
 from ...core.base import DimpleError
 from ...core.constants import MAX_FINGERTIPS
 from ...core.message import about, in_a_row
-from ...core.session import Finger
-from ...core.session.clock import step_all
-from ..bridge import bake_files, scene_objects, sizing, timeline
+from ...core.session import Finger, step_all
+from ..bridge import bake_files, object_link, sizing, timeline
 from ..reporting import gathered
 from . import (
     colliders,
@@ -162,7 +161,7 @@ def _meet(context: bpy.types.Context) -> list[str]:
     bodies = {
         uid: (obj, body.session, body.link.scale)
         for uid, body in sessions.sessions.items()
-        if (obj := scene_objects.find(uid, body.name))  # else its session is about to end
+        if (obj := object_link.find(uid, body.name))  # else its session is about to end
     }
     try:
         sessions.set_worlds(colliders.worlds_of(context, bodies, sessions.worlds))

@@ -3,9 +3,10 @@
 import bpy
 
 from ...core.errors import DimpleError
+from ...core.material import DEFAULT_MATERIAL
 from ...core.message import Message, about, in_a_row
 from ..bridge.material_presets import material_of
-from ..bridge.sizing import SPREAD, fit, settle_size, size_of
+from ..bridge.sizing import USUAL_MM, fit, settle_size, size_of
 from ..names import Op
 from ..reporting import gathered, report, say
 from . import polls, sessions
@@ -79,7 +80,7 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, l
     for given in {slot.material for slot in obj.material_slots if slot.material}:
         own = given.users == 1 and not (given.library or given.override_library)
         if own and size > 0 and not given.dimple.is_property_set("spread_mm"):
-            given.dimple.spread_mm = SPREAD * size
+            given.dimple.spread_mm = 1e3 * DEFAULT_MATERIAL.spread * size / USUAL_MM
     if not obj.dimple.pin_group and PIN in obj.vertex_groups:
         obj.dimple.pin_group = PIN
     obj.dimple.enabled = True

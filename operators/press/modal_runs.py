@@ -19,7 +19,6 @@ from pathlib import Path
 import bpy
 
 from ...core.message import Message
-from ..translation import tip_
 
 STATUS_S = 0.5  # [s] interval at which the text is set again, because undo, text fields and brushes clear it
 
@@ -48,15 +47,13 @@ def at_work() -> bool:
     return any(run.kind not in ("poke", "play") for run in runs)
 
 
-def open_run(context: bpy.types.Context, kind: str, state: str = "", *, interval: float = 1 / 60) -> ModalRun:
-    """Register a modal operator, give it a timer and show its state; the run of an earlier operator is closed."""
+def open_run(context: bpy.types.Context, kind: str, *, interval: float = 1 / 60) -> ModalRun:
+    """Register a modal operator and give it a timer; the run of an earlier operator is closed."""
     for run in list(runs):
         close_run(run)
     manager = context.window_manager
     run = ModalRun(kind=kind, timer=manager.event_timer_add(interval, window=context.window))
     runs.append(run)
-    if state:
-        show_status(context, run, tip_(state))
     return run
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ...core.session import Session
     from ...core.session.frame import Frame
     from ..bridge.body_model import Settings
-    from ..bridge.scene_objects import ObjectLink, Singles
+    from ..bridge.object_link import ObjectLink, Singles
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -84,9 +84,9 @@ class ObjectBody:
         Raises:
             DimpleError: the object is gone.
         """
-        from ..bridge import scene_objects
+        from ..bridge import object_link
 
-        obj = scene_objects.find(self.link.uid, self.name)
+        obj = object_link.find(self.link.uid, self.name)
         if obj is None:
             raise DimpleError('"{name}" is gone.', name=self.name)
         return obj
@@ -114,11 +114,11 @@ class ObjectBody:
         """Return the offsets (N, 3) of the vertices from the shape at rest in object space; the same array object is
         returned as long as nothing moves.
         """
-        from ..bridge import scene_objects
+        from ..bridge import object_link
 
         now = self.link, self.matrix, self.rest, self.session.positions()  # a change makes a new object
         if self._offsets is None or any(a is not b for a, b in zip(now, self._offsets[0], strict=True)):
-            self._offsets = now, scene_objects.offsets_of(*now)
+            self._offsets = now, object_link.offsets_of(*now)
         return self._offsets[1]
 
     def to_world(self, point: Sequence[float]) -> tuple[float, float, float]:

@@ -19,11 +19,11 @@ class Driving(polls.Declared):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         return self.trying(self.begin, context, event)
 
-    def starts_later(self, context: bpy.types.Context, verb: str) -> bool:
+    def starts_later(self, context: bpy.types.Context) -> bool:
         """Return whether large meshes must be prepared first; if so, start that, which calls this operator again."""
         later = progress.takes_long(context)
         if later:
-            bpy.ops.dimple.start("INVOKE_DEFAULT", then=verb)
+            bpy.ops.dimple.start("INVOKE_DEFAULT", then=type(self).bl_idname)
         return later
 
     def start(self, context: bpy.types.Context) -> None:
@@ -35,9 +35,9 @@ class Driving(polls.Declared):
         if messages:
             say(self, {"INFO"}, *gathered(messages))
 
-    def drive(self, context: bpy.types.Context, kind: str, state: str = "") -> set[str]:
+    def drive(self, context: bpy.types.Context, kind: str) -> set[str]:
         """Start a timer and handle all events from now on; see `modal_runs.open_run`."""
-        self._run, self._clock = modal_runs.open_run(context, kind, state), time.perf_counter()
+        self._run, self._clock = modal_runs.open_run(context, kind), time.perf_counter()
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
@@ -107,11 +107,11 @@ class DIMPLE_OT_play(Driving, bpy.types.Operator):
             run = modal_runs.runs[0]
             run.paused = not run.paused
             return {"FINISHED"}
-        if self.starts_later(context, "play"):
+        if self.starts_later(context):
             return {"CANCELLED"}
         self.start(context)
         self._frame = context.scene.frame_current
-        return self.drive(context, "play", PLAYING)
+        return self.drive(context, "play")
 
     def handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Step by the clock, or along the timeline while it plays; pass all events but Esc on to Blender."""

@@ -80,7 +80,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
             return {"PASS_THROUGH"}  # an ordinary click, which selects
         if found and not found.obj.select_get():
             fingertip_objects.select(context, found.obj)
-        if self.starts_later(context, "poke"):
+        if self.starts_later(context):
             return {"CANCELLED"}
         sizing.fit(context.scene, found.obj if found else live_step.candidates(context)[0])
         self._tool = settings_of(context.scene)
@@ -120,7 +120,6 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
 
     def _chosen(self, context: bpy.types.Context, view: "View") -> bool:
         """If a fingertip object is clicked, leave the poke, select the object for Blender's tools and return True."""
-        from ..bridge import write_back
         from . import poke_input
 
         tip = poke_input.fingertip_under(context, view)
@@ -128,7 +127,8 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
             return False
         fingertip_objects.leave_poke()
         fingertip_objects.select(context, tip)
-        write_back.remember("Select")
+        if bpy.ops.ed.undo_push.poll():
+            bpy.ops.ed.undo_push(message="Select")
         return True
 
     def _tick(self, context: bpy.types.Context) -> set[str]:
@@ -169,7 +169,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
     def _step(self, context: bpy.types.Context, dt: float) -> set[str] | None:
         """Advance the sessions by a time [s]; return the result that ends the operator if no session is left."""
         from ...core.poke import fingers, lifted
-        from ..bridge import scene_objects, sizing
+        from ..bridge import object_link, sizing
         from . import live_step
 
         pressed = {uid: fingers(self._state, uid) for uid in sessions.sessions}
@@ -178,7 +178,7 @@ class DIMPLE_OT_poke(Driving, bpy.types.Operator):
         for uid, body in sessions.sessions.items():
             if body.link.scale != scales[uid]:
                 self._state = lifted(self._state, uid)
-                sizing.fit(context.scene, scene_objects.find(uid, body.name))
+                sizing.fit(context.scene, object_link.find(uid, body.name))
         live_step.adapt(self._run, dt)
         return self.went_on(messages)
 

@@ -66,7 +66,7 @@ def check_numbers(operator: bpy.types.Operator, *names: str) -> None:
 in_object_mode = need(lambda context: context.mode == "OBJECT", "Go back to Object Mode first")
 needs_mesh = need(lambda context: context.object and context.object.type == "MESH", "Select a mesh first")
 is_free = need(lambda _: not modal_runs.at_work(), "A bake or a virtual press is running; Esc cancels it")
-_can_be_pressed = need(
+can_be_pressed = need(
     lambda context: context.object and context.object.type == "MESH"
     and context.object not in sessions.fingertip_objects(context.scene),
     "Select the mesh to press",
@@ -90,8 +90,3 @@ def has_free_fingertips(operator: type, scene: bpy.types.Scene, count: int) -> b
     if len(fingertip_objects.free(scene)) < count:
         return refuse(operator, "All three fingertips are in use; clear one of their slots first")
     return True
-
-
-def can_press(operator: type, context: bpy.types.Context) -> bool:
-    """Return whether the active object can be pressed virtually."""
-    return all(each(operator, context) for each in (in_object_mode, _can_be_pressed, is_free))

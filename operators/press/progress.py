@@ -4,25 +4,20 @@ Large meshes are prepared in this way before they are poked or played.
 """
 
 import time
+from operator import attrgetter
 
 import bpy
 from bpy.props import IntProperty, StringProperty
 
 from ...core.message import Message
 from ..names import Op
-from ..reporting import conclude, duration, report, say
+from ..reporting import Note, duration, report, say
 from ..translation import translated
 from . import modal_runs, polls, sessions
 
 SLICE_S = 0.1  # [s] work between two checks of the keyboard
 LARGE = 20_000  # total number of vertices above which reading takes longer than a second
 READY = 0.05  # fraction of a bake for preparation, whose duration says nothing about that of the frames
-
-
-def show_share(context: bpy.types.Context, verb: str, share: float) -> None:
-    """Show in the status bar the fraction done of a task whose remaining time is unknown."""
-    said = Message("{verb} {share:.0%} | Esc: cancel", verb=Message(verb), share=share)
-    context.workspace.status_text_set(translated(said))
 
 
 class FrameRange:
@@ -51,7 +46,6 @@ class Working(polls.Declared):
     _begin(context): return a generator that works in steps and yields the fraction done; closing it undoes them.
     _finished(context): act after the last step, and return the operator's result.
     verb: the activity, as the status bar names it.
-    running: text shown while the task runs.
     stopped: message after Esc.
     ready: fraction done after which the remaining time can be estimated.
     asked: names of the properties that a file browser asks for, if it sets `browsing`.
@@ -64,7 +58,7 @@ class Working(polls.Declared):
         """Do all the work in one go; after a file browser start a new call, because this one cannot become modal."""
         if self.browsing:
             settings = {name: getattr(self, name) for name in self.asked if self.properties.is_property_set(name)}
-            getattr(bpy.ops.dimple, type(self).__name__.removeprefix("DIMPLE_OT_"))("INVOKE_DEFAULT", **settings)
+            attrgetter(type(self).bl_idname)(bpy.ops)("INVOKE_DEFAULT", **settings)
             return {"CANCELLED"}
         return super().execute(context)
 
@@ -84,11 +78,11 @@ class Working(polls.Declared):
 
     def _start(self, context: bpy.types.Context) -> set[str]:
         self._steps = self._begin(context)
-        self._run = self._open(context)
+        self._run = modal_runs.open_run(context, "work", interval=0.01)
         self._run.leave = self._leave
-        self._began = time.perf_counter()
         context.window_manager.modal_handler_add(self)
         context.window_manager.progress_begin(0, 1)
+        self._show(context, 0.0)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -116,11 +110,9 @@ class Working(polls.Declared):
         if self._run is not None:
             modal_runs.close_run(self._run)
 
-    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
-        return modal_runs.open_run(context, "work", self.running, interval=0.01)
-
     def _done(self, sentence: str, messages: list[str]) -> set[str]:
-        conclude(self, sentence, messages)
+        """Report notes, then what was done, then warnings, because Blender shows the last report."""
+        report(self, sorted([*messages, Note(sentence)], key=lambda each: not isinstance(each, Note)))
         return {"FINISHED"}
 
     def _work(self) -> float:
@@ -132,13 +124,13 @@ class Working(polls.Declared):
 
     def _show(self, context: bpy.types.Context, share: float) -> None:
         context.window_manager.progress_update(share)
+        verb = Message(self.verb)
         if share <= self.ready:
             self._began = time.perf_counter()
-            show_share(context, self.verb, share)
-            return
-        left = (time.perf_counter() - self._began) * (1 - share) / (share - self.ready)
-        said = "{verb} {share:.0%}, {time} left | Esc: cancel"
-        said = Message(said, verb=Message(self.verb), share=share, time=duration(left))
+            said = Message("{verb} {share:.0%} | Esc: cancel", verb=verb, share=share)
+        else:
+            left = duration((time.perf_counter() - self._began) * (1 - share) / (share - self.ready))
+            said = Message("{verb} {share:.0%}, {time} left | Esc: cancel", verb=verb, share=share, time=left)
         context.workspace.status_text_set(translated(said))
 
     def _leave(self) -> None:
@@ -152,7 +144,6 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
     bl_idname = Op.START
     bl_label = "Get Ready"
     bl_options = {"INTERNAL"}
-    running = "Getting ready: Esc cancels"
     verb, stopped = "Getting ready", "Nothing was started"
     ready = 1.0  # the remaining time is never known
 
@@ -167,7 +158,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         _, messages, wrong = self._came
         report(self, [*wrong, *messages])
-        getattr(bpy.ops.dimple, self.then)("INVOKE_DEFAULT")
+        attrgetter(self.then)(bpy.ops)("INVOKE_DEFAULT")
         return {"FINISHED"}
 
 

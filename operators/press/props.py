@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 from mathutils import Matrix
 
-from ..bridge import scene_objects
+from ..bridge import object_link
 from ..bridge.keyframes import curve_bags
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ fallen: dict[int, tuple[str, Matrix]] = {}  # the moved props, by session_uid: n
 def show(live: LiveWorld) -> None:
     """Move the objects of a world's props to where the simulation has them."""
     for index, (uid, name, start) in live.props.items():
-        obj = scene_objects.find(uid, name)
+        obj = object_link.find(uid, name)
         if obj is None:
             continue
         fallen.setdefault(uid, (name, obj.matrix_basis.copy()))
@@ -36,7 +36,7 @@ def put_back(*, forget: bool = True) -> None:
         forget: the props have ended; else `show` moves them again.
     """
     for uid, (name, basis) in fallen.items():
-        if obj := scene_objects.find(uid, name):
+        if obj := object_link.find(uid, name):
             obj.matrix_basis = basis
     if forget:
         fallen.clear()
@@ -45,14 +45,14 @@ def put_back(*, forget: bool = True) -> None:
 def note(live: LiveWorld, frame: int, poses: Poses) -> None:
     """Add the poses of a world's props at a frame."""
     for uid, name, _ in live.props.values():
-        if obj := scene_objects.find(uid, name):
+        if obj := object_link.find(uid, name):
             poses.setdefault(uid, []).append((frame, obj.matrix_world.copy()))
 
 
 def keyframe(poses: Poses) -> None:
     """Keyframe the poses of props at each frame of a bake, in place of all their keyframes of location and rotation."""
     for uid, way in poses.items():
-        obj = scene_objects.find(uid)
+        obj = object_link.find(uid)
         if obj is None:
             continue
         paths = ("location", _turn(obj))

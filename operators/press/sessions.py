@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ...core.poke.stroke import Hand
     from ...core.session import Finger
     from ..bridge.body_model import Settings
-    from ..bridge.scene_objects import Singles
+    from ..bridge.object_link import Singles
     from .colliders import LiveWorld
 
 
@@ -127,14 +127,14 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> None:
     if body is None:
         return
     set_worlds(())  # the next step rebuilds them from the remaining sessions
-    from ..bridge import final_mesh, scene_objects, write_back
+    from ..bridge import final_mesh, object_link, write_back
     from . import props
 
     if not sessions and restore and not undoing:
         props.put_back()
     elif not sessions:
         props.fallen.clear()
-    obj = scene_objects.find(uid, body.name)
+    obj = object_link.find(uid, body.name)
     if obj and not restore and write_back.is_intact(obj, body.link):
         write_back.keep(bpy.context, obj, body.link, body.offsets())
     if obj:

@@ -19,11 +19,11 @@ def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
     Returns:
         Sentences for the artist.
     """
-    from ..bridge import scene_objects, write_back
+    from ..bridge import object_link, write_back
 
     messages = []
     for uid, body in list(sessions.sessions.items()):
-        obj = scene_objects.find(uid, body.name)
+        obj = object_link.find(uid, body.name)
         if obj is None or (view_layer and obj.name not in view_layer.objects):
             messages.append(Message('"{name}" is gone, so its session has ended.', name=body.name))
             sessions.stop(uid)
@@ -69,13 +69,13 @@ def rest_all() -> None:
 
 def show_all() -> None:
     """Show every session again."""
-    from ..bridge import final_mesh, scene_objects, write_back
+    from ..bridge import final_mesh, object_link, write_back
     from . import props
 
     for world in sessions.worlds:
         props.show(world)
     for uid, body in sessions.sessions.items():
-        obj = scene_objects.find(uid, body.name)
+        obj = object_link.find(uid, body.name)
         if obj and write_back.is_intact(obj, body.link):
             final_mesh.attach(bpy.context, obj, body.link.cuts)
             body.shown = None

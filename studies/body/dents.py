@@ -21,6 +21,7 @@ from studies.body.dent_shape import vertex_roughness
 from studies.body.solid_mesh import BALL_RADIUS
 from studies.files import aligned, write_csv
 from studies.meshes.simple import icosphere, sized
+from studies.scenes import BUDGET
 
 TIP = 0.010  # [m] radius of the fingertip
 DEPTHS = (0.005, 0.010, 0.015, 0.020, 0.025)  # [m]
@@ -79,7 +80,7 @@ def ball(subdivisions: int) -> Mesh:
 
 def planned(mesh: Mesh, material: Material) -> int:
     """Return how many vertices a session's proxy is requested with, 0 where the full mesh runs live."""
-    return plan(build_model(mesh, [material], pinned=base_vertices(mesh)), radius=TIP, budget=0.6).asked
+    return plan(build_model(mesh, [material], pinned=base_vertices(mesh)), radius=TIP, budget=BUDGET).asked
 
 
 def roughness(mesh: Mesh, one: Settled) -> float:

@@ -11,8 +11,9 @@ from core.base import TICK, DimpleError, Floats, Singles
 from core.body.model import Model
 from core.mesh.surface import Mesh
 from core.native import create
-from core.native.motion import FingertipMotion, Motion
+from core.native.motion import Motion
 from core.reduction.cells import vertex_normals
+from studies.motions import straight
 
 DOWN, HOLD = 0.15, 0.1  # [s]
 DEPTH = 0.5  # of the fingertip's radius
@@ -71,7 +72,7 @@ def pressed(model: Model, press: Press, *, chunk: int = 10) -> Floats:
     down = np.minimum(np.arange(0, ticks + 1, chunk) * TICK / DOWN, 1) * press.depth
     centres = [(press.at + press.outward * (press.radius - depth)).tolist() for depth in down]
     for part, (start, end) in enumerate(zip(centres, centres[1:], strict=False)):
-        tip = FingertipMotion.straight(start, end, ticks=chunk, radius=press.radius, fresh=part == 0)
+        tip = straight(start, end, ticks=chunk, radius=press.radius, fresh=part == 0)
         if not body.step(Motion(chunk, model.substeps(TICK), TICK, (tip,))).finite:
             return np.full_like(body.positions(), np.nan)
     return body.positions()

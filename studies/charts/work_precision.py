@@ -17,12 +17,13 @@ from scipy.integrate import solve_ivp
 
 from core.base import TICK, Floats
 from core.body.model import Model, build_model
-from core.material import PRESETS, Material
+from core.material import Material
 from core.mesh.surface import Mesh, base_vertices
 from studies.files import aligned, new_figure, read_csv, save_picture, write_csv
 from studies.methods import native as native_method
 from studies.methods.motion import relative_error, right_hand_side
 from studies.methods.registry import METHODS
+from studies.paper_objects import PRESETS
 from studies.reference.laws import State, initial_state
 from studies.reference.path import FingerPath
 from studies.scenes import BALL, FINGERTIP, ball, cube, oscillator, twisted_ball, whole_skin

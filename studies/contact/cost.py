@@ -13,11 +13,12 @@ import numpy as np
 
 from core.body.model import build_model
 from core.constants import OFFSET
-from core.material import PRESETS, Material
+from core.material import Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from core.world import Collider, World
 from studies.meshes.bodies import ball
+from studies.paper_objects import PRESETS
 from studies.reference.proximity import find_pairs, join_surfaces
 
 SOFT = Material(K1=600, K2=4000, x0=0.02, k=400, mass=0.15, friction=0.4)

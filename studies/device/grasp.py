@@ -18,13 +18,13 @@ from core.device.limits import LEASE
 from core.device.orders import LinkState, ServoReport
 from core.device.servo import Servo
 from core.device.workspace import Workspace, fingers, surfaces_of
-from core.material import PRESETS
 from core.session import Session
 from core.vectors import Vector
 from studies.bench.emulator import Emulator
 from studies.bench.hand import EmulatedHand, Keyframe
 from studies.bench.numbers import EmulatedSpec, load_emulated
 from studies.files import write_json
+from studies.paper_objects import PRESETS
 from studies.scenes import cube
 
 PRESET = PRESETS[0]  # nylon and air: a light cube of 50 mm

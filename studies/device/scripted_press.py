@@ -11,8 +11,8 @@ from core.base import DimpleError, Floats
 from core.device.orders import ServoReport
 from core.device.wire import RAMP
 from core.device.workspace import Workspace
-from core.material import PRESETS
 from studies.bench.hand import Keyframe
+from studies.paper_objects import PRESETS
 
 PRESET = PRESETS[1]  # vinyl and air: K1 = 610 N/m
 RADIUS = 0.010  # [m] of the fingertips

@@ -18,10 +18,11 @@ from core.body.model import build_model
 from core.calibration.calibrate import Calibration, calibrate
 from core.calibration.surface_constant import string_balance
 from core.calibration.virtual_press import find_site, press_rows, write_press
-from core.material import PRESETS, Preset
+from core.material import Preset
 from core.mesh.surface import base_vertices
 from studies.files import new_figure, save_picture, write_csv
 from studies.meshes.simple import cube
+from studies.paper_objects import PRESETS
 from studies.reference.paper import surface_stretch, surface_tension
 
 CELLS, PRESS_ROWS = 16, 60  # along an edge of the cube that is pressed, 1538 vertices; of the press that is written

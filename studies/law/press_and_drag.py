@@ -19,7 +19,7 @@ import numpy as np
 
 from core.base import TICK, DimpleError, Floats, Ints
 from core.body.model import Model, build_model
-from core.material import PRESETS, Material, law_force
+from core.material import Material, law_force
 from core.mesh.ray import ray_hit
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.native.motion import Touch
@@ -29,6 +29,8 @@ from studies.files import write_json
 from studies.meshes.mesh_file import SUFFIXES, load_triangles
 from studies.meshes.primitives import makers
 from studies.meshes.simple import SIZE, Shape
+from studies.paper_objects import PRESETS
+from studies.scenes import BUDGET
 
 Row = dict[str, Any]
 MATERIALS = {"air": PRESETS[1].material, "water": PRESETS[2].material}
@@ -187,7 +189,7 @@ def ready(points: Floats, faces: Ints, material: Material) -> tuple[Session, flo
     began = time.perf_counter()
     mesh = mesh_from_triangles(points * (SIZE / np.ptp(points[np.unique(faces)], axis=0).max()), faces)
     model = build_model(mesh, [material], pinned=base_vertices(mesh))
-    chosen = plan(model, radius=material.indenter.radius, budget=0.6)
+    chosen = plan(model, radius=material.indenter.radius, budget=BUDGET)
     session = Session(model, proxy=chosen.proxy)
     return session, time.perf_counter() - began
 

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 
 from core.base import Bools, Floats
 from core.body.model import Model, build_model
-from core.material import PRESETS, Material
+from core.material import Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
+from studies.paper_objects import PRESETS
 from studies.scenes import BALL, cube
 
 NYLON, VINYL, WATER = (preset.material for preset in PRESETS)

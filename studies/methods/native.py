@@ -7,7 +7,8 @@ import numpy as np
 from core import native
 from core.base import Floats
 from core.body.model import Model
-from core.native.motion import FingertipMotion, Motion
+from core.native.motion import Motion
+from studies.motions import straight
 from studies.reference.laws import State
 
 from ..reference.path import FingerPath
@@ -23,7 +24,7 @@ def run(model: Model, state: State, path: FingerPath, *, tick: float, substeps: 
     total, pieces = np.zeros((len(path.radii), 3)), _even_pieces(path.centres)
     for first, last in zip(pieces, pieces[1:], strict=False):
         tips = tuple(
-            FingertipMotion.straight(a.tolist(), b.tolist(), ticks=last - first, radius=float(r), fresh=first == 0)
+            straight(a.tolist(), b.tolist(), ticks=last - first, radius=float(r), fresh=first == 0)
             for a, b, r in zip(path.centres[:, first], path.centres[:, last], path.radii, strict=True)
         )
         frame = body.step(Motion(last - first, substeps, tick, tips))

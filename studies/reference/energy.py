@@ -6,7 +6,7 @@ import numpy as np
 
 from core.base import Floats
 from core.body.model import Model
-from core.body.pressure import Pressure, volume
+from core.body.pressure import Pressure, volume_and_gradient
 from core.body.shape_matching import Pose, ShapeMatching, displacements
 from core.body.springs import Springs
 from core.constants import AIR_EXPONENT, AIR_PRESSURE, LIQUID_BULK_MODULUS
@@ -23,7 +23,7 @@ def of_springs(law: Springs, x: Floats) -> float:
 
 def of_fill(law: Pressure, x: Floats) -> float:
     """Return the energy at positions (3, n) [m]; 0 at the volume at rest."""
-    now = volume(law, x)
+    now, _ = volume_and_gradient(law, x)
     if law.kind is PressureLaw.GAS:
         g, v0 = AIR_EXPONENT, law.rest_volume
         squeezed = v0 * ((v0 / now) ** (g - 1) - 1) / (g - 1)

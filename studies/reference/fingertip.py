@@ -21,7 +21,7 @@ from core.material import law_force
 from core.mesh.surface import Mesh
 from core.native.motion import FingertipMotion
 
-from .constants import EXACT, HELD, LARGEST_GROWTH, PUSH_TIME, REST_TIME, SAME_WAY, SEATED, SLACK, STICK, SWEEPS, TRAVEL
+from .constants import EXACT, HELD, LARGEST_GROWTH, PUSH_TIME, REST_TIME, SEATED, SLACK, STICK, SWEEPS, TRAVEL
 from .facets import nearest_on_triangles
 
 FOOT_STEPS = 4
@@ -161,7 +161,7 @@ def look_round(s: RestSurface, first: int, x: Floats, radius: float) -> Round:
     gaps: list[float] = []
     holds: Bools = (away < radius * (1 + HELD)) & (away > 0)
     for normal, gap in zip((offsets[:, holds] / away[holds]).T, away[holds].tolist(), strict=True):
-        k = next((k for k, other in enumerate(normals) if normal @ other > SAME_WAY), len(normals))
+        k = next((k for k, other in enumerate(normals) if normal @ other > 1 - HELD), len(normals))
         if k < NORMALS and (k == len(normals) or gap < gaps[k]):
             normals[k : k + 1], gaps[k : k + 1] = [normal], [gap]
     return Round(facet, float(away[facet]), offsets[:, facet], normals)

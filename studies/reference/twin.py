@@ -78,7 +78,7 @@ class Twin:
             self._state.pose = np.eye(3), np.zeros(3)
         self._rest_pins(model.pinned)
         self.turning.fill = None
-        self._fine = surface or (model if self._fine is old else self._fine)
+        self._fine = surface or model
         self.model, self._rest = model, Rest()
         if self._moved is not None:
             self.model = self._fine = with_rest(model, self._moved)
@@ -358,7 +358,8 @@ class Twin:
 
     def _volume(self, ticks: int) -> float:
         known = bool(self.model.pressure.kind) and ticks
-        return self._state.volume if known else pressure.volume(self.model.pressure, self._state.positions)
+        here = self._state.positions
+        return self._state.volume if known else pressure.volume_and_gradient(self.model.pressure, here)[0]
 
     def _pose(self) -> Pose:
         """Return where the shape at rest is now."""

@@ -23,11 +23,13 @@ import numpy as np
 from core import native
 from core.base import Floats
 from core.body.model import Model, build_model
-from core.material import PRESETS, Material
+from core.material import Material
 from core.mesh.surface import Mesh, base_vertices
 from core.native import Body
 from core.native.motion import FingertipMotion, Motion
 from core.session import Finger, Session
+from studies.motions import straight
+from studies.paper_objects import PRESETS
 from studies.reference.twin import Twin
 from studies.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube
 from tests.bench.chart import draw
@@ -80,7 +82,7 @@ def measure(scene: str, size: int, *, seconds: float, repeats: int, slowest: int
         bodies["numpy"] = Twin(model), 0.0, 0.0
     first = next(iter(bodies))
     ticks = PRESS_TICKS if fingers else 2
-    bodies[first][0].step(Motion(ticks, substeps, TICK, straight(top, top - DEPTH, ticks, fingers)))
+    bodies[first][0].step(Motion(ticks, substeps, TICK, tips(top, top - DEPTH, ticks, fingers)))
     pressed = bodies[first][0].positions(), bodies[first][0].velocities()
     for body, _, _ in bodies.values():
         body.set_state(*pressed)
@@ -91,7 +93,7 @@ def measure(scene: str, size: int, *, seconds: float, repeats: int, slowest: int
     turns = {name: (1, few) if name == "numpy" else (TICKS_AT_ONCE, substeps) for name in bodies}
     times = {name: list[float]() for name in bodies}
     calls = {call_ms: list[float]() for call_ms in sessions}
-    still = {ticks: straight(top - DEPTH, top - DEPTH, ticks, fingers) for ticks in (1, TICKS_AT_ONCE)}
+    still = {ticks: tips(top - DEPTH, top - DEPTH, ticks, fingers) for ticks in (1, TICKS_AT_ONCE)}
     end = time.perf_counter() + seconds
     gc.disable()
     while time.perf_counter() < end or len(times[first]) < repeats:
@@ -178,9 +180,9 @@ def scene_of(scene: str, size: int) -> tuple[Model, int, float]:
     return model, fingers, float(mesh.rest_positions[:, 2].max()) + FINGERTIP
 
 
-def straight(start: float, end: float, ticks: int, fingers: int) -> tuple[FingertipMotion, ...]:
+def tips(start: float, end: float, ticks: int, fingers: int) -> tuple[FingertipMotion, ...]:
     """Return fingertips going from one height [m] to another over the pole."""
-    tip = FingertipMotion.straight((0.0, 0.0, start), (0.0, 0.0, end), ticks=ticks, radius=FINGERTIP)
+    tip = straight((0.0, 0.0, start), (0.0, 0.0, end), ticks=ticks, radius=FINGERTIP)
     return (tip,) * fingers
 
 

@@ -26,8 +26,7 @@ from core.native.body import step_many
 from core.native.motion import Motion
 from core.reduction.binding import carry
 from core.reduction.proxy_rule import plan
-from core.session import Finger, Session
-from core.session.clock import step_all
+from core.session import Finger, Session, step_all
 from studies import scenes
 from studies.body.presses import Press, dent_error, pressed
 from studies.meshes import bodies
@@ -166,7 +165,7 @@ def million(*, full: bool) -> dict[str, Any]:
     meshed = time.perf_counter()
     model = build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
     modelled = time.perf_counter()
-    chosen = plan(model, radius=RADIUS, budget=0.6)
+    chosen = plan(model, radius=RADIUS, budget=scenes.BUDGET)
     planned = time.perf_counter()
     print(f"plan in {planned - modelled:.3f} s: {chosen.reason}", flush=True)
     session = Session(model, proxy=chosen.proxy)

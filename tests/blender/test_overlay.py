@@ -50,10 +50,10 @@ def shapes(bpy: ModuleType) -> ModuleType:
 @pytest.fixture
 def entry(bpy: ModuleType) -> Any:
     """A session as the overlay sees it: a fingertip 12 mm in a body that is twelve times as large in the scene."""
-    from bl_ext.user_default.dimple.core.material import PRESETS
+    from bl_ext.user_default.dimple.core.everyday_presets import OBJECTS
     from bl_ext.user_default.dimple.core.session import Finger
 
-    material = PRESETS[1].material
+    material = next(each.material for each in OBJECTS if each.name == "object_2_vinyl_air")
     frame = SimpleNamespace(
         finger_forces=np.array([(0.0, 0.0, 7.4)]), pushes=np.array([7.4]), depths=np.array([0.012]),
         materials=(0,), pressure=812.0, time=1.25, volume=0.0044, rest_volume=0.0045,

@@ -16,11 +16,11 @@ from core.calibration.calibrate import calibrate, provenance, source_of_k, to_re
 from core.calibration.question import Answers
 from core.calibration.surface_constant import surface_constant
 from core.calibration.virtual_press import text_cell, write_press
-from core.material import PRESETS
 from studies.__main__ import main
 from studies.law.paper import DEEPEST, write_samples
 from studies.meshes.mesh_file import load_triangles
 from studies.meshes.simple import sized
+from studies.paper_objects import PRESETS
 from studies.reference.paper import surface_stretch, surface_tension
 from tools.environment import ROOT
 

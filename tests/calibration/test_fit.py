@@ -11,8 +11,8 @@ from core.base import DimpleError
 from core.calibration.calibrate import calibrate
 from core.calibration.fit import fit_law, t_95
 from core.calibration.virtual_press import write_press
-from core.material import PRESETS
 from studies.law.paper import reconstruct
+from studies.paper_objects import PRESETS
 
 
 def law(x, K1, K2, x0):

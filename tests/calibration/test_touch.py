@@ -10,8 +10,8 @@ from core.calibration.question import Answers, Undecided
 from core.calibration.surface_constant import surface_constant
 from core.calibration.virtual_press import write_press
 from core.errors import DimpleError
-from core.material import PRESETS
 from studies.law.paper import DEEPEST
+from studies.paper_objects import PRESETS
 
 
 def pressed(path, preset, *, approach=0.0, noise=0.01, offset=0.0, start=0.0, drift=0.0, seed=0, rows=200):

@@ -18,9 +18,9 @@ from core.base import DimpleError
 from core.experiment.log import COLUMNS, Log, parsed
 from core.experiment.plan_file import Plan, read_plan
 from core.experiment.run import Experiment, Interval
-from core.material import PRESETS
 from studies.experiment.counterbalanced_plans import KINDS, LEVELS, PAPER, make
 from studies.experiment.people import written
+from studies.paper_objects import PRESETS
 from tools.environment import ROOT
 
 MATERIALS = {"A": PRESETS[1].material, "S": PRESETS[1].material}

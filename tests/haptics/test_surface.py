@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from core.device.rendered_surface import Contact, Law, Surface, is_sane, left_at, stiffness_cap
-from core.material import PRESETS, law_force, law_slope
+from core.material import law_force, law_slope
 from core.vectors import ZERO, Vector, length
+from studies.paper_objects import PRESETS
 from tests.haptics.bench_device import wall
 
 CAP = 1e5  # [N/m] of a device that renders all

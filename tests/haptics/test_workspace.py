@@ -10,11 +10,12 @@ from core.body.model import build_model
 from core.device.orders import ServoReport, TipState
 from core.device.rendered_surface import Contact, Surface, is_sane
 from core.device.workspace import Workspace, fingers, surface_of, surfaces_of
-from core.material import PRESETS, law_force
+from core.material import law_force
 from core.mesh.surface import base_vertices
 from core.native.motion import Touch
 from core.session import Finger, Session
 from core.vectors import Vector
+from studies.paper_objects import PRESETS
 from studies.scenes import cube
 
 CAP = 1e5  # [N/m] of a device that renders all

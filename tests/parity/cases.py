@@ -9,10 +9,12 @@ import numpy as np
 
 from core.base import Floats
 from core.body.model import Model, build_model
-from core.material import FINGERTIP, PRESETS, Material
+from core.material import FINGERTIP, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.native import Body
 from core.native.motion import FingertipMotion, Frame, Motion, PinMotion
+from studies.motions import straight
+from studies.paper_objects import PRESETS
 from tests.bodies import REAL, ball, fan, hemisphere, joined, real, sheet, soup, walled_box
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2, fill="liquid")
@@ -140,7 +142,7 @@ def _fingertips(mesh: Mesh, case: Case) -> tuple[FingertipMotion, ...]:
         outward = outward / np.linalg.norm(outward)
         at = used[(used @ outward).argmax()]
         start, end = (at + (radius - depth) * outward for depth in (-1e-5, 2e-4 * case.ticks - 1e-5))
-        tips.append(FingertipMotion.straight(start.tolist(), end.tolist(), ticks=case.ticks, radius=radius, fresh=True))
+        tips.append(straight(start.tolist(), end.tolist(), ticks=case.ticks, radius=radius, fresh=True))
     return tuple(tips)
 
 

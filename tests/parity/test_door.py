@@ -24,10 +24,11 @@ from core.native.body import CFrame, CMotion, CTouch, Fingertip
 from core.native.carry import CBinding
 from core.native.cells import CCells
 from core.native.definition import Arrays, BodyDef, Constants, define
-from core.native.motion import FingertipMotion, Motion
+from core.native.motion import Motion
 from core.native.scene import CColliderMotion, ColliderDef, CProp
 from core.reduction import binding
 from core.session import Session
+from studies.motions import straight
 from tests.bodies import TETRAHEDRON, after
 from tests.parity.cases import CASES, TICK, build, run
 from tools.native import SOURCES, shared_constants
@@ -155,7 +156,7 @@ def test_a_state_and_a_motion_with_numbers_that_are_none_are_refused(body: nativ
     assert code_of(lambda: body.set_state(broken)) == NUMBER
     assert code_of(lambda: body.set_state(x, broken)) == NUMBER
     assert code_of(lambda: body.step(Motion(1, 1, bad))) == NUMBER
-    tip = FingertipMotion.straight((0.0, 0.0, 1.0), (0.0, 0.0, 0.9), ticks=1, radius=0.1)
+    tip = straight((0.0, 0.0, 1.0), (0.0, 0.0, 0.9), ticks=1, radius=0.1)
     for broken_tip in (
         tip._replace(start=(0.0, bad, 0.0)), tip._replace(last=(bad, 0.0, 0.0)), tip._replace(radius=bad),
         tip._replace(radius=1e-310), tip._replace(force=bad), tip._replace(inward=(bad, 0.0, 0.0)),
@@ -270,7 +271,7 @@ def test_a_body_is_freed_with_its_object(monkeypatch: pytest.MonkeyPatch) -> Non
     library = native.library()
     monkeypatch.setattr(weakref, "finalize", lambda owner, free, handle: freed.append(handle))
     made = native.Body(build(CASES["liquid"])[0], native.library())
-    assert freed == [made._handle.value]
+    assert freed == [made.handle.value]
     library.dm_destroy(freed[0])
     monkeypatch.undo()
     kept = native.Body(build(CASES["liquid"])[0], native.library())
@@ -286,7 +287,7 @@ def test_the_extremes_of_a_run_are_taken(body: native.Body) -> None:
     before = body.positions()
     assert body.step(Motion(0, 1, TICK)).touches == ()
     np.testing.assert_array_equal(body.positions(), before)
-    huge = FingertipMotion.straight((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), ticks=2, radius=1.0)
+    huge = straight((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), ticks=2, radius=1.0)
     run(body, velocities, Motion(2, 2, TICK, (huge,)))
 
 

@@ -13,6 +13,7 @@ from core.material import FINGERTIP
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.native.motion import FingertipMotion, Motion, Touch
 from core.other_tip import factors
+from studies.motions import straight
 from studies.reference import create
 from studies.scenes import cube
 from tests.bodies import ball
@@ -217,7 +218,7 @@ def test_no_number_that_is_none_comes_into_a_force(backend: str) -> None:
     for table in (falling, beyond):
         body = create(model, backend=backend)
         start, end = ((0.0, 0.0, SIZE / 2 + RADIUS - down) for down in (-1e-4, 8e-3))
-        tip = FingertipMotion.straight(start, end, ticks=10, radius=RADIUS, fresh=True)
+        tip = straight(start, end, ticks=10, radius=RADIUS, fresh=True)
         frame = body.step(Motion(10, model.substeps(TICK), TICK, (tip._replace(factors=(table, 4e-3)),)))
         for touch in frame.touches:
             assert touch and np.isfinite([*touch.force, *touch.impulse, touch.slope]).all() and touch.slope >= 0

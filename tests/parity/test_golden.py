@@ -20,6 +20,7 @@ from core import native
 from core.body.model import Model
 from core.native import Body
 from core.native.motion import FingertipMotion
+from studies.motions import straight
 from tests.parity.cases import CASES, build
 
 GOLDEN = {
@@ -61,7 +62,7 @@ def _at(tip: FingertipMotion, tick: int, ticks: int) -> FingertipMotion:
         rounded(np.array(tip.start) + (np.array(tip.last) - tip.start) * at / ticks).tolist() for at in (tick, tick + 1)
     )
     radius = float(rounded(np.array(tip.radius)))
-    return FingertipMotion.straight(start, end, ticks=1, radius=radius, fresh=tick == 0)
+    return straight(start, end, ticks=1, radius=radius, fresh=tick == 0)
 
 
 @pytest.mark.parametrize("name", ["liquid", "free", "crumpled", "moving pins"])

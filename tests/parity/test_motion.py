@@ -11,7 +11,8 @@ from core.body.model import Model, build_model
 from core.material import FINGERTIP
 from core.mesh.surface import base_vertices
 from core.native import Body
-from core.native.motion import FingertipMotion, Frame, Motion
+from core.native.motion import Frame, Motion
+from studies.motions import straight
 from studies.reference import create
 from tests.parity.cases import CASES, SIZE, SOFT, TICK, build, run
 
@@ -65,7 +66,7 @@ def test_a_fingertip_whose_centre_lies_on_the_skin_pushes_as_with_numpy(
     corners = model.mesh.triangles[np.argmax(model.mesh.rest_positions[model.mesh.triangles].mean(axis=1)[:, 2])]
     centre = tuple(np.average(model.mesh.rest_positions[corners], axis=0, weights=weights).tolist())
     radius = motion.fingertips[0].radius  # type: ignore[union-attr]
-    tip = FingertipMotion.straight(centre, centre, ticks=1, radius=radius, fresh=True)
+    tip = straight(centre, centre, ticks=1, radius=radius, fresh=True)
     ends = []
     for name in ("numpy", backend):
         body = create(model, backend=name)
@@ -135,7 +136,8 @@ def test_a_body_that_flies_a_hundred_times_its_size_keeps_its_shape() -> None:
 
 def others(model: Model) -> list[Model]:
     """Return models of the same mesh: other fills, pins and numbers."""
-    base, top = (base_vertices(model.mesh, up=(0, 0, up)) for up in (1, -1))
+    height = model.mesh.rest_positions[model.mesh.source, 2]
+    base, top = base_vertices(model.mesh), height >= height.max() - 0.1 * np.ptp(height)
     air = replace(SOFT, fill="air", K1=300, K2=900)
     return [
         build_model(model.mesh, [SOFT], pinned=base),
@@ -158,7 +160,7 @@ def test_laws_fill_and_pins_of_a_living_body_change_as_with_numpy() -> None:
     touched = 0
     for i, each in enumerate((*models, *models[::-1], *models[::2])):
         down, up = (tuple((start + (i / 20 + 0.05 * last) * (stop - start)).tolist()) for last in (0, 1))
-        tip = FingertipMotion.straight(down, up, ticks=2, radius=0.1 * SIZE, fresh=i == 0)
+        tip = straight(down, up, ticks=2, radius=0.1 * SIZE, fresh=i == 0)
         frames = []
         for body in bodies:
             body.set_constants(each)

@@ -7,7 +7,8 @@ from core import native
 from core.body.model import build_model
 from core.mesh.surface import base_vertices
 from core.native.body import Body
-from core.native.motion import FingertipMotion, Motion, Vector
+from core.native.motion import Motion, Vector
+from studies.motions import straight
 from studies.scenes import BALL, ball
 
 TICK, RADIUS, TOP = 1e-3, 0.015, 0.095  # [s], [m]
@@ -28,7 +29,7 @@ def test_a_body_whose_lists_hold_has_the_bits_of_one_that_is_searched_in_each_ti
     for t in range(120):
         ways = zip(centres(t - 1), centres(t), strict=True)
         tips = tuple(
-            FingertipMotion.straight(start or end, end, ticks=1, radius=RADIUS, fresh=not start) if end else None
+            straight(start or end, end, ticks=1, radius=RADIUS, fresh=not start) if end else None
             for start, end in ways
         )
         motion = Motion(1, model.substeps(TICK), TICK, tips)

@@ -7,9 +7,10 @@ import pytest
 
 from core.base import Floats
 from core.body.model import build_model
-from core.material import PRESETS, Material, Preset
+from core.material import Material, Preset
 from core.mesh.surface import Mesh, base_vertices, input_vertices, mesh_from_triangles
 from core.session import Finger, Session
+from studies.paper_objects import PRESETS
 from studies.reference.constants import SUNK
 from studies.reference.facets import bulge, met_radius, nearest_on_triangles
 from studies.scenes import cube

@@ -12,8 +12,9 @@ from scipy.special import k0, k1
 
 from core.body.estimate import bed_area, estimate, falloff, reach, solid_area, spread_on
 from core.body.model import build_model
-from core.material import POINT, PRESETS, Indenter, Preset
+from core.material import POINT, Indenter, Preset
 from core.mesh.surface import mesh_from_triangles
+from studies.paper_objects import PRESETS
 from tests.bodies import sheet
 
 SPREAD = 0.02  # [m]

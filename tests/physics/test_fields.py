@@ -6,11 +6,11 @@ import pytest
 from core import fields
 from core.base import Floats
 from core.body.model import Model, build_model
-from core.material import PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.reduction.cells import vertex_normals
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
+from studies.paper_objects import PRESETS
 from tests.bodies import ball
 
 RADIUS, TIP = 0.08, 0.02

@@ -9,7 +9,7 @@ import pytest
 
 from core.base import TICK, Floats
 from core.body.model import build_model
-from core.material import PRESETS, Material
+from core.material import Material
 from core.mesh.ray import ray_hit
 from core.mesh.surface import Mesh, base_vertices
 from core.native.motion import Touch
@@ -31,6 +31,7 @@ from studies.law.press_and_drag import (
     put,
 )
 from studies.meshes.simple import icosphere, sized
+from studies.paper_objects import PRESETS
 from studies.scenes import cube
 from tests.bodies import block
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from core.body.model import Model, build_model
-from core.material import PRESETS
 from core.mesh.surface import base_vertices
 from core.session import Finger, Session
+from studies.paper_objects import PRESETS
 from studies.reference.contact import Skin, Step, Touch, resolve
 from studies.scenes import cube
 from tests.bodies import after

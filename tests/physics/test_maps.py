@@ -5,9 +5,10 @@ import pytest
 
 from core.base import DimpleError, Floats
 from core.body.model import Model, build_model
-from core.material import FINGERTIP, PRESETS
+from core.material import FINGERTIP
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session
+from studies.paper_objects import PRESETS
 from tests.bodies import ball as small_ball
 
 VINYL = PRESETS[1].material

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from core.body.springs import build_springs
-from core.material import FINGERTIP, PRESETS, Material
+from core.material import FINGERTIP, Material
 from core.mesh.surface import mesh_from_triangles
 from studies.meshes.simple import cube_triangles
+from studies.paper_objects import PRESETS
 from studies.reference import paper
 from studies.reference.paper import surface_stretch, surface_tension
 from studies.reference.path import FingerPath

@@ -13,8 +13,8 @@ import pytest
 from core.base import Floats
 from core.body import frequency_bounds, pressure, springs
 from core.body.model import Model, build_model
-from core.material import PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
+from studies.paper_objects import PRESETS
 from studies.reference import paper, semi_implicit
 from studies.reference.energy import of_springs
 from studies.reference.laws import State, initial_state

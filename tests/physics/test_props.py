@@ -8,13 +8,14 @@ import pytest
 from core.base import DimpleError, Floats, Ints
 from core.body import rigid
 from core.body.model import Model, build_model
-from core.material import PRESETS, Indenter
+from core.material import Indenter
 from core.mesh.surface import base_vertices
 from core.native.scene import Collider
 from core.session import Session
 from core.world import World
 from core.world.props import shrunk, touching_gap
 from studies.contact.meeting import met
+from studies.paper_objects import PRESETS
 from studies.reference import rigid as turning
 from studies.reference.energy import stored
 from studies.scenes import cube

@@ -7,12 +7,12 @@ import pytest
 
 from core.base import Floats, Ints
 from core.body.model import Model, build_model
-from core.material import PRESETS
 from core.mesh.surface import base_vertices
 from core.native.scene import Collider
 from core.session import Session
 from core.world import World
 from studies.contact.meeting import meeting_of, met
+from studies.paper_objects import PRESETS
 from studies.reference import rigid as turning
 from studies.scenes import cube
 from tests.bodies import block, sheet

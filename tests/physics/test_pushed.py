@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from core.body.model import Model, build_model
-from core.material import PRESETS, Material
+from core.material import Material
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session
+from studies.paper_objects import PRESETS
 from studies.scenes import cube
 from tests.bodies import ball
 

@@ -16,10 +16,10 @@ from core.material import DEFAULT_MATERIAL
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.native.motion import FingertipMotion, Motion
 from core.reduction.proxy import build_proxy
-from core.session import Finger, Session
-from core.session.clock import step_all
+from core.session import Finger, Session, step_all
 from core.world import Collider, World
 from studies import scenes
+from studies.motions import straight
 from studies.reference import create
 from studies.reference.constants import REST_SPEED, ROUNDING
 from tests.bodies import ball, plate, sheet
@@ -243,7 +243,7 @@ def test_the_same_ticks_sleep_alike_however_they_are_called(first: str, second: 
     one, many = (create(ball, backend=backend) for backend in (first, second))
     top, ticks, steps = float(ball.mesh.rest_positions[:, 2].max()), 350, ball.substeps(1e-3)
     start, end = (0.0, 0.0, top + 0.08), (0.0, 0.0, top + 0.01)
-    way = FingertipMotion.straight(start, end, ticks=ticks, radius=TIP)
+    way = straight(start, end, ticks=ticks, radius=TIP)
     one.step(Motion(ticks, steps, 1e-3, (way,)))
     moved, here = 0, start
     for tick in range(ticks):

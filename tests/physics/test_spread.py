@@ -25,9 +25,10 @@ from scipy.special import airy, k0e, k1e
 
 from core.base import Floats
 from core.body.estimate import bed_area, estimate, spread_on
-from core.material import FINGERTIP, PRESETS, Material, Preset
+from core.material import FINGERTIP, Material, Preset
 from core.session import Finger, Session
 from studies.body.dents import ball, light
+from studies.paper_objects import PRESETS
 
 VINYL = PRESETS[1].material
 STIFFNESSES = np.geomspace(1, 1e6, 13)  # [N/m] k from 1e-3 to 1000 N/mm

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from core.body.model import build_model
-from core.material import PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session
+from studies.paper_objects import PRESETS
 from tests.bodies import ball
 
 RADIUS, DEPTH = 0.08, 0.01

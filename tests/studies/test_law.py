@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from core.body.model import build_model
-from core.material import PRESETS
 from core.mesh.surface import base_vertices
 from studies.__main__ import main
 from studies.law.press_and_drag import REACH, SHARES, SPEEDS, Surface, places
 from studies.meshes.primitives import joined, moved
 from studies.meshes.simple import box, sized
+from studies.paper_objects import PRESETS
 
 
 def test_places_are_reached_by_the_tip_and_clear_of_pins() -> None:

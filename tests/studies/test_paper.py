@@ -5,9 +5,9 @@ import csv
 import pytest
 
 from core.calibration.calibrate import calibrate
-from core.material import PRESETS
 from studies.__main__ import main
 from studies.law import paper
+from studies.paper_objects import PRESETS
 
 # Table 2 of the paper: K1, K2 [N/mm], x0 [mm], k [N/mm]
 TABLE_2 = {

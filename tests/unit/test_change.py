@@ -8,10 +8,11 @@ import pytest
 
 from core.base import DimpleError
 from core.body.model import Model, build_model
-from core.material import PRESETS, Indenter, Material
+from core.material import Indenter, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.reduction.proxy import build_proxy, with_constants
 from core.session import Finger, Session
+from studies.paper_objects import PRESETS
 from studies.scenes import cube
 from tests.bodies import ball
 

@@ -7,18 +7,20 @@ import numpy as np
 import pytest
 
 from core.body.model import build_model
-from core.everyday_presets import EVERYDAY, OBJECTS, found
-from core.material import DEFAULT_MATERIAL, HERTZ, POUND, PRESETS, STANDARD_GRAVITY, Material, Preset
+from core.everyday_presets import OBJECTS, found
+from core.material import DEFAULT_MATERIAL, HERTZ, POUND, STANDARD_GRAVITY, Material, Preset
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.other_tip import as_soft, softness
 from core.session import Finger, Session
+from studies.paper_objects import PRESETS
 from tests.bodies import ball
 
+EVERYDAY = [preset for preset in OBJECTS if preset not in PRESETS]
 
-def test_there_are_a_dozen_and_no_two_are_called_the_same() -> None:
-    names = [preset.name for preset in (*PRESETS, *EVERYDAY)]
-    assert len(EVERYDAY) >= 12 and len(set(names)) == len(names)
-    assert len({preset.label for preset in EVERYDAY}) == len(EVERYDAY)
+
+def test_the_paper_has_three_objects_the_day_a_dozen_and_no_two_are_called_the_same() -> None:
+    assert len(PRESETS) == 3 and len(EVERYDAY) >= 12
+    assert len({preset.name for preset in OBJECTS}) == len({preset.label for preset in OBJECTS}) == len(OBJECTS)
 
 
 SOURCED = [preset for preset in EVERYDAY if not preset.provenance.startswith("Made up")]
@@ -104,7 +106,7 @@ def test_the_spread_that_k_gives_moves_with_the_stiffness_and_the_softness_is_ri
 
 def test_the_presets_go_from_soft_to_hard_and_are_recognised_by_their_constants() -> None:
     depths = [softness(preset.material) for preset in OBJECTS]
-    assert depths == sorted(depths, reverse=True) and len(OBJECTS) == len(PRESETS) + len(EVERYDAY)
+    assert depths == sorted(depths, reverse=True)
     assert [found(preset.material) for preset in OBJECTS] == list(OBJECTS)
     assert found(as_soft(PRESETS[1].material, 0.004)) is None
     assert found(DEFAULT_MATERIAL) is PRESETS[1], "whatever it weighs"

@@ -9,8 +9,7 @@ from core import native
 from core.native import Body
 from core.native.motion import Frame as MotionFrame
 from core.native.motion import Motion
-from core.session import Finger, Session, clock
-from core.session.clock import step_all
+from core.session import Finger, Session, step_all
 from studies import scenes
 
 TOP = scenes.BALL_RADIUS + scenes.FINGERTIP
@@ -52,7 +51,7 @@ def test_a_budget_is_exceeded_by_a_first_tick_only(cost: float, ticks: int, monk
         now += cost * max(each.ticks for each in motions)
         return step_many(bodies, motions)
 
-    monkeypatch.setattr(native, "step_many", step)
-    monkeypatch.setattr(clock.time, "perf_counter", lambda: now)
+    monkeypatch.setattr("core.session.session.step_many", step)
+    monkeypatch.setattr("time.perf_counter", lambda: now)
     frames = step_all(pressed()[:3:2], [1.0, 1.0], budget=0.025)
     assert [frame.steps for frame in frames] == [ticks, ticks]

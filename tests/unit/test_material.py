@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
-from core.material import FINGERTIP, POINT, PRESETS, Material
+from core.material import FINGERTIP, POINT, Material
+from studies.paper_objects import PRESETS
 
 SOFT = Material(K1=600.0, K2=2000.0, x0=0.01, k=5000.0, mass=0.1)
 

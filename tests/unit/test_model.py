@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from core.body.model import build_model
-from core.material import PRESETS, Material
+from core.material import Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from studies import scenes
+from studies.paper_objects import PRESETS
 from studies.reference.laws import initial_state
 from tests.bodies import Shape, ball, hemisphere
 

@@ -22,30 +22,21 @@ SIZE = SAMPLES[0].nbytes
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     """Return a file of four samples of three vertices."""
-    with PointCache(tmp_path / "press.pc2", 3, start_frame=10.0, sample_rate=0.5) as cache:
+    with PointCache(tmp_path / "press.pc2", 3, start_frame=10.0) as cache:
         for sample in SAMPLES:
             cache.append(sample)
     return cache.path
 
 
-@pytest.fixture
-def whole(path: Path) -> Path:
-    """Return a file with a sample a frame, which the extension reads."""
-    with PointCache(path, 3) as cache:
-        for sample in SAMPLES:
-            cache.append(sample)
-    return cache.path
-
-
-def test_what_is_recorded_is_read_back(whole: Path) -> None:
-    start, samples = open_point_cache(whole)
-    assert start == 1.0 and samples.dtype == np.float32
+def test_what_is_recorded_is_read_back(path: Path) -> None:
+    start, samples = open_point_cache(path)
+    assert start == 10.0 and samples.dtype == np.float32
     np.testing.assert_array_equal(samples, SAMPLES)
 
 
 def test_the_file_is_a_pc2_file_byte_by_byte(path: Path) -> None:
     data = path.read_bytes()
-    assert data[:HEADER] == b"POINTCACHE2\0" + struct.pack("<iiffi", 1, 3, 10.0, 0.5, 4)
+    assert data[:HEADER] == b"POINTCACHE2\0" + struct.pack("<iiffi", 1, 3, 10.0, 1.0, 4)
     assert data[HEADER:] == SAMPLES.astype("<f4").tobytes()
 
 
@@ -91,32 +82,32 @@ def test_coordinates_that_are_not_numbers_are_not_recorded(path: Path, value: fl
     [(0, b"pointcache2\0"), (12, struct.pack("<i", 2)), (16, struct.pack("<i", -1)), (28, struct.pack("<i", -1)),
      (20, struct.pack("<f", np.nan)), (24, struct.pack("<f", np.inf)), (24, struct.pack("<f", 0.0))],
 )  # fmt: skip
-def test_a_damaged_header_is_refused(whole: Path, at: int, value: bytes) -> None:
-    data = bytearray(whole.read_bytes())
+def test_a_damaged_header_is_refused(path: Path, at: int, value: bytes) -> None:
+    data = bytearray(path.read_bytes())
     data[at : at + len(value)] = value
-    whole.write_bytes(data)
+    path.write_bytes(data)
     with pytest.raises(DimpleError, match="PC2|not one a frame"):
-        open_point_cache(whole)
+        open_point_cache(path)
 
 
 @pytest.mark.parametrize(("at", "value"), [(16, 2**31 - 1), (28, 2**31 - 1), (16, 0)])
-def test_counts_other_than_those_of_the_file_are_refused(whole: Path, at: int, value: int) -> None:
-    data = bytearray(whole.read_bytes())
+def test_counts_other_than_those_of_the_file_are_refused(path: Path, at: int, value: int) -> None:
+    data = bytearray(path.read_bytes())
     data[at : at + 4] = struct.pack("<i", value)
-    whole.write_bytes(data)
+    path.write_bytes(data)
     with pytest.raises(DimpleError, match="cut short"):
-        open_point_cache(whole)
+        open_point_cache(path)
 
 
-def test_a_random_file_never_raises_anything_but_a_message(whole: Path) -> None:
-    rng, data = np.random.default_rng(1), whole.read_bytes()
+def test_a_random_file_never_raises_anything_but_a_message(path: Path) -> None:
+    rng, data = np.random.default_rng(1), path.read_bytes()
     for _ in range(200):
         changed = bytearray(data)
         for at in rng.integers(0, len(data), 4):
             changed[at] = rng.integers(256)
-        whole.write_bytes(changed)
+        path.write_bytes(changed)
         try:
-            assert open_point_cache(whole)[1].size <= SAMPLES.size
+            assert open_point_cache(path)[1].size <= SAMPLES.size
         except DimpleError:
             pass
 

@@ -10,7 +10,6 @@ from core import native
 from core.base import DimpleError, Floats
 from core.body.model import Model, build_model
 from core.body.shape_matching import fit_pose
-from core.material import PRESETS
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.reduction.binding import WHOLE, carry
 from core.reduction.cells import grow_cells, spread_seeds, vertex_normals
@@ -18,6 +17,7 @@ from core.reduction.proxy import Proxy, build_proxy, mean_spacing, painted
 from core.session import Finger, Session
 from studies.meshes import bodies
 from studies.meshes.simple import box
+from studies.paper_objects import PRESETS
 from studies.reference import carry as in_numpy
 from studies.reference.cells import farthest_first, nearest_seeds, spread_cells
 from studies.scenes import BALL, ball, cube

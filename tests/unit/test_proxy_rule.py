@@ -13,10 +13,9 @@ from core.reduction import proxy_rule
 from core.reduction.proxy import SMALLEST, Proxy, build_proxy
 from core.reduction.proxy_rule import plan, runs_live
 from studies.meshes import bodies
-from studies.scenes import BALL, ball, cube
+from studies.scenes import BALL, BUDGET, ball, cube
 
 EVER_LIVE = 1e9  # [s] per second
-BUDGET = 0.6  # [s] per second: the scene's default
 RADIUS = 0.01  # [m]
 
 

@@ -234,10 +234,10 @@ def test_a_keyframe_that_cannot_be_simulated_stops_the_bake_in_words(bpy: Module
 def test_a_frame_in_which_a_body_rests_is_that_before_it(
     bpy: ModuleType, scene: Any, ball: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators.bridge import scene_objects
+    from bl_ext.user_default.dimple.operators.bridge import object_link
 
     obj, calls = ball(), Counter[str]()
-    counted(monkeypatch, calls, scene_objects, "offsets_of")
+    counted(monkeypatch, calls, object_link, "offsets_of")
     bpy.ops.dimple.bake(frame_start=1, frame_end=80)
     assert calls.total() < 20, "it falls asleep within 20 frames"
     lines = Path(cache_of(obj).filepath).with_suffix(".csv").read_text().splitlines()

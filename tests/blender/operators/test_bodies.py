@@ -193,9 +193,10 @@ def test_a_press_along_a_direction_meets_the_side_it_is_aimed_at(
 
 
 def test_a_preset_sets_constants_size_and_source(bpy: ModuleType, ball: Add) -> None:
-    from bl_ext.user_default.dimple.core.material import PRESETS, Material
+    from bl_ext.user_default.dimple.core.everyday_presets import OBJECTS
+    from bl_ext.user_default.dimple.core.material import Material
 
-    for preset in PRESETS:
+    for preset in OBJECTS:
         obj = ball()
         obj.dimple.material = preset.name
         settings = obj.active_material.dimple

@@ -31,8 +31,10 @@ def test_a_bake_shows_progress_and_can_be_cancelled(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    from bl_ext.user_default.dimple.operators.animate import bake_to_files
     from bl_ext.user_default.dimple.operators.press import progress
 
+    assert bake_to_files.SLICE_S > 0, "a body is read at its own pace, whichever test imports this first"
     monkeypatch.setattr(progress, "SLICE_S", 0.0)
     bpy.context.scene.dimple.cache_dir = str(tmp_path)
     run = hand("bake")
@@ -80,7 +82,7 @@ def test_a_large_mesh_gets_ready_between_events_with_progress_and_esc_leaves_not
     assert len(large.data.vertices) > progress.LARGE
     before = coordinates(large)
     run = hand("start")
-    run.operator.then = "play"
+    run.operator.then = "dimple.play"
     assert progress.takes_long(run.context)
     for ticks in (1, 3):
         assert run.invoke() == {"RUNNING_MODAL"}
