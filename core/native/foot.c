@@ -8,7 +8,7 @@
 enum { DM_NORMALS = 8 };    /* of facets that a sphere touches: a fingertip never touches more at once */
 enum { DM_FOOT_STEPS = 4 }; /* steps of a foot towards the place straight above its fingertip, at most */
 
-typedef struct { /* of a sphere: vector from the nearest facet to its centre; normals of the facets that it touches, and their distances */
+typedef struct { /* of a sphere: vector from the nearest facet to its centre; normals and distances of those that it touches */
     const dm_facet *facet;
     double near, offset[3], normals[DM_NORMALS][3], away[DM_NORMALS];
     int count;
