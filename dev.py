@@ -140,7 +140,7 @@ def core(options: argparse.Namespace) -> int:
 
 
 def contact(options: argparse.Namespace) -> int:
-    """short for `core contact`: judge twelve scenes in which nothing may pass through anything"""
+    """short for `core contact`: judge thirteen scenes in which nothing may pass through anything"""
     options.rest = ["contact", *options.rest]
     return core(options)
 

@@ -30,7 +30,7 @@ LEAST_MM = 0.01  # [mm] smallest softness: 5 N at this depth are 0.5 kN/mm, too 
 
 
 def _softness(settings: bpy.types.PropertyGroup) -> float:
-    from ..core.other_tip import softness  # not at import: it needs numpy, and enabling must be quick
+    from ..core.other_tip import softness  # not at import: numpy takes long to load, and enabling must be quick
 
     try:
         return softness(Material(**settings.to_params())) * 1e3

@@ -1,4 +1,4 @@
-"""Known objects as presets: the cubes of the paper, and everyday objects.
+"""Known objects as presets: the cubes of the paper, whose names begin with object_, and everyday objects.
 
 Everyday objects follow from rules of sport, data sheets, trade standards and papers, and some are made up; each states
 the source and the range of its numbers, and we measured none of them. Of the cubes we chose the masses: a nylon pouch

@@ -6,7 +6,7 @@ import math
 
 from ..base import TICK
 
-STABLE = 0.9  # share in use of a limit of stability: springs stiffen a little as they turn
+STABLE = 0.9  # share in use of a limit of stability
 LONGEST_STEP = 1.35  # over omega: an undamped body stiffens when it folds; with 1.5 its energy grew
 LONGEST_CONTACT = TICK / 8  # [s] step of a free body: with longer steps between contacts it rocks while it is held
 MAX_SUBSTEPS = 2000  # in a tick: with more, no body runs live

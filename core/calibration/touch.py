@@ -151,7 +151,7 @@ def _as_tared(curve: LoadingCurve, fit: Fit, tare: float, *, found: bool) -> Fit
     pressed, free = curve.depth > fit.contact.value, ("contact",) if found and "contact" in fit.fitted.free else ()
     try:  # the rows in contact alone say where the force is 0
         fit = fit_law(curve.depth[pressed], curve.force[pressed], touch=fit.contact.value, free=free)
-        credible = fit.K1.value > 0 and fit.contact.value >= _earliest(curve)
+        credible = fit.K1.value >= 0 and fit.contact.value >= _earliest(curve)
     except DimpleError:  # too few rows are left: where the force would be 0 lies behind them
         credible = False
     if credible:

@@ -37,15 +37,15 @@
 
 /* Contact, of fingertips and of bodies. */
 #define DM_SWEEPS 20         /* sweeps of an iteration, at most; the remaining error waits for the next substep */
+#define DM_BACK 0.1          /* share of a contact's error that is corrected in a substep: with all of it facets rock, sticking
+                              * contacts shake, and a ball at rest swings */
+#define DM_PINNED_GIVE 0.1   /* least compliance of a face with pinned vertices, in shares of that of a free vertex */
 
 /* A fingertip and the skin; lengths in radii of the fingertip. */
 #define DM_TOO_NEAR (10 * DM_ROUNDING) /* of a size: closer to a point, the direction away from it is mere rounding */
-#define DM_BACK 0.1          /* share of a contact's error that is corrected in a substep: with all of it facets rock, sticking
-                              * contacts shake, and a ball at rest swings */
 #define DM_SEATED 1e-4       /* error of a sphere that lies on the surface; in sizes of a body, of a pin in its place */
-#define DM_HELD (2 * DM_SEATED) /* distance at which a facet, or the ground, still counts as in contact; of the cosine
-                                 * between two normals from 1, so that they count as one */
-#define DM_PINNED_GIVE 0.1   /* least compliance of a face with pinned vertices, in shares of that of a free vertex */
+#define DM_HELD (2 * DM_SEATED) /* distance at which a facet, or the ground, still counts as in contact; also 1 minus the
+                                 * cosine between two normals that count as one */
 #define DM_MOST_GIVEN 0.5    /* depth at which a yielding skin would be infinitely hard, so that no fingertip passes it */
 #define DM_HARDEST 0.97      /* share of that depth up to which it hardens, to 17 times its stiffness */
 #define DM_SUNK 0.16         /* depth to which small facets may be inside, so that their corners carry the load */

@@ -157,9 +157,11 @@ DM_INLINE int dm_begin_batch(const dm_scene_state *s, dm_batch *b, dm_mask awake
     dm_moving v[4], gone[4];
     dm_lanes h = dm_splat((dm_real)s->dt), none = dm_splat(0), back = dm_splat((dm_real)DM_BACK) / h;
     dm_vec3 way = dm_gather_batch(b, &s->moving->x, gone), u = dm_gather_batch(b, &s->moving->v, v);
+    dm_lanes most = none;
     b->give = none;
-    for (int j = 0; j < 4; j++) b->give += b->weight[j] * b->weight[j] * v[j].give;
-    b->by = dm_where((dm_mask)(b->give > none), b->share / b->give);
+    for (int j = 0; j < 4; j++) b->give += b->weight[j] * b->weight[j] * v[j].give, most = dm_vmax(v[j].give, most);
+    /* a vertex with hardly any weight, beside pinned ones, would be thrown */
+    b->by = dm_where((dm_mask)(b->give > none), b->share / dm_vmax(b->give, dm_splat((dm_real)DM_PINNED_GIVE) * most));
     b->active = awake & (dm_mask)(b->begin + h * dm_dot(u, b->normal) < b->touch);
     dm_mask moves = awake & ~b->active;
     b->anchor.x = dm_blend(moves, way.x, b->anchor.x), b->anchor.y = dm_blend(moves, way.y, b->anchor.y);
@@ -173,8 +175,8 @@ DM_INLINE int dm_begin_batch(const dm_scene_state *s, dm_batch *b, dm_mask awake
     return 1;
 }
 
-/* Resolve the active meetings once more; return whether they agree: whether no speed has changed by so much that a tenth of
- * the distance of touch would be covered in the substep. */
+/* Resolve the active meetings once more; return whether they agree: whether no speed has changed by so much that a tenth
+ * of the greatest distance of touch would be covered in the substep. */
 static int dm_sweep_meetings(dm_scene_state *s) {
     dm_lanes most = dm_splat(0);
     double enough = DM_BACK * s->touch / s->dt;

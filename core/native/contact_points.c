@@ -1,4 +1,4 @@
-/* The nearest points of each pair of surfaces that may touch, and what a substep needs to know of them.
+/* The pairs of surfaces that may touch until they are listed again, by their nearest points.
  * Source: studies/reference/touching.py. */
 #include "scene.h"
 
@@ -56,7 +56,7 @@ static double dm_share_of_border(const dm_scene_state *s, const dm_pair *p, cons
     return 1 - dm_share_of(through / DM_FLAT);
 }
 
-/* List a pair, whose nearest points are known, if it may touch before the next update. */
+/* List a pair, whose nearest points are known, if it may touch before the pairs are listed again. */
 static void dm_note_meeting(dm_scene_state *s, const dm_pair *p, double gap, const double *w, const double *between) {
     if (!(gap < p->touch + s->approach) || !(gap > 0)) return;
     if (p->ones == 1 ? !dm_is_nearest(s, p, w, between) : !(w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0)) return;
@@ -89,7 +89,7 @@ static void dm_look_at(dm_scene_state *s, const dm_pair *const *some, uint32_t c
                         (double[]){way.x[l], way.y[l], way.z[l]});
 }
 
-/* Update the nearest points of all candidates, and rebuild the list of pairs that may touch. */
+/* List the pairs that may touch again, by the nearest points of all candidates. */
 static void dm_look(dm_scene_state *s) {
     double far = 0;
     dm_sum_meetings(s);
@@ -119,7 +119,7 @@ static void dm_look(dm_scene_state *s) {
     s->looks = !dm_has_room(s);
 }
 
-/* Before a substep: note the displacements of `near`, and update the nearest points if they have become too large. */
+/* Before a substep: note places and displacements of `near`, and list the pairs again if one has moved too far. */
 static void dm_begin_contact(dm_scene_state *s) {
     dm_real far = 0;
     if (!dm_has_room(s)) return;

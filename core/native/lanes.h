@@ -45,7 +45,7 @@ typedef struct { /* a vector in each lane */
     dm_lanes x, y, z;
 } dm_vec3;
 
-typedef struct {
+typedef struct { /* the same in double precision */
     dm_wide x, y, z;
 } dm_wide3;
 

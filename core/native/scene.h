@@ -73,7 +73,7 @@ typedef struct { /* the pairs of a vertex that is near something: their number, 
     uint32_t count, end;
 } dm_tally;
 
-typedef struct { /* a pair that may touch, with its nearest points at the last update */
+typedef struct { /* a pair that may touch, with its nearest points when it was listed */
     uint32_t at[4], surface[2], ones;
     double weight[4], normal[3], touch, friction, share; /* touch: distance of touch [m] */
 } dm_meeting;
@@ -81,10 +81,10 @@ typedef struct { /* a pair that may touch, with its nearest points at the last u
 typedef struct { /* eight meetings that share no movable vertex, all with a face or all of edges, and their impulses */
     uint32_t at[4][DM_LANES]; /* byte offsets into `moving`; those of empty lanes lead to an immovable entry */
     dm_lanes weight[4];
-    dm_vec3 normal, drag, sum;               /* sum: of the impulses since the last update [N s] */
+    dm_vec3 normal, drag, sum;               /* sum: of the impulses since it was listed [N s] */
     dm_vec3 anchor, back;                    /* displacement where it stuck last [m]; velocity back to it [m/s] */
     dm_lanes begin, touch, share, friction;  /* distances [m]: as the substep began, of touch; share of the impulse */
-    dm_lanes least, push, give, by;          /* least separating speed [m/s]; give: 1 / mass; by: share / give */
+    dm_lanes least, push, give, by;          /* least separating speed [m/s]; give: 1 / mass; by: about share / give */
     dm_mask active;                          /* in this substep */
 } dm_batch;
 
@@ -123,12 +123,12 @@ typedef struct dm_scene_state {
     uint32_t batch_count, batch_room, sides_room, moving_room;
     dm_batch *batches; /* of the meetings, in the order in which they are resolved */
     dm_batch_sides *sides;
-    dm_record *moving; /* of `near`: displacement since the last update, then the correction; velocity, 1 / mass */
+    dm_record *moving; /* of `near`: displacement since pairs were listed, then the correction; velocity, 1 / mass */
     uint32_t held_count, held_room, *held;    /* vertices that are beyond a plane in this substep, in `near` */
     uint32_t spent_count, spent_room, *spent; /* pairs whose planes leave little room */
-    uint32_t met_count, met_room, *met; /* vertices that are in a meeting since the last update, in `near` */
+    uint32_t met_count, met_room, *met; /* vertices that are in a meeting, in `near` */
     uint32_t *number;                    /* of vertices, in the caller's order */
-    int looks;                           /* nearest points and normals must be updated */
+    int looks;                           /* the pairs that may touch must be listed again */
     int backwards;                       /* bodies are stepped from the last, still in the cache, to the first */
     int wakes;                           /* something awake may have come near something that sleeps */
     int due;       /* a query is due */
@@ -140,7 +140,7 @@ typedef struct dm_scene_state {
     dm_plane *planes; /* of the pairs; */
     double *next;     /* when `gone` of the run reaches this [m], the pair is checked again */
     dm_tally *tally;  /* of `near` */
-    double (*there)[3], (*now)[3]; /* places of `near` at the last update; as this substep began */
+    double (*there)[3], (*now)[3]; /* places of `near` when pairs were listed; as this substep began */
     uint32_t tally_room, plane_room, next_room, there_room, now_room;
     double touch, edge, tick, dt, substeps, reach, least_reach, approach, fastest, fastest_rigid;
     int32_t code;

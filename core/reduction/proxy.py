@@ -17,13 +17,14 @@ from ..base import DimpleError, Floats, Ints, Singles, mean_of_pairs, sums_at
 from ..body.maps import stiffness_of
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
-from ..constants import MAX_FINGERTIPS, OFFSET
+from ..constants import OFFSET
 from ..mesh.surface import Mesh, mesh_from_triangles
 from ..native import Binding
 from .binding import WHOLE, bind
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 
 SMALLEST = 60  # [vertices] fewer no longer have the shape of the body
+KEPT = 3  # proxies, one for each of a few bodies that are edited in turn; each takes some megabytes
 VOLUME_SLACK = 0.15  # share of the volume: a proxy that is off by more is another body
 
 
@@ -76,7 +77,7 @@ def proxy_of(model: Model, vertices: int) -> Proxy:
     for old in [*_made]:
         if old.spacing == spacing and np.array_equal(old.painted, stiffer) and _are_alike(old.mesh, mesh):
             return with_constants(old, model)
-    del _made[MAX_FINGERTIPS - 1 :]
+    del _made[KEPT - 1 :]
     _made.insert(0, build_proxy(model, vertices))
     return _made[0]
 

@@ -112,8 +112,8 @@ def simulate(
         messages += [said for _, said in held.values()]
         if not any(body.moved for body in bodies):
             messages.append(
-                "Nothing moves the bodies. Press them with Fingertips > Add Fingertip, or tick Gravity, Dimple "
-                "Collider or Sway."
+                "Nothing moves the bodies. Let a fingertip reach them (Fingertips > Add Fingertip), or tick Gravity, "
+                "Dimple Collider or Sway."
             )
         props.fallen.clear()
         props.keyframe(poses)

@@ -6,9 +6,9 @@ For a pair at distance d (r: where it touches), with relative speed u along its 
     j = max(0, (w - u) / g)   with   w = -(d - r) / h where d > r, and 0 where it is nearer
 
 so that after the substep h it is not nearer than r, or no nearer than before. Each substep measures its nearest points
-again. The pairs are taken one after the other, ordered by their vertices,
-until they agree, and what is still too near is brought apart then.
-What sticks goes back to where it stuck first, so that it does not creep: an anchor, which follows where it slides.
+again. The pairs are resolved one after the other, ordered by their vertices, until they agree; then those still too
+near are separated. What sticks goes back to where it stuck first, so that it does not creep: an anchor, which follows
+where it slides.
 """
 
 from __future__ import annotations
@@ -18,9 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.base import Bools, Floats, Ints
-from core.constants import TINY
 
-from .constants import BACK, EXACT, FLAT, ROUNDING, SWEEPS
+from .constants import BACK, EXACT, FLAT, PINNED_GIVE, ROUNDING, SWEEPS, TINY
 from .proximity import Pairs, Surfaces, measure
 
 
@@ -37,6 +36,7 @@ class Meetings:
     touch: (m,) at which they touch [m].
     friction: (m,) coefficient.
     give: (m,) 1 / mass [1/kg].
+    most: (m,) of its lightest vertex.
     share: (m,) of what they do: fades where edges are flat.
     anchor: (m, 3) where on its way since the look it stuck last [m]; `resolve` moves it.
     """
@@ -50,6 +50,7 @@ class Meetings:
     touch: Floats
     friction: Floats
     give: Floats
+    most: Floats
     share: Floats
     anchor: Floats
 
@@ -112,7 +113,7 @@ def _measured(at: Ints, ones: Ints, x: Floats, inverse_mass: Floats, **others: F
     return Meetings(
         at=at, ones=ones, weights=w, normal=between / (gap[:, None] + TINY), gap=gap,
         point=np.einsum("mk,mkc->mc", w * (np.arange(4) < ones[:, None]), x[at]),
-        give=(w * w * inverse_mass[at]).sum(axis=1), **others,
+        give=(w * w * inverse_mass[at]).sum(axis=1), most=inverse_mass[at].max(axis=1, initial=0.0), **others,
     )  # fmt: skip
 
 
@@ -160,7 +161,7 @@ def resolve(
 
 
 def _share_over_give(m: Meetings, k: int) -> float:
-    return float(m.share[k] / m.give[k]) if m.give[k] > 0 else 0.0
+    return float(m.share[k] / max(m.give[k], PINNED_GIVE * m.most[k])) if m.give[k] > 0 else 0.0
 
 
 def _push(m: Meetings, k: int, least: float, back: Floats, passed: Floats, v: Floats, inverse_mass: Floats) -> float:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -21,6 +22,7 @@ from core.world import Collider, World
 from studies.contact.judge import trembling_of
 from studies.contact.meeting import meeting_of, met
 from studies.contact.scenes import SCENES
+from studies.meshes.simple import icosphere
 from studies.reference.proximity import find_pairs, join_surfaces
 from studies.scenes import cube
 from tests.bodies import ball, sheet
@@ -312,3 +314,23 @@ def test_skin_that_is_squeezed_from_all_sides_comes_nearly_to_rest(scene: str, s
         played.world.set_colliders([lead and lead(tick / played.ticks) for lead in played.colliders])
         played.world.step(1e-3)
     assert trembling_of(played.world) < 2e-4
+
+
+@pytest.mark.parametrize("seed", [5, 9])
+def test_a_collider_that_slides_over_the_border_of_pinned_skin_throws_no_vertex(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    points, faces = icosphere(3, RADIUS)
+    points = points @ np.linalg.qr(rng.normal(size=(3, 3)))[0].T
+    mesh, pinned = mesh_from_triangles(points, faces), points[:, 0] < 0
+    body = Session(build_model(mesh, [replace(SOFT, spread=None)], pinned=pinned))
+    tip, tip_faces = icosphere(1, 0.006)
+    tip, aside, fastest = tip @ np.linalg.qr(rng.normal(size=(3, 3)))[0].T, rng.uniform(-0.01, 0.01), 0.0
+    world = None
+    for share in np.linspace(0, 1, 501):
+        turn, far = 0.7 - 1.4 * share, np.sqrt(RADIUS**2 - aside**2) + 0.012 - 0.006 * min(1, 4 * share)
+        at = tip + (far * np.sin(turn), aside, far * np.cos(turn))
+        world = world or World([body], [Collider(at.T.copy(), tip_faces, 0.4)], gravity=(0, 0, 0))
+        world.set_colliders([at])
+        world.step(1e-3)
+        fastest = max(fastest, float(np.linalg.norm(body.body.velocities(), axis=0).max()))
+    assert fastest < 5  # [m/s] the tip slides at 0.1 m/s over skin that is 6 mm deep
