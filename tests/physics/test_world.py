@@ -191,8 +191,8 @@ def test_bodies_pressed_together_keep_the_distance_at_which_they_touch_and_are_s
     pairs = find_pairs(surfaces, x, 0, 1, reach=2 * touch, closest=0.0)
     faces_of = pairs.ones == 1
     assert np.count_nonzero(pairs.gap[faces_of] < 1.1 * touch) > 50
-    gaps = pairs.gap[faces_of] / touch  # the nearest are beside an edge, where another pair takes the load
-    assert np.percentile(gaps, 2) > 0.9 and gaps.min() > 0.5
+    gaps = pairs.gap[faces_of] / touch  # of 3,910 pairs in 14 such presses, 2 are nearer than 0.9, the nearest 0.87
+    assert np.percentile(gaps, 1) > 0.9 and gaps.min() > 0.8
     assert np.abs(x - before).max() < 5e-5
     assert meeting_of(world).truncated == 0 and meeting_of(world).queries == 0
 
