@@ -3,4 +3,4 @@
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
 from .session import Session as Session
-from .session import step_all as step_all
+from .stepping import step_all as step_all

@@ -3,7 +3,7 @@
 The referee is the PyPI package ipctk (development only), which looks for intersections after every tick; a winding
 number tells whether something has been swallowed. What touches of a prop is its surface moved inwards by the distance
 that is kept, and that is what the referee sees; how deep the prop as it is seen reaches into others, or they into it,
-is measured at the end of each start. What is led then rests, and how far the skin still moves in a tick is measured.
+is measured at the end of each start. Then the colliders and pins rest, and the remaining motion of the skin is measured.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from studies.files import write_json
 from studies.reference.facets import nearest_on_triangles
 
 STARTS, QUICK_STARTS = 10, 1
-RESTS, WATCHED = 100, 50  # ticks in which nothing is led any more, and the last of them, which are measured
+RESTS, WATCHED = 100, 50  # ticks with colliders and pins at rest, and the last of them, which are measured
 PROBE = "import ipctk, numpy; f = numpy.array([[0, 1, 2]]); ipctk.CollisionMesh(numpy.eye(3), ipctk.edges(f), f)"
 MISSING = (
     "The referee, ipctk, does not run. python3 dev.py installs it; if its build for one Python asks for another "
@@ -158,7 +158,7 @@ def judge(name: str, starts: int) -> dict[str, Any]:
 
 
 def trembling_of(world: World) -> float:
-    """Return how far [m] the vertex that moves most moves in a tick, by the median, once nothing is led any more."""
+    """Return the largest motion of a vertex in a tick [m], by the median, with colliders and pins at rest."""
     before, most = list[Floats](), list[float]()
     for _ in range(RESTS):
         world.step(world.sessions[0].clock.tick)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import core.session.session
+import core.session.stepping
 from core.base import DimpleError
 from core.body.model import build_model
 from core.constants import OFFSET
@@ -212,7 +212,7 @@ class Slow(World):
 def test_a_frame_of_a_tangle_keeps_its_budget_but_for_a_first_tick_and_time_runs_slower(
     each: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(core.session.session, "time", SimpleNamespace(perf_counter=lambda: Slow.clock))
+    monkeypatch.setattr(core.session.stepping, "time", SimpleNamespace(perf_counter=lambda: Slow.clock))
     body = session((0, 0, 0.05))
     world = Slow([body], [table()])
     for now in (each, each / 4, each):  # what a tick costs changes as things come together and part

@@ -46,7 +46,7 @@ def test_a_smooth_mesh_meets_a_plate_where_and_as_hard_as_it_does_without_the_pr
     most, end, by_proxy = pressed_by_a_plate(model, build_proxy(model, 1000))
     touches = 2 * OFFSET * model.mesh.rest_lengths.mean()
     assert most < 0 and whole < 0, "it stays clear"
-    assert end > -1.6 * touches  # its proxy has edges three times as long
+    assert end > -1.6 * touches  # the edges of its proxy are three times longer
     assert by_proxy == pytest.approx(force, rel=0.12)
 
 

@@ -51,7 +51,7 @@ def test_a_budget_is_exceeded_by_a_first_tick_only(cost: float, ticks: int, monk
         now += cost * max(each.ticks for each in motions)
         return step_many(bodies, motions)
 
-    monkeypatch.setattr("core.session.session.step_many", step)
+    monkeypatch.setattr("core.session.stepping.step_many", step)
     monkeypatch.setattr("time.perf_counter", lambda: now)
     frames = step_all(pressed()[:3:2], [1.0, 1.0], budget=0.025)
     assert [frame.steps for frame in frames] == [ticks, ticks]
