@@ -16,8 +16,7 @@ typedef struct { /* of a sphere: vector from the nearest facet to its centre; no
 
 /* Note a facet, given its offset from a sphere, if it is the nearest or touches the sphere. Of equally near facets
  * the one whose normal points most towards the centre counts: on an edge it decides the side. Of normals that count as
- * one the nearest facet's is kept: that of the next facet of a plane
- * leans, the more the farther away it is. */
+ * one the nearest facet's is kept: those of farther facets of the same plane lean. */
 static void dm_note_facet(dm_round *r, const dm_facet *f, const double *offset, double seat) {
     double away = sqrt(dm_inner3(offset, offset));
     int nearer = away < r->near * (1 - DM_EXACT);
