@@ -6,10 +6,9 @@
  *     j = max(0, (w - u) / g)   with   w = -(d - r) / h if d > r, otherwise 0
  * so that after the substep h it is not nearer than r, or no nearer than before. Every substep measures the nearest points
  * of all pairs again: a normal that is kept while a vertex slides round an edge adds energy. The pairs are resolved one
- * after the other, in an order that does not depend on the layout in memory, again and again until they agree: those in
- * which skin is squeezed from all sides would tremble. Then those still too near are separated. A pair that sticks returns
- * to an anchor, the displacement at which it began to stick, so that it does not creep; if the pair slides, the anchor
- * follows.
+ * after the other, in an order that does not depend on the layout in memory, until they agree; with fewer sweeps, skin
+ * that is squeezed from all sides trembles. Then those still too near are separated. A pair that sticks returns to an
+ * anchor, the displacement at which it began to stick, so that it does not creep; if the pair slides, the anchor follows.
  *
  * Eight meetings are resolved at once, none of which moves a vertex of another. The result is that of resolving all one
  * after the other, because each waits for the earlier ones that move one of its vertices.
@@ -160,7 +159,7 @@ DM_INLINE int dm_begin_batch(const dm_scene_state *s, dm_batch *b, dm_mask awake
     dm_lanes most = none;
     b->give = none;
     for (int j = 0; j < 4; j++) b->give += b->weight[j] * b->weight[j] * v[j].give, most = dm_vmax(v[j].give, most);
-    /* a vertex with hardly any weight, beside pinned ones, would be thrown */
+    /* without the least compliance, a vertex with hardly any weight beside pinned ones is thrown */
     b->by = dm_where((dm_mask)(b->give > none), b->share / dm_vmax(b->give, dm_splat((dm_real)DM_PINNED_GIVE) * most));
     b->active = awake & (dm_mask)(b->begin + h * dm_dot(u, b->normal) < b->touch);
     dm_mask moves = awake & ~b->active;

@@ -1,9 +1,9 @@
 """Judge the guarantee: nothing passes through anything. `python3 dev.py contact [--quick] [--json FILE] [SCENE...]`
 
 The referee is the PyPI package ipctk (development only), which looks for intersections after every tick; a winding
-number tells whether something has been swallowed. What touches of a prop is its surface moved inwards by the distance
-that is kept, and that is what the referee sees; how deep the prop as it is seen reaches into others, or they into it,
-is measured at the end of each start. Then the colliders and pins rest, and the remaining motion of the skin is measured.
+number tells whether a body has been swallowed. A prop touches with its surface moved inwards by the distance that is
+kept, and the referee sees that surface; how deep the visible prop overlaps others is measured at the end of each start.
+Then colliders and pins rest, and the remaining motion of the skin is measured.
 """
 
 from __future__ import annotations
